@@ -1,0 +1,204 @@
+"""Force characteristics of springs, dampers, stops and tyres, as piecewise cubic polynomials.
+
+Every law that one element needs (a line, a cubic spring, a damper with blow-off, a table, an end
+stop) is a chain of cubic pieces. One representation therefore gives force, tangent, potential and
+corners, and the integrator evaluates the very same numbers.
+
+The argument is a deflection in m (springs) or a rate in m/s (dampers); extension is positive, and
+so is a force that pulls the two ends together (AP57 section 2).
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """One piece: c0 + c1 s + c2 s^2 + c3 s^3 with s = x - origin, valid from `start` upwards."""
+
+    start: float
+    origin: float
+    coefficients: tuple[float, float, float, float]
+
+    def force(self, x: float) -> float:
+        s = x - self.origin
+        c0, c1, c2, c3 = self.coefficients
+        return c0 + s * (c1 + s * (c2 + s * c3))
+
+    def tangent(self, x: float) -> float:
+        s = x - self.origin
+        _, c1, c2, c3 = self.coefficients
+        return c1 + s * (2.0 * c2 + s * 3.0 * c3)
+
+    def antiderivative(self, x: float) -> float:
+        s = x - self.origin
+        c0, c1, c2, c3 = self.coefficients
+        return s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+
+
+@dataclass(frozen=True, slots=True)
+class Characteristic:
+    """A continuous force law made of cubic pieces in ascending order.
+
+    Parameters
+    ----------
+    pieces : at least one; the first starts at minus infinity.
+    """
+
+    pieces: tuple[Piece, ...]
+
+    def _piece(self, x: float) -> Piece:
+        return self.pieces[bisect_right(self.corners, x)]
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """The arguments at which two pieces meet, ascending."""
+        return tuple(piece.start for piece in self.pieces[1:])
+
+    def force(self, x: float) -> float:
+        """Force at x, in N."""
+        return self._piece(x).force(x)
+
+    def tangent(self, x: float) -> float:
+        """Slope at x (to the right of a corner), in N per unit of x."""
+        return self._piece(x).tangent(x)
+
+    def potential(self, x: float) -> float:
+        """Integral of the force from 0 to x: for a spring its stored energy, in J."""
+        return self.potentials[bisect_right(self.corners, x)] + self._piece(x).antiderivative(x)
+
+    @property
+    def potentials(self) -> tuple[float, ...]:
+        """For each piece the constant that makes `potential` continuous and zero at 0."""
+        constants = [0.0]
+        for left, right in zip(self.pieces, self.pieces[1:], strict=False):
+            joint = right.start
+            constants.append(
+                constants[-1] + left.antiderivative(joint) - right.antiderivative(joint)
+            )
+        zero = bisect_right(self.corners, 0.0)
+        shift = constants[zero] + self.pieces[zero].antiderivative(0.0)
+        return tuple(constant - shift for constant in constants)
+
+    @property
+    def is_zero(self) -> bool:
+        """Whether the force is zero everywhere, so that the element may be left out."""
+        return all(c == 0.0 for piece in self.pieces for c in piece.coefficients)
+
+    def __add__(self, other: Characteristic) -> Characteristic:
+        """Two laws acting side by side."""
+        pieces = []
+        for start in (-inf, *sorted({*self.corners, *other.corners})):
+            pair = (self._piece(start), other._piece(start))
+            origin = start if isfinite(start) else pair[0].origin
+            shifted = (_moved(piece, origin) for piece in pair)
+            coefficients = tuple(a + b for a, b in zip(*shifted, strict=True))
+            pieces.append(Piece(start, origin, coefficients))  # type: ignore[arg-type]
+        return Characteristic(tuple(pieces))
+
+
+def _moved(piece: Piece, origin: float) -> tuple[float, float, float, float]:
+    """The coefficients of the same cubic about another origin."""
+    _, _, c2, c3 = piece.coefficients
+    s = origin - piece.origin
+    return (piece.force(origin), piece.tangent(origin), c2 + 3.0 * c3 * s, c3)
+
+
+def linear(rate: float) -> Characteristic:
+    """Straight line through the origin: F = rate x."""
+    return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, 0.0)),))
+
+
+def cubic(rate: float, cubic_rate: float) -> Characteristic:
+    """Hardening (or softening) spring F = rate x + cubic_rate x^3."""
+    return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, cubic_rate)),))
+
+
+def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) -> Characteristic:
+    """Straight pieces through the given corners, with the slopes of the two outer pieces.
+
+    Parameters
+    ----------
+    corners : (x, F) pairs with ascending x; at least one
+    first, last : slope before the first and after the last corner
+    """
+    x0, f0 = corners[0]
+    pieces = [Piece(-inf, x0, (f0, first, 0.0, 0.0))]
+    for (x, f), (x_next, f_next) in zip(corners, corners[1:], strict=False):
+        pieces.append(Piece(x, x, (f, (f_next - f) / (x_next - x), 0.0, 0.0)))
+    x_end, f_end = corners[-1]
+    pieces.append(Piece(x_end, x_end, (f_end, last, 0.0, 0.0)))
+    return Characteristic(_without_straight_joints(pieces))
+
+
+def _without_straight_joints(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
+    """Merge neighbours of equal slope: a corner that does not bend would be landed on in vain."""
+    kept: list[Piece] = []
+    for piece in pieces:
+        if kept and kept[-1].coefficients[1] == piece.coefficients[1]:
+            continue
+        kept.append(piece)
+    return tuple(kept)
+
+
+def damper(
+    rebound_rate: float,
+    bump_rate: float,
+    rebound_limit: float = 0.0,
+    bump_limit: float = 0.0,
+    limit_slope: float = 0.0,
+) -> Characteristic:
+    """Damper with its own rate for rebound (v > 0) and bump (v < 0), and with blow-off (AP57 section 1).
+
+    Parameters
+    ----------
+    rebound_rate, bump_rate : N s/m
+    rebound_limit, bump_limit : force at which the valve opens, N; 0 means that it never does
+    limit_slope : slope beyond an open valve, N s/m, the same on both sides
+    """
+    corners = [(0.0, 0.0)]
+    first, last = bump_rate, rebound_rate
+    if bump_limit > 0.0 and bump_rate > 0.0:
+        corners.insert(0, (-bump_limit / bump_rate, -bump_limit))
+        first = limit_slope
+    if rebound_limit > 0.0 and rebound_rate > 0.0:
+        corners.append((rebound_limit / rebound_rate, rebound_limit))
+        last = limit_slope
+    return polyline(corners, first, last)
+
+
+def table(points: Sequence[tuple[float, float]]) -> Characteristic:
+    """Straight lines through measured points; beyond the ends the outer slopes go on.
+
+    Parameters
+    ----------
+    points : at least two (x, F) pairs with ascending x
+
+    Raises
+    ------
+    ValueError : fewer than two points, or x not ascending.
+    """
+    if len(points) < 2:
+        raise ValueError(f"a table needs at least two points, {len(points)} given")
+    for (x, _), (x_next, _) in zip(points, points[1:], strict=False):
+        if not x < x_next:
+            raise ValueError(f"table abscissae must ascend, but {x_next:g} follows {x:g}")
+    slopes = [
+        (f_next - f) / (x_next - x)
+        for (x, f), (x_next, f_next) in zip(points, points[1:], strict=False)
+    ]
+    return polyline(points, slopes[0], slopes[-1])
+
+
+def bump_stop(gap: float, stiffness: float) -> Characteristic:
+    """End stop of the bump travel: F = stiffness (x + gap) for x < -gap, else 0."""
+    return polyline([(-gap, 0.0)], stiffness, 0.0)
+
+
+def rebound_stop(gap: float, stiffness: float) -> Characteristic:
+    """End stop of the rebound travel: F = stiffness (x - gap) for x > gap, else 0."""
+    return polyline([(gap, 0.0)], 0.0, stiffness)

@@ -1,0 +1,160 @@
+"""Roads and loads as functions of time, with their derivatives and the instants where these jump.
+
+A signal is a chain of segments, each a cubic polynomial plus one cosine whose phase may be
+quadratic in time. Bumps, obstacles, sines, sweeps, tables and forces are all of that kind, so the
+integrator evaluates every one of them by one formula and lands on every joint.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import cos, inf, pi, sin
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """c0 + c1 s + c2 s^2 + c3 s^3 + amplitude cos(p0 + p1 s + p2 s^2), s = t - origin, from `start` on."""
+
+    start: float
+    origin: float = 0.0
+    coefficients: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    amplitude: float = 0.0
+    phase: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def derivatives(self, t: float) -> tuple[float, float, float, float]:
+        """Value and the first three time derivatives at t."""
+        s = t - self.origin
+        c0, c1, c2, c3 = self.coefficients
+        value = c0 + s * (c1 + s * (c2 + s * c3))
+        rate = c1 + s * (2.0 * c2 + s * 3.0 * c3)
+        acceleration = 2.0 * c2 + 6.0 * c3 * s
+        jerk = 6.0 * c3
+        if self.amplitude != 0.0:
+            p0, p1, p2 = self.phase
+            angle = p0 + s * (p1 + s * p2)
+            speed = p1 + 2.0 * p2 * s
+            c, d = self.amplitude * cos(angle), self.amplitude * sin(angle)
+            value += c
+            rate -= d * speed
+            acceleration -= c * speed * speed + d * 2.0 * p2
+            jerk += d * speed * speed * speed - 6.0 * p2 * speed * c
+        return value, rate, acceleration, jerk
+
+
+@dataclass(frozen=True, slots=True)
+class Signal:
+    """A function of time made of segments in ascending order.
+
+    Parameters
+    ----------
+    segments : at least one; the first starts at minus infinity
+    scale : a typical magnitude, in the signal's unit, for error control (0 if nothing is known)
+    """
+
+    segments: tuple[Segment, ...]
+    scale: float = 0.0
+
+    @property
+    def joints(self) -> tuple[float, ...]:
+        """The instants at which two segments meet, s, ascending."""
+        return tuple(segment.start for segment in self.segments[1:])
+
+    def derivatives(self, t: float) -> tuple[float, float, float, float]:
+        """Value and the first three derivatives at t (to the right of a joint)."""
+        return self.segments[bisect_right(self.joints, t)].derivatives(t)
+
+    def value(self, t: float) -> float:
+        """Elevation in m (or force in N) at t."""
+        return self.derivatives(t)[0]
+
+    def rate(self, t: float) -> float:
+        """First derivative at t."""
+        return self.derivatives(t)[1]
+
+    def acceleration(self, t: float) -> float:
+        """Second derivative at t."""
+        return self.derivatives(t)[2]
+
+    def delayed(self, delay: float) -> Signal:
+        """The same signal, `delay` seconds later: the rear axle meets the front axle's road."""
+        return replace(
+            self,
+            segments=tuple(
+                replace(segment, start=segment.start + delay, origin=segment.origin + delay)
+                for segment in self.segments
+            ),
+        )
+
+
+def constant(value: float = 0.0) -> Signal:
+    """A signal that never changes: the flat road, the absent force."""
+    return Signal((Segment(-inf, 0.0, (value, 0.0, 0.0, 0.0)),), abs(value))
+
+
+def bump(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
+    """Single 1 - cos bump (AP57 section 2): (height/2)(1 - cos(2 pi speed t / length)).
+
+    Parameters
+    ----------
+    height, length : m; length > 0
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+    """
+    duration = length / speed
+    half = 0.5 * height
+    hump = Segment(
+        start, start, (half, 0.0, 0.0, 0.0), -half, (0.0, 2.0 * pi / duration, 0.0)
+    )
+    return Signal((Segment(-inf), hump, Segment(start + duration)), abs(height))
+
+
+def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
+    """Obstacle of three parabolas with |acceleration| = 16 height / T^2, T = length / speed (AP57 eqs. 9, 10)."""
+    duration = length / speed
+    z = 16.0 * height / duration**2
+    quarter = 0.25 * duration
+    flank = 0.5 * z * quarter**2
+    return Signal(
+        (
+            Segment(-inf),
+            Segment(start, start, (0.0, 0.0, 0.5 * z, 0.0)),
+            Segment(start + quarter, start + quarter, (flank, z * quarter, -0.5 * z, 0.0)),
+            Segment(
+                start + 3.0 * quarter, start + duration, (0.0, 0.0, 0.5 * z, 0.0)
+            ),
+            Segment(start + duration),
+        ),
+        abs(height),
+    )
+
+
+def sine(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
+    """Endless sine of wave length `length` and double amplitude `height`, rising from zero at `start`."""
+    wave = Segment(
+        start, start, (0.0, 0.0, 0.0, 0.0), 0.5 * height, (-0.5 * pi, 2.0 * pi * speed / length, 0.0)
+    )
+    return Signal((Segment(-inf), wave), 0.5 * abs(height))
+
+
+def table(points: Sequence[tuple[float, float]], speed: float = 1.0, start: float = 0.0) -> Signal:
+    """Straight lines through (position, value) points, met at `speed`; constant before and after.
+
+    With speed 1 the positions are times: a force table.
+
+    Raises
+    ------
+    ValueError : no point at all, or positions that do not ascend.
+    """
+    if not points:
+        raise ValueError("a road table needs at least one point")
+    instants = [(start + x / speed, value) for x, value in points]
+    segments = [Segment(-inf, 0.0, (instants[0][1], 0.0, 0.0, 0.0))]
+    for (t, value), (t_next, value_next) in zip(instants, instants[1:], strict=False):
+        if not t < t_next:
+            raise ValueError("table abscissae must ascend")
+        segments.append(Segment(t, t, (value, (value_next - value) / (t_next - t), 0.0, 0.0)))
+    t_end, last = instants[-1]
+    segments.append(Segment(t_end, t_end, (last, 0.0, 0.0, 0.0)))
+    return Signal(tuple(segments), max(abs(value) for _, value in points))

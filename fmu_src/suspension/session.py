@@ -1,0 +1,361 @@
+"""One model being stepped: parameters in, communication steps, named outputs out.
+
+This is what an FMU does, without FMI. With a road of its own the integrator steps as it likes, ahead
+of the communication points, and outputs are read off its interpolant; with signals from outside it
+stops on every communication point, because nothing is known beyond it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import astuple
+from math import inf, isfinite, nan
+
+from .engine import FAILURES, KINDS, Integrator
+from .models import System, build
+from .roads import Segment, Signal
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+
+_AT_REST = 1e-12  # s by which a communication point may lie before the present, from rounding
+
+
+class SimulationError(RuntimeError):
+    """A step that could not be made; the message says when and why."""
+
+
+class Session:
+    """A model between its start and the present time.
+
+    Parameters
+    ----------
+    model : `QuarterCar`
+    parameters : public parameters by name, in SI or as texts with units; the others at their defaults
+    start_time : s
+    tolerance : the host's tolerance; counts where `solver.tolerance` is left at its default
+
+    Raises
+    ------
+    ParameterError : unknown model or parameter, wrong type, unit or range, unreadable table.
+    """
+
+    def __init__(
+        self,
+        model: str,
+        parameters: Mapping[str, object],
+        start_time: float = 0.0,
+        tolerance: float | None = None,
+    ) -> None:
+        self.model = model
+        self.time = self._start = start_time
+        self.ok = True
+        self.messages: list[tuple[str, str]] = []
+        declared = variables(model)
+        self.parameters = checked_parameters(model, parameters)
+        self._inputs = {v.name: 0.0 for v in declared if v.causality == "input"}
+        self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
+        self._system = build(model, self.parameters)
+        default = next(v.start for v in declared if v.name == "solver.tolerance")
+        wanted = self.parameters["solver.tolerance"]
+        if tolerance is not None and tolerance > 0.0 and wanted == default:
+            wanted = tolerance
+        self._integrator = Integrator(
+            self._system,
+            str(self.parameters["solver.method"]),
+            float(self.parameters["solver.step"]),
+            float(wanted),
+            start_time,
+        )
+        self._sampled = self.parameters["road.shape"] == "input"
+        self._changed: set[str] = set()
+        self._behind = self._integrator.snapshot()
+        self._contacts: list[tuple[float, bool]] = []
+        self._airborne = False
+        self._last = {"last_lift_off": -1.0, "last_touchdown": -1.0}
+        self._lift_offs = 0
+        self._read = _reader(self._system, self)
+        self._signals = dict(self._system.signals)
+        self._sample()
+
+    # -- inputs and stepping -------------------------------------------------------------------------
+
+    def set_input(self, name: str, value: float) -> None:
+        """Give an input its value from the present time on.
+
+        Raises
+        ------
+        ParameterError : no such input, or a value that is not finite.
+        """
+        refuse_unknown([name], self._inputs, f"{self.model} has no input")
+        if not isfinite(value):
+            raise ParameterError(f"input {name} = {value}: must be finite")
+        if value != self._inputs[name]:
+            self._inputs[name] = value
+            self._changed.add(name)
+
+    def advance(self, until: float) -> None:
+        """Go on to `until`, s.
+
+        Raises
+        ------
+        SimulationError : the motion diverged, or a step could not be made; `ok` is false from then on.
+        """
+        if not self.ok:
+            raise SimulationError(f"the run failed before, at {self.time:.9g} s")
+        if not isfinite(until) or until < self.time - _AT_REST:
+            raise SimulationError(f"cannot step from {self.time:.9g} s back to {until:.9g} s")
+        self._take_inputs()
+        if self._integrator.time < until:
+            if not self._sampled:
+                self._behind = self._integrator.snapshot()
+            self._step(until)
+        self.time = until
+        self._sample()
+
+    def _step(self, until: float) -> None:
+        status = self._integrator.advance(until, self._sampled)
+        self._note_switches()
+        if status != 0:
+            self.ok = False
+            self.time = self._integrator.time
+            reason = f"{FAILURES[status]} at {self.time:.6g} s, in step {self._integrator.step_count}"
+            self.messages.append(("error", reason))
+            raise SimulationError(reason)
+
+    def _take_inputs(self) -> None:
+        """Hand the inputs to the integrator, at the present time."""
+        changed, self._changed = self._changed, set()
+        if not self._sampled:
+            if "body_force" not in changed:
+                return  # the road is internal: its inputs are not looked at
+            self._sampled = True
+            if self._integrator.time > self.time:
+                self._repeat()
+        self._hand_over()
+
+    def _repeat(self) -> None:
+        """The integrator had gone ahead as if no input would change: repeat that stretch up to now."""
+        said = len(self.messages)
+        self._integrator.restore(self._behind)
+        self._step(self.time)
+        # what happened up to now was reported when it was first passed
+        self._contacts = []
+        del self.messages[said:]
+
+    def _hand_over(self) -> None:
+        """What the inputs say from now on: the road goes on at its velocity, forces stay."""
+        held = {"body_force": (self._inputs.get("body_force", 0.0), 0.0, 0.0, 0.0)}
+        if self.parameters["road.shape"] == "input":
+            held["road"] = (self._inputs["road_elevation"], self._inputs["road_velocity"], 0.0, 0.0)
+        for number, name in enumerate(self._system.signals):
+            if name in held:
+                segment = Segment(-inf, self.time, held[name])
+                if self._signals[name].segments[0] != segment:
+                    self._signals[name] = Signal((segment,))
+                    # a road that is elsewhere at the start has always been there: no jump
+                    self._integrator.set_signal(number, held[name], self.time > self._start)
+
+    # -- outputs -------------------------------------------------------------------------------------
+
+    def _sample(self) -> None:
+        """Read the state at the present time off the integrator's interpolant."""
+        while self._contacts and self._contacts[0][0] <= self.time:
+            instant, self._airborne = self._contacts.pop(0)
+            self._lift_offs += self._airborne
+            self._last["last_lift_off" if self._airborne else "last_touchdown"] = instant
+            self.messages.append(
+                ("event", f"{'lift-off' if self._airborne else 'touchdown'} at {instant:.9g} s")
+            )
+        self._integrator.sample(self.time)
+        self._state: _State | None = None
+
+    def state(self) -> _State:
+        """Everything at the present time, worked out once and only when asked for."""
+        if self._state is None:
+            self._state = _State(
+                self._system,
+                list(self._integrator.sample_q),
+                list(self._integrator.sample_v),
+                {name: signal.derivatives(self.time) for name, signal in self._signals.items()},
+            )
+        return self._state
+
+    def value(self, name: str) -> Value:
+        """An output, input or parameter at the present time; not a number once the run has failed.
+
+        Raises
+        ------
+        ParameterError : no such variable.
+        """
+        if name in self._read:
+            if not self.ok and name != "ok":
+                start = self._outputs[name]
+                return nan if isinstance(start, float) else type(start)(0)
+            return self._read[name]()
+        if name in self._inputs:
+            return self._inputs[name]
+        refuse_unknown([name], (*self._read, *self._inputs, *self.parameters), "no variable")
+        return self.parameters[name]
+
+    # -- whole state ---------------------------------------------------------------------------------
+
+    def snapshot(self) -> bytes:
+        """The whole state as bytes (JSON); `restore` continues from it to the bit."""
+        return json.dumps(
+            {
+                "model": self.model,
+                "parameters": self.parameters,
+                "time": self.time,
+                "start": self._start,
+                "ok": self.ok,
+                "inputs": self._inputs,
+                "changed": sorted(self._changed),
+                "sampled": self._sampled,
+                "contacts": self._contacts,
+                "airborne": self._airborne,
+                "last": self._last,
+                "lift_offs": self._lift_offs,
+                "signals": {
+                    name: [astuple(segment) for segment in signal.segments]
+                    for name, signal in self._signals.items()
+                },
+                "integrator": self._integrator.snapshot().hex(),
+                "behind": self._behind.hex(),
+            }
+        ).encode()
+
+    def restore(self, state: bytes) -> None:
+        """Return to a snapshot of a session of the same model and parameters.
+
+        Raises
+        ------
+        ValueError : a snapshot of another model, or made with other parameters.
+        """
+        kept = json.loads(state)
+        if (kept["model"], kept["parameters"]) != (self.model, self.parameters):
+            raise ValueError("this state belongs to another model or to other parameters")
+        self._integrator.restore(bytes.fromhex(kept["integrator"]))
+        self._behind = bytes.fromhex(kept["behind"])
+        self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
+        self._inputs, self._changed = kept["inputs"], set(kept["changed"])
+        self._sampled = kept["sampled"]
+        self._contacts = [(instant, airborne) for instant, airborne in kept["contacts"]]
+        self._airborne, self._last = kept["airborne"], kept["last"]
+        self._lift_offs = kept["lift_offs"]
+        self._signals = {
+            name: Signal(
+                tuple(Segment(a, b, tuple(c), d, tuple(e)) for a, b, c, d, e in segments)
+            )
+            for name, segments in kept["signals"].items()
+        }
+        self._sample()
+
+
+class _State:
+    """Motion, deflections and forces of a system at one instant."""
+
+    def __init__(
+        self,
+        system: System,
+        q: list[float],
+        v: list[float],
+        signals: Mapping[str, tuple[float, float, float, float]],
+    ) -> None:
+        self.q, self.v, self.signals = q, v, signals
+        self.deflections: list[tuple[float, float]] = []
+        self.forces: list[float] = []
+        net = [0.0] * len(q)
+        for element in system.elements:
+            road = signals[element.road] if element.road else (0.0, 0.0)
+            d = sum(b * x for b, x in zip(element.direction, q, strict=True)) - road[0]
+            w = sum(b * x for b, x in zip(element.direction, v, strict=True)) - road[1]
+            force = min(element.spring.force(d) + element.damper.force(w), element.limit)
+            self.deflections.append((d, w))
+            self.forces.append(force)
+            for i, b in enumerate(element.direction):
+                net[i] -= b * force
+        for load in system.loads:
+            for i, b in enumerate(load.direction):
+                net[i] += b * signals[load.signal][0]
+        self.a = _solved(system.mass, net)
+
+
+def _solved(matrix: tuple[tuple[float, ...], ...], right: list[float]) -> list[float]:
+    """Solve a small symmetric positive definite system by elimination."""
+    n = len(right)
+    rows = [[*row, x] for row, x in zip(matrix, right, strict=True)]
+    for k in range(n):
+        for i in range(k + 1, n):
+            if rows[i][k] != 0.0:
+                ratio = rows[i][k] / rows[k][k]
+                rows[i] = [x - ratio * y for x, y in zip(rows[i], rows[k], strict=True)]
+    x = [0.0] * n
+    for k in reversed(range(n)):
+        x[k] = (rows[k][n] - sum(rows[k][j] * x[j] for j in range(k + 1, n))) / rows[k][k]
+    return x
+
+
+def _reader(system: System, session: Session) -> dict[str, Callable[[], Value]]:
+    """For every output of the model how to read it at the present time."""
+    integrator = session._integrator
+    state = session.state
+    read: dict[str, Callable[[], Value]] = {}
+    for i, name in enumerate(system.coordinates):
+        read[f"{name}_displacement"] = lambda i=i: state().q[i]
+        read[f"{name}_velocity"] = lambda i=i: state().v[i]
+        read[f"{name}_acceleration"] = lambda i=i: state().a[i]
+    for name in ("spring", "damper", "bump_stop", "rebound_stop", "tyre"):
+        e = system.element(name)
+        read[f"{name}_force"] = (lambda: 0.0) if e is None else lambda e=e: state().forces[e]
+    tyre = system.element("tyre")
+    read["suspension_deflection"] = lambda: state().q[0] - state().q[1]
+    read["suspension_deflection_rate"] = lambda: state().v[0] - state().v[1]
+    if tyre is not None:
+        load = float(session.parameters["gravity"]) * sum(map(sum, system.mass))
+        read["tyre_deflection"] = lambda: state().deflections[tyre][0]
+        read["tyre_deflection_rate"] = lambda: state().deflections[tyre][1]
+        read["contact_force"] = lambda: load - state().forces[tyre]
+        read["airborne_time"] = lambda: integrator.limited_time_at(tyre, session.time)
+    read["ground_elevation"] = lambda: state().signals["road"][0]
+    read["ground_velocity"] = lambda: state().signals["road"][1]
+    read["airborne"] = lambda: session._airborne
+    read["lift_off_count"] = lambda: session._lift_offs
+    read["last_lift_off"] = lambda: session._last["last_lift_off"]
+    read["last_touchdown"] = lambda: session._last["last_touchdown"]
+    read["energy_residual"] = lambda: integrator.residual_at(session.time)
+    read["stable_step"] = integrator.stable_step
+    read["step_count"] = lambda: integrator.step_count
+    read["ok"] = lambda: session.ok
+    return read
+
+
+def simulate(
+    model: str,
+    parameters: Mapping[str, object],
+    times: Iterable[float],
+    outputs: Iterable[str],
+) -> dict[str, list[Value]]:
+    """Run a model over ascending instants, in this process, and collect outputs.
+
+    Parameters
+    ----------
+    times : s; the first is the start
+    outputs : names of variables
+
+    Returns
+    -------
+    One list per output, and `time`.
+
+    Raises
+    ------
+    ParameterError, SimulationError : as `Session`.
+    """
+    times = list(times)
+    session = Session(model, parameters, times[0])
+    columns: dict[str, list[Value]] = {"time": list(times), **{name: [] for name in outputs}}
+    for time in times:
+        session.advance(time)
+        for name, column in columns.items():
+            if name != "time":
+                column.append(session.value(name))
+    return columns

@@ -1,0 +1,79 @@
+"""Units of the public variables: SI throughout, with the display units a value may be given in.
+
+One table serves the FMUs (unit definitions) and the scenes (`height = "5 cm"`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+KGF = 9.80665  # N, standard gravity times 1 kg: the force unit of AP57
+
+
+class UnitError(ValueError):
+    """A quantity whose unit is unknown or of another kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """An SI unit as a product of powers, and what else may be written or shown for it.
+
+    Parameters
+    ----------
+    exponents : powers of the base units, by FMI's names (kg, m, s)
+    display : name of another unit of the same kind -> its size in the SI unit
+    """
+
+    exponents: Mapping[str, int]
+    display: Mapping[str, float]
+
+
+UNITS: dict[str, Unit] = {
+    "1": Unit({}, {"%": 1e-2}),
+    "m": Unit({"m": 1}, {"mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254}),
+    "m/s": Unit({"m": 1, "s": -1}, {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6}),
+    "m/s2": Unit({"m": 1, "s": -2}, {"cm/s2": 1e-2}),
+    "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
+    "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
+    "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF}),
+    "N/m": Unit({"kg": 1, "s": -2}, {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF}),
+    "N/m3": Unit({"kg": 1, "m": -2, "s": -2}, {"N/mm3": 1e9, "kgf/cm3": 1e6 * KGF}),
+    "N.s/m": Unit({"kg": 1, "s": -1}, {"kN.s/m": 1e3, "N.s/mm": 1e3, "kgf.s/cm": 100 * KGF}),
+    "J": Unit({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e3}),
+}
+
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*)?$")
+_SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", "²": "2", "³": "3", "^": None})
+
+
+def to_si(quantity: str, unit: str) -> float:
+    """Turn a text such as `5 cm` into a number in the given SI unit.
+
+    Parameters
+    ----------
+    quantity : a number and, after it, a unit of the same kind; without one it is taken as SI
+    unit : key of `UNITS`
+
+    Raises
+    ------
+    UnitError : no number, or a unit that does not fit.
+    """
+    match = _QUANTITY.match(quantity)
+    if match is None:
+        raise UnitError(f"{quantity!r} is not a number with a unit; write for example '1.5 {unit}'")
+    number, name = float(match[1]), (match[2] or unit).strip().replace(" ", "").translate(_SPELLINGS)
+    if name == unit:
+        return number
+    display = UNITS[unit].display
+    if name in display:
+        return number * display[name]
+    raise UnitError(f"unit {name!r} does not fit here; allowed: {', '.join((unit, *display))}")
+
+
+def nearest(name: str, names: object) -> str:
+    """A hint that names the closest known name, or nothing."""
+    close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]
+    return f"; did you mean {close[0]!r}?" if close else ""

@@ -1,0 +1,155 @@
+"""What a construction consists of: named points on a sheet, and the scheme that joins them.
+
+A sheet is the complex plane in metres of paper: x to the right, y upwards. A frame is one step of a
+construction: its named points and the numbers read off them. How points are joined is the same in
+every step, so it is said once, in the scheme. Nothing here draws, and nothing knows of a canvas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A lettered point: `point` names it in the frame, `label` is what is written beside it."""
+
+    role: str
+    point: str
+    stage: int
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """A straight line between two named points."""
+
+    role: str
+    start: str
+    end: str
+    stage: int
+
+
+@dataclass(frozen=True, slots=True)
+class Arc:
+    """The shorter arc about `centre` from the point `start` to the ray through `end`."""
+
+    role: str
+    centre: str
+    start: str
+    end: str
+    stage: int
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A line that stays on the sheet: an axis, an auxiliary curve, a projection line."""
+
+    role: str
+    vertices: tuple[complex, ...]
+    label: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One axis of a plane: its zero on the sheet, its positive direction, its scale and its name.
+
+    `direction` is a unit complex number; `scale` is paper per unit (a or b of AP57), so a value v
+    stands at origin + direction * scale * v.
+    """
+
+    label: str
+    unit: str
+    origin: complex
+    direction: complex
+    scale: float
+
+    def at(self, value: float) -> complex:
+        """The place of a value on this axis."""
+        return self.origin + self.direction * self.scale * value
+
+    def read(self, point: complex) -> float:
+        """The value at the foot of a point on this axis."""
+        return ((point - self.origin) * self.direction.conjugate()).real / self.scale
+
+
+@dataclass(frozen=True, slots=True)
+class Plane:
+    """One phase plane on the sheet.
+
+    Parameters
+    ----------
+    name : of the displacement it shows, e.g. `suspension_deflection`
+    angular_frequency : its natural angular frequency Omega, rad/s
+    displacement, scaled_velocity : its axes y and y' / Omega (AP57 eq. 4), both in m
+    state : the name in a frame's points of the state point P
+    """
+
+    name: str
+    angular_frequency: float
+    displacement: Axis
+    scaled_velocity: Axis
+    state: str = "P"
+
+
+@dataclass(frozen=True, slots=True)
+class Scheme:
+    """How the points of a frame are joined, in the order in which one draws.
+
+    Parameters
+    ----------
+    stages : what is done in each stage, in words; the primitives count stages from 0
+    """
+
+    stages: tuple[str, ...]
+    marks: tuple[Mark, ...] = ()
+    strokes: tuple[Stroke, ...] = ()
+    arcs: tuple[Arc, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One step: from the state points to their successors.
+
+    Parameters
+    ----------
+    step : number of the step, from 0
+    time : at its start, s
+    duration : s
+    scheme : key into the drawing's schemes, e.g. `contact` or `flight`
+    points : the named points on the sheet, m of paper
+    readings : what is read off at the start of the step by the source's formulas, SI
+    event : what happens at the start of this step (`lift_off`, `touchdown`), or nothing
+    """
+
+    step: int
+    time: float
+    duration: float
+    scheme: str
+    points: Mapping[str, complex]
+    readings: Mapping[str, float]
+    event: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A whole construction: the sheet with what stays on it, the schemes, and the frames.
+
+    Parameters
+    ----------
+    title : one line
+    planes : the phase planes on the sheet
+    curves : what is drawn once
+    schemes : by key
+    frames : in the order of time; the last one's successors are the end of the motion
+    """
+
+    title: str
+    planes: tuple[Plane, ...]
+    curves: tuple[Curve, ...]
+    schemes: Mapping[str, Scheme]
+    frames: tuple[Frame, ...] = field(repr=False)
+
+    def __iter__(self) -> Iterator[Frame]:
+        return iter(self.frames)
