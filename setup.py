@@ -1,41 +1,68 @@
-"""Compile the integrator; everything else is declared in pyproject.toml."""
+"""Compile the integrator's kernel; everything else is declared in pyproject.toml."""
 
+import shutil
 import sys
+from pathlib import Path
 
 from Cython.Build import cythonize
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "fmu_src"))
+from suspension.engine import KERNEL, kernel_name  # noqa: E402
+
+NAME = kernel_name()
+STAGE = Path("build") / NAME
 # -ffp-contract=off: a fused multiply-add rounds once, so compiled and uncompiled runs would differ.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-ffp-contract=off"]
+MODULES = ("linear", "bernstein", "network", "stepper", "integrator")
 
 
-class OptionalBuild(build_ext):
-    """Leaves the integrator uncompiled, and says so, where it cannot be compiled."""
+def staged() -> None:
+    """Copy the kernel under its hashed name: the names it imports itself by are compiled in."""
+    shutil.rmtree(STAGE, ignore_errors=True)
+    shutil.copytree(
+        KERNEL, STAGE, ignore=shutil.ignore_patterns("suspension_kernel_*", "__pycache__")
+    )
+
+
+class KernelBuild(build_ext):
+    """Puts the compiled files into the kernel's folder; without a compiler, leaves them out."""
+
+    def get_ext_fullpath(self, ext_name: str) -> str:
+        file = Path(self.get_ext_filename(ext_name)).name
+        folder = KERNEL if self.inplace else Path(self.build_lib, "suspension", "kernel")
+        return str(folder / NAME / file)
 
     def run(self) -> None:
         try:
             super().run()
-        except Exception as error:
-            self.warn(f"the integrator stays uncompiled, the same results, but slower: {error}")
+        except Exception as error:  # noqa: BLE001  (whatever goes wrong: sources still run)
+            self._leave_uncompiled(error)
 
     def build_extension(self, ext: Extension) -> None:
         try:
             super().build_extension(ext)
-        except Exception as error:
-            self.warn(f"the integrator stays uncompiled, the same results, but slower: {error}")
+        except Exception as error:  # noqa: BLE001
+            self._leave_uncompiled(error)
+
+    def _leave_uncompiled(self, error: Exception) -> None:
+        self.warn(f"the integrator stays uncompiled: the same results, only slower ({error})")
 
 
+staged()
 setup(
-    cmdclass={"build_ext": OptionalBuild},
+    cmdclass={"build_ext": KernelBuild},
     ext_modules=cythonize(
         [
             Extension(
-                "suspension.integrator",
-                ["fmu_src/suspension/integrator.py"],
+                f"{NAME}.{module}",
+                [str(STAGE / f"{module}.py")],
                 extra_compile_args=FLAGS,
                 optional=True,
             )
+            for module in MODULES
         ],
         compiler_directives={
             "language_level": 3,
@@ -44,6 +71,6 @@ setup(
             "cdivision": True,
             "initializedcheck": False,
         },
-        build_dir="build",
+        include_path=["build"],
     ),
 )

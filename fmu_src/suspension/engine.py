@@ -1,98 +1,78 @@
 """The integrator as this interpreter can have it: compiled where that fits, else from its source.
 
+The modules of `kernel` are imported as a package of their own whose name carries the hash of their
+sources. A compiled file lies in a folder of that same name, so one of older sources is never found,
+and two versions of this package (the installed one and those inside FMUs) never mix in one process.
 Compiled and uncompiled runs give the same results to the bit; the uncompiled one is slower.
 """
 
 from __future__ import annotations
 
-import importlib.machinery
-import importlib.util
 import sys
-from contextlib import nullcontext
+from contextlib import contextmanager, nullcontext
+from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
+from typing import TYPE_CHECKING
 
-_HERE = Path(__file__).parent
-_NAME = f"{__package__}.integrator"
-_COMPILED_AS = "suspension.integrator"
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+KERNEL = Path(__file__).parent / "kernel"
 
 
-def source_digest() -> str:
-    """Hash of the integrator's source and C types; a compiled file of another one is stale."""
-    from hashlib import sha256  # noqa: PLC0415  (needed where a compiled file lies at hand only)
-
+def kernel_name(folder: Path = KERNEL) -> str:
+    """The name under which the kernel's modules are imported: it changes with any of its sources."""
     digest = sha256()
-    for name in ("integrator.py", "integrator.pxd"):
-        if (_HERE / name).exists():
-            digest.update((_HERE / name).read_bytes())
-    return digest.hexdigest()
+    for path in sorted((*folder.glob("*.py"), *folder.glob("*.pxd"))):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return f"suspension_kernel_{digest.hexdigest()[:12]}"
 
 
-def _compiled_file() -> Path | None:
-    for suffix in importlib.machinery.EXTENSION_SUFFIXES:
-        if (_HERE / f"integrator{suffix}").exists():
-            return _HERE / f"integrator{suffix}"
-    return None
-
-
-def _load(path: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(_NAME, path)
-    if spec is None or spec.loader is None:
-        raise ImportError(f"cannot import {path}")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def _load_compiled(path: Path) -> ModuleType:
-    """Import the compiled file under this package's name, and under no other.
-
-    A Cython module enters itself into sys.modules under the name it was compiled with, where another
-    version of this package would take it for its own.
-    """
-    other = sys.modules.get(_COMPILED_AS)
-    try:
-        return _load(path)
-    finally:
-        if _NAME != _COMPILED_AS:
-            if other is None:
-                sys.modules.pop(_COMPILED_AS, None)
-            else:
-                sys.modules[_COMPILED_AS] = other
-
-
-def _load_source() -> ModuleType:
-    """Import integrator.py, with a stand-in for the Cython directives that it names."""
+@contextmanager
+def _cython_directives() -> Iterator[None]:
+    """A stand-in for `import cython` in sources that run uncompiled, gone again afterwards."""
     standin = ModuleType("cython")
     standin.compiled = False  # type: ignore[attr-defined]
     standin.nogil = nullcontext()  # type: ignore[attr-defined]
-    other = sys.modules.get("cython")
+    before = sys.modules.get("cython")
     sys.modules["cython"] = standin
     try:
-        return _load(_HERE / "integrator.py")
+        yield
     finally:
-        if other is None:
+        if before is None:
             del sys.modules["cython"]
         else:
-            sys.modules["cython"] = other
+            sys.modules["cython"] = before
+
+
+def _import_kernel(folders: list[Path]) -> ModuleType:
+    name = kernel_name()
+    for module in [m for m in sys.modules if m.startswith(f"{name}.")]:
+        if getattr(sys.modules[name], "__path__", None) != [str(f) for f in folders]:
+            del sys.modules[module]
+    package = ModuleType(name)
+    package.__path__ = [str(folder) for folder in folders]
+    sys.modules.setdefault(name, package).__path__ = package.__path__
+    with _cython_directives():
+        return import_module(f"{name}.integrator")
 
 
 def _choose() -> tuple[ModuleType, str]:
-    path = _compiled_file()
-    if path is None:
-        return _load_source(), "not compiled for this interpreter"
-    stamp = path.with_name("integrator.sha256")
-    if stamp.exists() and stamp.read_text().strip() != source_digest():
-        return _load_source(), "the compiled file is older than its source; install again"
-    try:
-        return _load_compiled(path), ""
-    except ImportError as error:
-        return _load_source(), f"the compiled file cannot be loaded ({error})"
+    compiled = KERNEL / kernel_name()
+    if compiled.is_dir():
+        try:
+            module = _import_kernel([compiled, KERNEL])
+        except ImportError as error:
+            return _import_kernel([KERNEL]), f"the compiled files cannot be loaded ({error})"
+        if not str(module.__file__).endswith(".py"):
+            return module, ""
+    return _import_kernel([KERNEL]), "no compiled files for these sources and this interpreter"
 
 
-_module, why_uncompiled = _choose()
-sys.modules[_NAME] = _module
-Integrator = _module.Integrator
-FAILURES: dict[int, str] = _module.FAILURES
-KINDS: tuple[str, ...] = _module.KINDS
+_integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
+Integrator = _integrator.Integrator
+FAILURES: dict[int, str] = _integrator.FAILURES
+KINDS: tuple[str, ...] = import_module(f"{kernel_name()}.network").KINDS

@@ -76,9 +76,7 @@ class System:
 def _points(name: str, text: str) -> list[tuple[float, float]]:
     """Read `x:F, x:F, ...`."""
     try:
-        points = [
-            (float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))
-        ]
+        points = [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
     except ValueError:
         raise ParameterError(
             f"{name} = {text!r}: must be pairs such as '-0.1:-1500, 0:0, 0.1:1500'"

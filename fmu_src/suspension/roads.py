@@ -104,9 +104,7 @@ def bump(height: float, length: float, speed: float, start: float = 0.0) -> Sign
     """
     duration = length / speed
     half = 0.5 * height
-    hump = Segment(
-        start, start, (half, 0.0, 0.0, 0.0), -half, (0.0, 2.0 * pi / duration, 0.0)
-    )
+    hump = Segment(start, start, (half, 0.0, 0.0, 0.0), -half, (0.0, 2.0 * pi / duration, 0.0))
     return Signal((Segment(-inf), hump, Segment(start + duration)), abs(height))
 
 
@@ -121,9 +119,7 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
             Segment(-inf),
             Segment(start, start, (0.0, 0.0, 0.5 * z, 0.0)),
             Segment(start + quarter, start + quarter, (flank, z * quarter, -0.5 * z, 0.0)),
-            Segment(
-                start + 3.0 * quarter, start + duration, (0.0, 0.0, 0.5 * z, 0.0)
-            ),
+            Segment(start + 3.0 * quarter, start + duration, (0.0, 0.0, 0.5 * z, 0.0)),
             Segment(start + duration),
         ),
         abs(height),
@@ -133,7 +129,11 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
 def sine(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
     """Endless sine of wave length `length` and double amplitude `height`, rising from zero at `start`."""
     wave = Segment(
-        start, start, (0.0, 0.0, 0.0, 0.0), 0.5 * height, (-0.5 * pi, 2.0 * pi * speed / length, 0.0)
+        start,
+        start,
+        (0.0, 0.0, 0.0, 0.0),
+        0.5 * height,
+        (-0.5 * pi, 2.0 * pi * speed / length, 0.0),
     )
     return Signal((Segment(-inf), wave), 0.5 * abs(height))
 

@@ -68,6 +68,8 @@ class Session:
         )
         self._sampled = self.parameters["road.shape"] == "input"
         self._changed: set[str] = set()
+        self._velocity_given = False
+        self._sample_before = (start_time, 0.0)  # instant and road_elevation
         self._behind = self._integrator.snapshot()
         self._contacts: list[tuple[float, bool]] = []
         self._airborne = False
@@ -118,7 +120,9 @@ class Session:
         if status != 0:
             self.ok = False
             self.time = self._integrator.time
-            reason = f"{FAILURES[status]} at {self.time:.6g} s, in step {self._integrator.step_count}"
+            reason = (
+                f"{FAILURES[status]} at {self.time:.6g} s, in step {self._integrator.step_count}"
+            )
             self.messages.append(("error", reason))
             raise SimulationError(reason)
 
@@ -146,7 +150,7 @@ class Session:
         """What the inputs say from now on: the road goes on at its velocity, forces stay."""
         held = {"body_force": (self._inputs.get("body_force", 0.0), 0.0, 0.0, 0.0)}
         if self.parameters["road.shape"] == "input":
-            held["road"] = (self._inputs["road_elevation"], self._inputs["road_velocity"], 0.0, 0.0)
+            held["road"] = (self._inputs["road_elevation"], self._road_velocity(), 0.0, 0.0)
         for number, name in enumerate(self._system.signals):
             if name in held:
                 segment = Segment(-inf, self.time, held[name])
@@ -154,6 +158,28 @@ class Session:
                     self._signals[name] = Signal((segment,))
                     # a road that is elsewhere at the start has always been there: no jump
                     self._integrator.set_signal(number, held[name], self.time > self._start)
+
+    def _road_velocity(self) -> float:
+        """The input road_velocity; where it is never given, the slope since the sample before."""
+        now, before = (self.time, self._inputs["road_elevation"]), self._sample_before
+        self._velocity_given = self._velocity_given or self._inputs["road_velocity"] != 0.0
+        self._sample_before = now
+        if self._velocity_given or now[0] <= before[0]:
+            return self._inputs["road_velocity"]
+        return (now[1] - before[1]) / (now[0] - before[0])
+
+    def _note_switches(self) -> None:
+        tyre = self._system.element("tyre")
+        log, self._integrator.log = self._integrator.log, []
+        for time, element, kind, before, after in log:
+            name = self._system.elements[element].name
+            if element == tyre and KINDS[kind] == "contact":
+                self._contacts.append((time, bool(after)))
+            elif name.endswith("stop"):
+                met = (after < before) == name.endswith("bump_stop")
+                self.messages.append(
+                    ("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
+                )
 
     # -- outputs -------------------------------------------------------------------------------------
 
@@ -211,6 +237,8 @@ class Session:
                 "inputs": self._inputs,
                 "changed": sorted(self._changed),
                 "sampled": self._sampled,
+                "velocity_given": self._velocity_given,
+                "sample_before": self._sample_before,
                 "contacts": self._contacts,
                 "airborne": self._airborne,
                 "last": self._last,
@@ -238,14 +266,13 @@ class Session:
         self._behind = bytes.fromhex(kept["behind"])
         self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
         self._inputs, self._changed = kept["inputs"], set(kept["changed"])
-        self._sampled = kept["sampled"]
+        self._sampled, self._velocity_given = kept["sampled"], kept["velocity_given"]
+        self._sample_before = tuple(kept["sample_before"])
         self._contacts = [(instant, airborne) for instant, airborne in kept["contacts"]]
         self._airborne, self._last = kept["airborne"], kept["last"]
         self._lift_offs = kept["lift_offs"]
         self._signals = {
-            name: Signal(
-                tuple(Segment(a, b, tuple(c), d, tuple(e)) for a, b, c, d, e in segments)
-            )
+            name: Signal(tuple(Segment(a, b, tuple(c), d, tuple(e)) for a, b, c, d, e in segments))
             for name, segments in kept["signals"].items()
         }
         self._sample()

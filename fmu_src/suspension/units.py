@@ -64,7 +64,10 @@ def to_si(quantity: str, unit: str) -> float:
     match = _QUANTITY.match(quantity)
     if match is None:
         raise UnitError(f"{quantity!r} is not a number with a unit; write for example '1.5 {unit}'")
-    number, name = float(match[1]), (match[2] or unit).strip().replace(" ", "").translate(_SPELLINGS)
+    number, name = (
+        float(match[1]),
+        (match[2] or unit).strip().replace(" ", "").translate(_SPELLINGS),
+    )
     if name == unit:
         return number
     display = UNITS[unit].display

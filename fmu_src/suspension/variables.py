@@ -109,11 +109,15 @@ class Variable:
         return " and ".join(bounds[1:] or bounds) + self._in_unit()
 
 
-def _parameter(name: str, start: Value, description: str, unit: str = "", **more: object) -> Variable:
+def _parameter(
+    name: str, start: Value, description: str, unit: str = "", **more: object
+) -> Variable:
     return Variable(name, description, "parameter", start, unit, **more)  # type: ignore[arg-type]
 
 
-def _output(name: str, description: str, unit: str = "", start: Value = 0.0, **more: object) -> Variable:
+def _output(
+    name: str, description: str, unit: str = "", start: Value = 0.0, **more: object
+) -> Variable:
     return Variable(name, description, "output", start, unit, **more)  # type: ignore[arg-type]
 
 

@@ -1,0 +1,173 @@
+"""When a quantity known by its derivatives at both ends of a step first leaves its bounds.
+
+In Bernstein form a polynomial lies between its smallest and largest coefficient, so most steps are
+cleared by comparing six or eight numbers; the rest by halving and Newton.
+"""
+
+from __future__ import annotations
+
+from array import array
+
+import cython
+
+if not cython.compiled:
+    from math import fabs
+
+
+class Crossing:
+    """One Hermite polynomial on (0, 1), and the search for its first exit."""
+
+    def __init__(self):
+        self.bezier = array("d", [0.0] * 8)
+        self.casteljau = array("d", [0.0] * 8)
+        self.halves = array("d", [0.0] * 8 * 64)
+        self.slot_low = array("d", [0.0] * 64)
+        self.slot_width = array("d", [0.0] * 64)
+
+    def hermite7(self, s, e, at, h):
+        """The septic through value and three derivatives at both ends, s[at:] and e[at:]."""
+        b = self.bezier
+        d1 = h * s[at + 1] / 7.0
+        d2 = h * h * s[at + 2] / 42.0
+        d3 = h * h * h * s[at + 3] / 210.0
+        b[0] = s[at]
+        b[1] = s[at] + d1
+        b[2] = s[at] + 2.0 * d1 + d2
+        b[3] = s[at] + 3.0 * d1 + 3.0 * d2 + d3
+        d1 = h * e[at + 1] / 7.0
+        d2 = h * h * e[at + 2] / 42.0
+        d3 = h * h * h * e[at + 3] / 210.0
+        b[7] = e[at]
+        b[6] = e[at] - d1
+        b[5] = e[at] - 2.0 * d1 + d2
+        b[4] = e[at] - 3.0 * d1 + 3.0 * d2 - d3
+
+    def hermite5(self, x0, dx0, ddx0, x1, dx1, ddx1, h):
+        """The quintic through value and two derivatives at both ends."""
+        b = self.bezier
+        d1 = h * dx0 / 5.0
+        d2 = h * h * ddx0 / 20.0
+        b[0] = x0
+        b[1] = x0 + d1
+        b[2] = x0 + 2.0 * d1 + d2
+        d1 = h * dx1 / 5.0
+        d2 = h * h * ddx1 / 20.0
+        b[5] = x1
+        b[4] = x1 - d1
+        b[3] = x1 - 2.0 * d1 + d2
+
+    def exit(self, bound, side, degree, departing):
+        """First fraction of the step at which the polynomial passes the bound outwards, or 2.
+
+        A branch just entered starts on its own bound: there that root is divided out, so that a
+        return is found however soon it comes.
+        """
+        c = self.halves
+        m = degree
+        for i in range(degree + 1):
+            c[i] = (self.bezier[i] - bound) * -side
+        if departing:
+            # p(s)/s in Bernstein form; again while the derivative vanishes too (start at rest)
+            for _k in range(3):
+                for i in range(m):
+                    c[i] = c[i + 1] * m / (i + 1)
+                m -= 1
+                if c[0] != 0.0:
+                    break
+        if c[0] < 0.0:
+            return 0.0
+        return self.first_root(m)
+
+    def first_root(self, m):
+        """First change from positive to negative of the Bernstein polynomial at `halves[0..m]`.
+
+        Halving (de Casteljau) until one sign change is left, then bracketed Newton. Slot `depth` of
+        `halves` holds the interval at hand, the slots below it the right halves that wait.
+        """
+        c = self.halves
+        depth = 0
+        self.slot_low[0] = 0.0
+        self.slot_width[0] = 1.0
+        while depth >= 0:
+            at = 8 * depth
+            lo = self.slot_low[depth]
+            width = self.slot_width[depth]
+            changes = 0
+            negative = 0
+            for i in range(m + 1):
+                if c[at + i] < 0.0:
+                    negative = 1
+                if i > 0 and (c[at + i] < 0.0) != (c[at + i - 1] < 0.0):
+                    changes += 1
+            if not negative:
+                depth -= 1
+                continue
+            if c[at] < 0.0 or width < 1e-14:
+                return lo
+            if changes == 1:
+                return lo + width * self._single_root(at, m)
+            # the right half stays in this slot, the left half goes on top
+            width *= 0.5
+            top = at + 8
+            for i in range(m + 1):
+                self.casteljau[i] = c[at + i]
+            for k in range(m + 1):
+                c[top + k] = self.casteljau[0]
+                c[at + m - k] = self.casteljau[m - k]
+                for i in range(m - k):
+                    self.casteljau[i] = 0.5 * (self.casteljau[i] + self.casteljau[i + 1])
+            self.slot_low[depth + 1] = lo
+            self.slot_width[depth + 1] = width
+            self.slot_low[depth] = lo + width
+            self.slot_width[depth] = width
+            depth += 1
+        return 2.0
+
+    def _single_root(self, at, m):
+        """The one root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton."""
+        lo = 0.0
+        hi = 1.0
+        c = self.halves
+        x = c[at] / (c[at] - c[at + m])
+        for _iteration in range(60):
+            for i in range(m + 1):
+                self.casteljau[i] = c[at + i]
+            for k in range(m, 1, -1):
+                for i in range(k):
+                    self.casteljau[i] += x * (self.casteljau[i + 1] - self.casteljau[i])
+            slope = m * (self.casteljau[1] - self.casteljau[0])
+            value = self.casteljau[0] + x * (self.casteljau[1] - self.casteljau[0])
+            if value >= 0.0:
+                lo = x
+            else:
+                hi = x
+            new = x - value / slope if slope != 0.0 else 0.5 * (lo + hi)
+            if not (lo <= new <= hi):
+                new = 0.5 * (lo + hi)
+            if fabs(new - x) <= 1e-15 or hi - lo <= 1e-15:
+                return new
+            x = new
+        return x
+
+    def extent(self, degree):
+        """Smallest and largest coefficient, into `low` and `high`."""
+        b = self.bezier
+        self.low = b[0]
+        self.high = b[0]
+        for i in range(1, degree + 1):
+            if b[i] < self.low:
+                self.low = b[i]
+            elif b[i] > self.high:
+                self.high = b[i]
+
+    def read(self, x, h):
+        """Value and two time derivatives of the septic at fraction x; overwrites it."""
+        c = self.bezier
+        for k in range(7, 2, -1):
+            for m in range(k):
+                c[m] += x * (c[m + 1] - c[m])
+        self.second = 42.0 * (c[2] - 2.0 * c[1] + c[0]) / (h * h)
+        c[0] += x * (c[1] - c[0])
+        c[1] += x * (c[2] - c[1])
+        self.first = 7.0 * (c[1] - c[0]) / h
+        self.value = c[0] + x * (c[1] - c[0])

@@ -1,0 +1,401 @@
+"""One macro step of the incremental method (H83 chapter 15) with all branches fixed.
+
+Within a step h the acceleration is linear in time (15.9), so
+
+    v1 = v0 + h/2 (a0 + a1),    q1 = q0 + h v0 + h^2/6 (2 a0 + a1)                  (15.12, 15.13)
+
+and the equation of motion at the end of the step gives the end acceleration
+
+    (M + h/2 B + h^2/6 K) a1 = p1 - B v* - K q*,
+
+where v*, q* hold everything but a1. The matrix is h^2/6 times that of (15.17); with the increment
+of acceleration as the unknown, as H83 recommends, short steps lose no digits. It is Newmark's method
+with gamma = 1/2, beta = 1/6: second order, symmetric, stable while omega_max h < 2 sqrt 3.
+
+Being symmetric its error expands in h^2, so a macro step made with 1, 2, 3 and 4 equal substeps and
+extrapolated (Aitken, Neville) has order 8, and the last two columns of the table give the error.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .network import doubles, integers, vectors
+
+if not cython.compiled:
+    from math import fabs, isfinite, sqrt
+
+    from .linear import decompose, solve
+
+_DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
+
+METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3}
+
+
+class Stepper:
+    """Tries macro steps from the present state; the integrator decides which ones count.
+
+    Parameters
+    ----------
+    network : of the system
+    method : key of `METHODS`
+    columns : how many columns the extrapolation has; 1 for the methods of order 2
+    tolerance : relative to `reach`
+    """
+
+    def __init__(self, network, method, columns, tolerance):
+        n = network.n
+        self.net, self.n = network, n
+        self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
+        self.q, self.v, self.a, self.j = vectors(4, n)  # now
+        self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
+        self.work, self.trial_work = vectors(2, network.works)
+        self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
+        self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
+        self._allocate()
+
+    def _allocate(self):
+        n, works = self.n, self.net.works
+        self.power, self.power_before = vectors(2, works)
+        self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, n * n)
+        self.factor = doubles([0.0] * (4 * n * n))
+        self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
+        self.constant, self.cq, self.cv, self.ca = vectors(4, n)
+        self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, n)
+        self.table = doubles([0.0] * (4 * (2 * n + works)))
+        # the instants of all substeps of a macro step, each evaluated once
+        fractions = sorted({(i + 1.0) / m for m in range(1, self.columns + 1) for i in range(m)})
+        self.fractions = len(fractions)
+        self.fraction = doubles(fractions)
+        self.fraction_index = integers(
+            fractions.index((i + 1.0) / m) if i < m else 0
+            for m in range(1, self.columns + 1)
+            for i in range(4)
+        )
+        self.signal_table = doubles([0.0] * (2 * max(self.net.signals, 1) * self.fractions))
+        self.load_table = doubles([0.0] * (n * self.fractions))
+
+    def refresh(self, t):
+        """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
+        n = self.n
+        self.stamp += 1
+        self.affine = self.net.is_affine()
+        self.net.all_signals(t)
+        self.net.row_states(self.q, self.v)
+        self.net.row_forces()
+        self.net.assemble(self.stiffness, self.damping)
+        self.net.accelerate(self.a)
+        # in one branch p - sum b f = (constant + signals) - B v - K q; the constant is kept apart
+        for i in range(n):
+            self.constant[i] = 0.0
+        for r in range(self.net.rows):
+            rest = (
+                self.net.row_f[r]
+                - self.net.row_k[r] * self.net.row_d[r]
+                - self.net.row_c[r] * self.net.row_v[r]
+            )
+            for i in range(n):
+                self.constant[i] -= self.net.row_direction[r * n + i] * rest
+        self.net.jerk(self.v, self.a, self.j)
+        self.omega_squared = self.net.fastest_mode(self.stiffness)
+
+    # -- one step of the incremental method --------------------------------------------------------
+
+    def _factor_step_matrix(self, column, h):
+        """M + h/2 B + h^2/6 K, factorised and kept while branch and step stay."""
+        if self.factor_step[column] == h and self.factor_stamp[column] == self.stamp:
+            return 0
+        size = self.n * self.n
+        at = column * size
+        for i in range(size):
+            self.factor[at + i] = (
+                self.net.mass[i] + h / 2.0 * self.damping[i] + h * h / 6.0 * self.stiffness[i]
+            )
+        self.factor_step[column] = h
+        self.factor_stamp[column] = self.stamp
+        return decompose(self.factor, at, self.n)
+
+    def _substep_affine(self, column, h, fraction):
+        """(15.12), (15.13) with the end-of-step equilibrium, which is linear: one solve."""
+        n = self.n
+        at = fraction * n
+        for i in range(n):
+            self.pv[i] = self.cv[i] + h / 2.0 * self.ca[i]
+            self.pq[i] = self.cq[i] + h * self.cv[i] + h * h / 3.0 * self.ca[i]
+        for i in range(n):
+            f = self.load_table[at + i]
+            for k in range(n):
+                f -= self.damping[i * n + k] * self.pv[k] + self.stiffness[i * n + k] * self.pq[k]
+            self.ca[i] = f
+        solve(self.factor, column * n * n, n, self.ca)
+        for i in range(n):
+            self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
+            self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
+        return 0
+
+    def _take_signals(self, fraction):
+        at = 2 * self.net.signals * fraction
+        for s in range(self.net.signals):
+            self.net.road[4 * s] = self.signal_table[at + 2 * s]
+            self.net.road[4 * s + 1] = self.signal_table[at + 2 * s + 1]
+
+    def _substep_equilibrium(self, h, fraction):
+        """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium."""
+        n = self.n
+        self._take_signals(fraction)
+        for i in range(n):
+            self.pv[i] = self.cv[i] + h / 2.0 * self.ca[i]
+            self.pq[i] = self.cq[i] + h * self.cv[i] + h * h / 3.0 * self.ca[i]
+        before = 1e300
+        for _iteration in range(25):
+            for i in range(n):
+                self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
+                self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
+            self.net.row_states(self.cq, self.cv)
+            self.net.row_forces()
+            self.net.assemble(self.stiffness2, self.damping2)
+            self.net.net_force(self.rhs)
+            size = 0.0
+            for i in range(n):
+                for k in range(n):
+                    self.rhs[i] -= self.net.mass[i * n + k] * self.ca[k]
+            if self._solve_step_matrix(h) != 0:
+                return _NOT_POSITIVE
+            for i in range(n):
+                self.ca[i] += self.rhs[i]
+                if fabs(self.rhs[i]) > size:
+                    size = fabs(self.rhs[i])
+            largest = 1e-30
+            for i in range(n):
+                if fabs(self.ca[i]) > largest:
+                    largest = fabs(self.ca[i])
+            if not isfinite(size):
+                return _DIVERGED
+            if size <= 4e-16 * largest or (size <= 1e-10 * largest and size >= 0.5 * before):
+                for i in range(n):
+                    self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
+                    self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
+                return 0
+            before = size
+        return _NOT_CONVERGED
+
+    def _solve_step_matrix(self, h):
+        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices of `stiffness2`, `damping2`."""
+        size = self.n * self.n
+        for i in range(size):
+            self.factor[i] = (
+                self.net.mass[i] + h / 2.0 * self.damping2[i] + h * h / 6.0 * self.stiffness2[i]
+            )
+        self.factor_stamp[0] = -1
+        if decompose(self.factor, 0, self.n) != 0:
+            return 1
+        solve(self.factor, 0, self.n, self.rhs)
+        return 0
+
+    def _substep_increments(self, h, fraction):
+        """The increments of (15.16) to (15.18), with tangents of the start or their mean (15.7)."""
+        n = self.n
+        for i in range(n):
+            self.pq[i] = self.cq[i]
+            self.pv[i] = self.cv[i]
+            self.sa[i] = self.ca[i]
+        self.net.all_signals(self.time)
+        self.net.row_states(self.pq, self.pv)
+        self.net.row_forces()
+        self.net.assemble(self.stiffness, self.damping)
+        for i in range(n * n):
+            self.stiffness2[i] = self.stiffness[i]
+            self.damping2[i] = self.damping[i]
+        before = 1e300
+        for iteration in range(50):
+            self._excitation_increment(fraction)
+            for i in range(n):
+                for k in range(n):
+                    self.rhs[i] -= h * self.damping2[i * n + k] * self.sa[k]
+                    self.rhs[i] -= self.stiffness2[i * n + k] * (
+                        h * self.pv[k] + h * h / 2.0 * self.sa[k]
+                    )
+            if self._solve_step_matrix(h) != 0:
+                return _NOT_POSITIVE
+            change = 0.0
+            largest = 1e-30
+            for i in range(n):
+                if iteration > 0:
+                    change = max(change, fabs(self.correction[i] - self.rhs[i]))
+                largest = max(largest, fabs(self.rhs[i]) + fabs(self.sa[i]))
+                self.cv[i] = self.pv[i] + h * self.sa[i] + h / 2.0 * self.rhs[i]
+                self.cq[i] = (
+                    self.pq[i] + h * self.pv[i] + h * h / 2.0 * self.sa[i]
+                    + h * h / 6.0 * self.rhs[i]
+                )  # fmt: skip
+                self.ca[i] = self.sa[i] + self.rhs[i]
+            if not isfinite(largest):
+                return _DIVERGED
+            if self.method == 3:
+                return 0
+            if iteration > 0 and (
+                change <= 1e-15 * largest or (change <= 1e-10 * largest and change >= 0.5 * before)
+            ):
+                return 0
+            if iteration > 0:
+                before = change
+            self._take_signals(fraction)
+            self.net.row_states(self.cq, self.cv)
+            self.net.row_forces()
+            self.net.assemble(self.stiffness2, self.damping2)
+            for i in range(n):
+                self.correction[i] = self.ca[i] - self.sa[i]
+            for i in range(n * n):
+                self.stiffness2[i] = 0.5 * (self.stiffness[i] + self.stiffness2[i])
+                self.damping2[i] = 0.5 * (self.damping[i] + self.damping2[i])
+        return _NOT_CONVERGED
+
+    def _excitation_increment(self, fraction):
+        """Delta f of (15.6): loads, and roads through the tangents of their rows, into `rhs`."""
+        n = self.n
+        for i in range(n):
+            self.rhs[i] = 0.0
+        self._take_signals(fraction)
+        for sign in range(2):
+            factor = 1.0 if sign == 0 else -1.0
+            if sign == 1:
+                self.net.all_signals(self.time)
+            for m in range(self.net.loads):
+                p = factor * self.net.road[4 * self.net.load_signal[m]]
+                for i in range(n):
+                    self.rhs[i] += self.net.load_direction[m * n + i] * p
+            for r in range(self.net.rows):
+                s = self.net.row_signal[r]
+                if s >= 0:
+                    f = factor * (
+                        self.net.row_k[r] * self.net.road[4 * s]
+                        + self.net.row_c[r] * self.net.road[4 * s + 1]
+                    )
+                    for i in range(n):
+                        self.rhs[i] += self.net.row_direction[r * n + i] * f
+
+    # -- the macro step ------------------------------------------------------------------------------
+
+    def _prepare_signals(self, h):
+        """Signals at all substep instants, and for linear branches the loads they make."""
+        n = self.n
+        for k in range(self.fractions):
+            self.net.all_signals(self.time + self.fraction[k] * h)
+            at = 2 * self.net.signals * k
+            for s in range(self.net.signals):
+                self.signal_table[at + 2 * s] = self.net.road[4 * s]
+                self.signal_table[at + 2 * s + 1] = self.net.road[4 * s + 1]
+            if self.affine:
+                for i in range(n):
+                    self.load_table[k * n + i] = self.constant[i]
+                for m in range(self.net.loads):
+                    p = self.net.road[4 * self.net.load_signal[m]]
+                    for i in range(n):
+                        self.load_table[k * n + i] += self.net.load_direction[m * n + i] * p
+                for r in range(self.net.rows):
+                    s = self.net.row_signal[r]
+                    if s >= 0:
+                        f = (
+                            self.net.row_k[r] * self.net.road[4 * s]
+                            + self.net.row_c[r] * self.net.road[4 * s + 1]
+                        )
+                        for i in range(n):
+                            self.load_table[k * n + i] += self.net.row_direction[r * n + i] * f
+
+    def _column(self, column, h):
+        """A macro step made of column + 1 equal substeps, into the table of the extrapolation.
+
+        The works are summed by the trapezoidal rule, whose error has the same even powers of the
+        step as the motion's, so the same extrapolation serves both.
+        """
+        n = self.n
+        m = column + 1
+        step = h / m
+        width = 2 * n + self.net.works
+        at = column * width
+        for i in range(n):
+            self.cq[i] = self.q[i]
+            self.cv[i] = self.v[i]
+            self.ca[i] = self.a[i]
+        for i in range(self.net.works):
+            self.table[at + 2 * n + i] = 0.5 * step * self.power_before[i]
+        if self.affine and self._factor_step_matrix(column, step) != 0:
+            return _NOT_POSITIVE
+        for k in range(m):
+            fraction = self.fraction_index[4 * column + k]
+            if self.affine:
+                status = self._substep_affine(column, step, fraction)
+            elif self.method >= 2:
+                status = self._substep_increments(step, fraction)
+            else:
+                status = self._substep_equilibrium(step, fraction)
+            if status != 0:
+                return status
+            self._take_signals(fraction)
+            self.net.row_states(self.cq, self.cv)
+            self.net.row_forces()
+            self.net.powers(self.cv, self.power)
+            weight = step if k + 1 < m else 0.5 * step
+            for i in range(self.net.works):
+                self.table[at + 2 * n + i] += weight * self.power[i]
+        for i in range(n):
+            self.table[at + i] = self.cq[i]
+            self.table[at + n + i] = self.cv[i]
+        return 0
+
+    def attempt(self, t, h):
+        """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb.
+
+        Aitken and Neville: T[j,m] = T[j,m-1] + (T[j,m-1] - T[j-1,m-1]) / ((n_j / n_(j-m))^2 - 1).
+        """
+        n = self.n
+        width = 2 * n + self.net.works
+        self.time = t
+        self.net.all_signals(t)
+        self.net.row_states(self.q, self.v)
+        self.net.row_forces()
+        self.net.powers(self.v, self.power_before)
+        self._prepare_signals(h)
+        self.error = 0.0
+        for column in range(self.columns):
+            status = self._column(column, h)
+            if status != 0:
+                return status
+            for m in range(1, column + 1):
+                ratio = (column + 1.0) / (column + 1.0 - m)
+                weight = 1.0 / (ratio * ratio - 1.0)
+                # the row below is overwritten from the left: T[j-1,m-1] stands at column - m
+                low = (column - m) * width
+                high = (column - m + 1) * width
+                for i in range(width):
+                    change = (self.table[high + i] - self.table[low + i]) * weight
+                    self.table[low + i] = self.table[high + i] + change
+                    if m == column and column + 1 == self.columns and i < 2 * n:
+                        self._note_error(i, fabs(change))
+        for i in range(n):
+            self.qb[i] = self.table[i]
+            self.vb[i] = self.table[n + i]
+            if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
+                return _DIVERGED
+        for i in range(self.net.works):
+            self.trial_work[i] = self.work[i] + self.table[2 * n + i]
+        self._end_of_attempt(t + h)
+        return 0
+
+    def _note_error(self, i, size):
+        """Keep the largest error in units of the tolerance, velocities by their own frequency."""
+        n = self.n
+        if i >= n:
+            k = i - n
+            omega = sqrt(fabs(self.stiffness[k * n + k]) / self.net.mass[k * n + k])
+            size /= omega if omega > 1.0 else 1.0
+        error = size / (self.tolerance * self.reach)
+        if error > self.error:
+            self.error = error
+
+    def _end_of_attempt(self, t):
+        self.net.all_signals(t)
+        self.net.row_states(self.qb, self.vb)
+        self.net.row_forces()
+        self.net.accelerate(self.ab)
+        self.net.jerk(self.vb, self.ab, self.jb)
