@@ -15,7 +15,7 @@ from suspension.engine import KERNEL, kernel_name  # noqa: E402
 NAME = kernel_name()
 STAGE = Path("build") / NAME
 # -ffp-contract=off: a fused multiply-add rounds once, so compiled and uncompiled runs would differ.
-FLAGS = [] if sys.platform == "win32" else ["-O3", "-ffp-contract=off"]
+FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
 MODULES = ("linear", "bernstein", "network", "stepper", "integrator")
 
 
@@ -32,19 +32,28 @@ class KernelBuild(build_ext):
 
     def get_ext_fullpath(self, ext_name: str) -> str:
         file = Path(self.get_ext_filename(ext_name)).name
-        folder = KERNEL if self.inplace else Path(self.build_lib, "suspension", "kernel")
-        return str(folder / NAME / file)
+        return str(Path(self.build_lib, "suspension", "kernel", NAME, file))
+
+    def copy_extensions_to_source(self) -> None:
+        for ext in self.extensions:
+            built = Path(self.get_ext_fullpath(ext.name))
+            if built.exists():
+                (KERNEL / NAME).mkdir(exist_ok=True)
+                shutil.copy2(built, KERNEL / NAME / built.name)
+
+    def get_output_mapping(self) -> dict[str, str]:
+        return {}
 
     def run(self) -> None:
         try:
             super().run()
-        except Exception as error:  # noqa: BLE001  (whatever goes wrong: sources still run)
+        except Exception as error:
             self._leave_uncompiled(error)
 
     def build_extension(self, ext: Extension) -> None:
         try:
             super().build_extension(ext)
-        except Exception as error:  # noqa: BLE001
+        except Exception as error:
             self._leave_uncompiled(error)
 
     def _leave_uncompiled(self, error: Exception) -> None:

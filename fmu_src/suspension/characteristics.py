@@ -13,6 +13,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import inf, isfinite
 
 
@@ -75,7 +76,7 @@ class Characteristic:
     def potentials(self) -> tuple[float, ...]:
         """For each piece the constant that makes `potential` continuous and zero at 0."""
         constants = [0.0]
-        for left, right in zip(self.pieces, self.pieces[1:], strict=False):
+        for left, right in pairwise(self.pieces):
             joint = right.start
             constants.append(
                 constants[-1] + left.antiderivative(joint) - right.antiderivative(joint)
@@ -97,7 +98,7 @@ class Characteristic:
             origin = start if isfinite(start) else pair[0].origin
             shifted = (_moved(piece, origin) for piece in pair)
             coefficients = tuple(a + b for a, b in zip(*shifted, strict=True))
-            pieces.append(Piece(start, origin, coefficients))  # type: ignore[arg-type]
+            pieces.append(Piece(start, origin, coefficients))
         return Characteristic(tuple(pieces))
 
 
@@ -128,7 +129,7 @@ def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) 
     """
     x0, f0 = corners[0]
     pieces = [Piece(-inf, x0, (f0, first, 0.0, 0.0))]
-    for (x, f), (x_next, f_next) in zip(corners, corners[1:], strict=False):
+    for (x, f), (x_next, f_next) in pairwise(corners):
         pieces.append(Piece(x, x, (f, (f_next - f) / (x_next - x), 0.0, 0.0)))
     x_end, f_end = corners[-1]
     pieces.append(Piece(x_end, x_end, (f_end, last, 0.0, 0.0)))
@@ -184,13 +185,10 @@ def table(points: Sequence[tuple[float, float]]) -> Characteristic:
     """
     if len(points) < 2:
         raise ValueError(f"a table needs at least two points, {len(points)} given")
-    for (x, _), (x_next, _) in zip(points, points[1:], strict=False):
+    for (x, _), (x_next, _) in pairwise(points):
         if not x < x_next:
             raise ValueError(f"table abscissae must ascend, but {x_next:g} follows {x:g}")
-    slopes = [
-        (f_next - f) / (x_next - x)
-        for (x, f), (x_next, f_next) in zip(points, points[1:], strict=False)
-    ]
+    slopes = [(f_next - f) / (x_next - x) for (x, f), (x_next, f_next) in pairwise(points)]
     return polyline(points, slopes[0], slopes[-1])
 
 

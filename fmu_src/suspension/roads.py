@@ -10,12 +10,21 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import cos, inf, pi, sin
+
+_GAUSS = (  # five nodes on (0, 1) and their weights
+    (0.04691007703066802, 0.11846344252809454),
+    (0.23076534494715845, 0.23931433524968324),
+    (0.5, 0.28444444444444444),
+    (0.76923465505284155, 0.23931433524968324),
+    (0.95308992296933199, 0.11846344252809454),
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """c0 + c1 s + c2 s^2 + c3 s^3 + amplitude cos(p0 + p1 s + p2 s^2), s = t - origin, from `start` on."""
+    """From `start`: c0 + c1 s + c2 s^2 + c3 s^3 + amplitude cos(p0 + p1 s + p2 s^2); s = t - origin."""
 
     start: float
     origin: float = 0.0
@@ -41,6 +50,35 @@ class Segment:
             acceleration -= c * speed * speed + d * 2.0 * p2
             jerk += d * speed * speed * speed - 6.0 * p2 * speed * c
         return value, rate, acceleration, jerk
+
+    def integral(self, t0: float, t1: float) -> float:
+        """Integral of the value from t0 to t1."""
+        s0, s1 = t0 - self.origin, t1 - self.origin
+        width = s1 - s0
+        middle = 0.5 * (s0 + s1)
+        c0, c1, c2, c3 = self.coefficients
+        square = width * width / 12.0
+        total = width * (
+            c0 + middle * (c1 + middle * (c2 + middle * c3)) + square * (c2 + 3.0 * middle * c3)
+        )
+        if self.amplitude == 0.0:
+            return total
+        p0, p1, p2 = self.phase
+        if p2 == 0.0:
+            half = 0.5 * p1 * width
+            sinc = sin(half) / half if half != 0.0 else 1.0
+            return total + self.amplitude * width * cos(p0 + p1 * middle) * sinc
+        # A phase quadratic in time gives Fresnel integrals: by Gauss, in panels of half a radian.
+        turn = max(abs(p1 + 2.0 * p2 * s0), abs(p1 + 2.0 * p2 * s1)) * abs(width)
+        panels = int(2.0 * turn) + 1
+        part = width / panels
+        sums = sum(
+            weight * cos(p0 + s * (p1 + s * p2))
+            for i in range(panels)
+            for node, weight in _GAUSS
+            for s in (s0 + part * (i + node),)
+        )
+        return total + self.amplitude * part * sums
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +115,20 @@ class Signal:
         """Second derivative at t."""
         return self.derivatives(t)[2]
 
+    def integral(self, t0: float, t1: float) -> float:
+        """Integral of the value from t0 to t1, joint by joint."""
+        if t1 < t0:
+            return -self.integral(t1, t0)
+        joints = self.joints
+        first, last = bisect_right(joints, t0), bisect_right(joints, t1)
+        cuts = (t0, *joints[first:last], t1)
+        return sum(
+            segment.integral(a, b)
+            for segment, a, b in zip(
+                self.segments[first : last + 1], cuts[:-1], cuts[1:], strict=True
+            )
+        )
+
     def delayed(self, delay: float) -> Signal:
         """The same signal, `delay` seconds later: the rear axle meets the front axle's road."""
         return replace(
@@ -109,7 +161,14 @@ def bump(height: float, length: float, speed: float, start: float = 0.0) -> Sign
 
 
 def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
-    """Obstacle of three parabolas with |acceleration| = 16 height / T^2, T = length / speed (AP57 eqs. 9, 10)."""
+    """Obstacle of three parabolas of constant acceleration 16 height / T^2 (AP57 eqs. 9, 10).
+
+    Parameters
+    ----------
+    height, length : m; T = length / speed is the time it takes to pass
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+    """
     duration = length / speed
     z = 16.0 * height / duration**2
     quarter = 0.25 * duration
@@ -151,7 +210,7 @@ def table(points: Sequence[tuple[float, float]], speed: float = 1.0, start: floa
         raise ValueError("a road table needs at least one point")
     instants = [(start + x / speed, value) for x, value in points]
     segments = [Segment(-inf, 0.0, (instants[0][1], 0.0, 0.0, 0.0))]
-    for (t, value), (t_next, value_next) in zip(instants, instants[1:], strict=False):
+    for (t, value), (t_next, value_next) in pairwise(instants):
         if not t < t_next:
             raise ValueError("table abscissae must ascend")
         segments.append(Segment(t, t, (value, (value_next - value) / (t_next - t), 0.0, 0.0)))

@@ -8,9 +8,11 @@ stops on every communication point, because nothing is known beyond it.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import astuple
+from functools import cached_property
 from math import inf, isfinite, nan
+from operator import mul
 
 from .engine import FAILURES, KINDS, Integrator
 from .models import System, build
@@ -193,18 +195,13 @@ class Session:
                 ("event", f"{'lift-off' if self._airborne else 'touchdown'} at {instant:.9g} s")
             )
         self._integrator.sample(self.time)
-        self._state: _State | None = None
-
-    def state(self) -> _State:
-        """Everything at the present time, worked out once and only when asked for."""
-        if self._state is None:
-            self._state = _State(
-                self._system,
-                list(self._integrator.sample_q),
-                list(self._integrator.sample_v),
-                {name: signal.derivatives(self.time) for name, signal in self._signals.items()},
-            )
-        return self._state
+        self._state = _State(
+            self._system,
+            self._integrator.sample_q,
+            self._integrator.sample_v,
+            self._signals,
+            self.time,
+        )
 
     def value(self, name: str) -> Value:
         """An output, input or parameter at the present time; not a number once the run has failed.
@@ -279,32 +276,49 @@ class Session:
 
 
 class _State:
-    """Motion, deflections and forces of a system at one instant."""
+    """Motion, deflections and forces of a system at one instant; what is not asked for is not made."""
 
     def __init__(
-        self,
-        system: System,
-        q: list[float],
-        v: list[float],
-        signals: Mapping[str, tuple[float, float, float, float]],
-    ) -> None:
-        self.q, self.v, self.signals = q, v, signals
-        self.deflections: list[tuple[float, float]] = []
-        self.forces: list[float] = []
-        net = [0.0] * len(q)
-        for element in system.elements:
-            road = signals[element.road] if element.road else (0.0, 0.0)
-            d = sum(b * x for b, x in zip(element.direction, q, strict=True)) - road[0]
-            w = sum(b * x for b, x in zip(element.direction, v, strict=True)) - road[1]
-            force = min(element.spring.force(d) + element.damper.force(w), element.limit)
-            self.deflections.append((d, w))
-            self.forces.append(force)
+        self, system: System, q: Sequence[float], v: Sequence[float], signals: Mapping[str, Signal],
+        time: float,
+    ) -> None:  # fmt: skip
+        self._system, self.q, self.v, self._sources, self._time = system, q, v, signals, time
+
+    @cached_property
+    def signals(self) -> dict[str, tuple[float, float, float, float]]:
+        """Every signal with its derivatives."""
+        return {name: signal.derivatives(self._time) for name, signal in self._sources.items()}
+
+    @cached_property
+    def deflections(self) -> list[tuple[float, float]]:
+        """Deflection and rate of every element."""
+        return [
+            (
+                sum(map(mul, e.direction, self.q)) - (self.signals[e.road][0] if e.road else 0.0),
+                sum(map(mul, e.direction, self.v)) - (self.signals[e.road][1] if e.road else 0.0),
+            )
+            for e in self._system.elements
+        ]
+
+    @cached_property
+    def forces(self) -> list[float]:
+        """Force of every element."""
+        return [
+            min(e.spring.force(d) + e.damper.force(w), e.limit)
+            for e, (d, w) in zip(self._system.elements, self.deflections, strict=True)
+        ]
+
+    @cached_property
+    def a(self) -> list[float]:
+        """Accelerations, from the equation of motion."""
+        net = [0.0] * len(self.q)
+        for element, force in zip(self._system.elements, self.forces, strict=True):
             for i, b in enumerate(element.direction):
                 net[i] -= b * force
-        for load in system.loads:
+        for load in self._system.loads:
             for i, b in enumerate(load.direction):
-                net[i] += b * signals[load.signal][0]
-        self.a = _solved(system.mass, net)
+                net[i] += b * self.signals[load.signal][0]
+        return _solved(self._system.mass, net)
 
 
 def _solved(matrix: tuple[tuple[float, ...], ...], right: list[float]) -> list[float]:
@@ -325,35 +339,37 @@ def _solved(matrix: tuple[tuple[float, ...], ...], right: list[float]) -> list[f
 def _reader(system: System, session: Session) -> dict[str, Callable[[], Value]]:
     """For every output of the model how to read it at the present time."""
     integrator = session._integrator
-    state = session.state
     read: dict[str, Callable[[], Value]] = {}
     for i, name in enumerate(system.coordinates):
-        read[f"{name}_displacement"] = lambda i=i: state().q[i]
-        read[f"{name}_velocity"] = lambda i=i: state().v[i]
-        read[f"{name}_acceleration"] = lambda i=i: state().a[i]
+        read[f"{name}_displacement"] = lambda i=i: session._state.q[i]  # type: ignore[misc]
+        read[f"{name}_velocity"] = lambda i=i: session._state.v[i]  # type: ignore[misc]
+        read[f"{name}_acceleration"] = lambda i=i: session._state.a[i]  # type: ignore[misc]
     for name in ("spring", "damper", "bump_stop", "rebound_stop", "tyre"):
         e = system.element(name)
-        read[f"{name}_force"] = (lambda: 0.0) if e is None else lambda e=e: state().forces[e]
+        read[f"{name}_force"] = (
+            (lambda: 0.0) if e is None else lambda e=e: session._state.forces[e]  # type: ignore[misc]
+        )
     tyre = system.element("tyre")
-    read["suspension_deflection"] = lambda: state().q[0] - state().q[1]
-    read["suspension_deflection_rate"] = lambda: state().v[0] - state().v[1]
     if tyre is not None:
         load = float(session.parameters["gravity"]) * sum(map(sum, system.mass))
-        read["tyre_deflection"] = lambda: state().deflections[tyre][0]
-        read["tyre_deflection_rate"] = lambda: state().deflections[tyre][1]
-        read["contact_force"] = lambda: load - state().forces[tyre]
+        read["tyre_deflection"] = lambda: session._state.deflections[tyre][0]
+        read["tyre_deflection_rate"] = lambda: session._state.deflections[tyre][1]
+        read["contact_force"] = lambda: load - session._state.forces[tyre]
         read["airborne_time"] = lambda: integrator.limited_time_at(tyre, session.time)
-    read["ground_elevation"] = lambda: state().signals["road"][0]
-    read["ground_velocity"] = lambda: state().signals["road"][1]
-    read["airborne"] = lambda: session._airborne
-    read["lift_off_count"] = lambda: session._lift_offs
-    read["last_lift_off"] = lambda: session._last["last_lift_off"]
-    read["last_touchdown"] = lambda: session._last["last_touchdown"]
-    read["energy_residual"] = lambda: integrator.residual_at(session.time)
-    read["stable_step"] = integrator.stable_step
-    read["step_count"] = lambda: integrator.step_count
-    read["ok"] = lambda: session.ok
-    return read
+    return read | {
+        "suspension_deflection": lambda: session._state.q[0] - session._state.q[1],
+        "suspension_deflection_rate": lambda: session._state.v[0] - session._state.v[1],
+        "ground_elevation": lambda: session._state.signals["road"][0],
+        "ground_velocity": lambda: session._state.signals["road"][1],
+        "airborne": lambda: session._airborne,
+        "lift_off_count": lambda: session._lift_offs,
+        "last_lift_off": lambda: session._last["last_lift_off"],
+        "last_touchdown": lambda: session._last["last_touchdown"],
+        "energy_residual": lambda: integrator.residual_at(session.time),
+        "stable_step": integrator.stable_step,
+        "step_count": lambda: integrator.step_count,
+        "ok": lambda: session.ok,
+    }
 
 
 def simulate(

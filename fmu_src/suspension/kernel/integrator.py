@@ -199,9 +199,8 @@ class Integrator:
             if self.time + h * (1.0 + 1e-9) >= end:
                 h = end - self.time
                 to_end = 1
-            if not h > 4e-16 * (fabs(self.time) + 1e-3):
-                if not to_end:
-                    return _STEP_TOO_SMALL
+            if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
+                return _STEP_TOO_SMALL
             status = self.stepper.attempt(self.time, h)
             if status != 0:
                 h *= 0.25
@@ -219,7 +218,8 @@ class Integrator:
                 self.stepper.refresh(self.time)
                 continue
             break
-        if self.controlled:
+        # a step that a joint cut short says nothing against longer ones
+        if self.controlled and (not to_end or h > self.proposal > 0.0):
             self.proposal = h * self._factor_for_error()
         landed = 0
         if 0.0 < at <= 1.0:
@@ -259,8 +259,7 @@ class Integrator:
             self.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
             self.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
             self.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
-            if fabs(self.stepper.q[i]) > self.stepper.reach:
-                self.stepper.reach = fabs(self.stepper.q[i])
+            self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
         for i in range(self.net.elements):
             self.step_limited[i] = self.net.limited[i]
             if self.net.limited[i]:

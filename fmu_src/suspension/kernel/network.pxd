@@ -49,6 +49,8 @@ cdef class Network:
     cdef void assemble(self, double[::1] stiffness, double[::1] damping) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, p=double)
     cdef void net_force(self, double[::1] out) noexcept nogil
+    @cython.locals(n=int, e=int, i=int, at=int, rest=double)
+    cdef void constant_force(self, double[::1] out) noexcept nogil
     @cython.locals(e=int, at=int)
     cdef int is_affine(self) noexcept nogil
     cdef void accelerate(self, double[::1] out) noexcept nogil

@@ -167,8 +167,7 @@ class Network:
             k = self.signal_now[s] + 1
             if k < self.signal_count[s]:
                 start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
-                if start < joint:
-                    joint = start
+                joint = min(joint, start)
         return joint
 
     def road_limit(self, t):
@@ -274,6 +273,22 @@ class Network:
         for r in range(self.rows):
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * self.row_f[r]
+
+    def constant_force(self, out):
+        """-sum b f(0, 0) with the straight pieces of the present branches carried on to zero."""
+        n = self.n
+        for i in range(n):
+            out[i] = 0.0
+        for e in range(self.elements):
+            if self.limited[e]:
+                rest = self.limit[e]
+            else:
+                at = (self.spring_first[e] + self.spring_piece[e]) * _PIECE
+                rest = self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+                at = (self.damper_first[e] + self.damper_piece[e]) * _PIECE
+                rest += self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+            for i in range(n):
+                out[i] -= self.row_direction[self.element_row[e] * n + i] * rest
 
     def is_affine(self):
         for e in range(self.elements):
@@ -454,10 +469,11 @@ class Network:
         for e in range(self.elements):
             r = self.element_row[e]
             for kind in range(3):
-                if kind == _CONTACT:
-                    x = 1e300
-                else:
-                    x = self.row_d[r] if kind == _SPRING else self.row_v[r]
+                x = 1e300  # contact is never marked: where it starts it is inside
+                if kind == _SPRING:
+                    x = self.row_d[r]
+                elif kind == _DAMPER:
+                    x = self.row_v[r]
                 mark = 0
                 if x < 1e300 and x == self.bound(e, kind, -1):
                     mark = -1

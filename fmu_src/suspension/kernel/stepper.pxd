@@ -4,6 +4,7 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE
+cdef double _SHARE
 
 cdef class Stepper:
     cdef Network net
@@ -16,7 +17,6 @@ cdef class Stepper:
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index
 
-    @cython.locals(n=int, i=int, r=int, rest=double)
     cdef void refresh(self, double t) noexcept nogil
     @cython.locals(i=int, size=int, at=int)
     cdef int _factor_step_matrix(self, int column, double h) noexcept nogil

@@ -29,6 +29,8 @@ if not cython.compiled:
 
 _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
 
+_SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
+
 METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3}
 
 
@@ -77,7 +79,6 @@ class Stepper:
 
     def refresh(self, t):
         """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
-        n = self.n
         self.stamp += 1
         self.affine = self.net.is_affine()
         self.net.all_signals(t)
@@ -85,17 +86,8 @@ class Stepper:
         self.net.row_forces()
         self.net.assemble(self.stiffness, self.damping)
         self.net.accelerate(self.a)
-        # in one branch p - sum b f = (constant + signals) - B v - K q; the constant is kept apart
-        for i in range(n):
-            self.constant[i] = 0.0
-        for r in range(self.net.rows):
-            rest = (
-                self.net.row_f[r]
-                - self.net.row_k[r] * self.net.row_d[r]
-                - self.net.row_c[r] * self.net.row_v[r]
-            )
-            for i in range(n):
-                self.constant[i] -= self.net.row_direction[r * n + i] * rest
+        # in a linear branch p - sum b f = (constant + signals) - B v - K q
+        self.net.constant_force(self.constant)
         self.net.jerk(self.v, self.a, self.j)
         self.omega_squared = self.net.fastest_mode(self.stiffness)
 
@@ -163,12 +155,10 @@ class Stepper:
                 return _NOT_POSITIVE
             for i in range(n):
                 self.ca[i] += self.rhs[i]
-                if fabs(self.rhs[i]) > size:
-                    size = fabs(self.rhs[i])
+                size = max(size, fabs(self.rhs[i]))
             largest = 1e-30
             for i in range(n):
-                if fabs(self.ca[i]) > largest:
-                    largest = fabs(self.ca[i])
+                largest = max(largest, fabs(self.ca[i]))
             if not isfinite(size):
                 return _DIVERGED
             if size <= 4e-16 * largest or (size <= 1e-10 * largest and size >= 0.5 * before):
@@ -389,9 +379,8 @@ class Stepper:
             k = i - n
             omega = sqrt(fabs(self.stiffness[k * n + k]) / self.net.mass[k * n + k])
             size /= omega if omega > 1.0 else 1.0
-        error = size / (self.tolerance * self.reach)
-        if error > self.error:
-            self.error = error
+        error = size / (_SHARE * self.tolerance * self.reach)
+        self.error = max(self.error, error)
 
     def _end_of_attempt(self, t):
         self.net.all_signals(t)

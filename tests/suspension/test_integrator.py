@@ -1,0 +1,436 @@
+"""The incremental integrator against independent references, its orders, and its invariances."""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from suspension import characteristics
+from suspension.engine import FAILURES, KINDS, Integrator
+from suspension.models import Element, Load, System, build
+from suspension.roads import constant, sine
+from tests.reference import quarter_car_reference as reference
+
+STOPS = {
+    "damper.rebound_limit": 588.399,
+    "damper.bump_limit": 294.1995,
+    "damper.limit_slope": 200.0,
+    "bump_stop.gap": 0.02,
+    "bump_stop.stiffness": 3e5,
+    "rebound_stop.gap": 0.02,
+    "rebound_stop.stiffness": 3e5,
+}
+
+
+def motion(system: System, times: np.ndarray, **options: object) -> tuple[np.ndarray, Integrator]:
+    """Displacements at the given instants, (len(times), n)."""
+    integrator = Integrator(system, start=times[0], **options)
+    rows = []
+    for t in times:
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        rows.append(list(integrator.sample_q))
+    return np.array(rows), integrator
+
+
+def error(parameters: dict[str, object], truth: reference.Reference, **options: object) -> float:
+    """Largest error in both displacements relative to the peak."""
+    found, _ = motion(build("QuarterCar", parameters), truth.times, **options)
+    exact = np.column_stack([truth.body_displacement, truth.wheel_displacement])
+    return float(np.abs(found - exact).max() / np.abs(exact).max())
+
+
+@pytest.fixture(scope="module", params=["ap57_lift_off", "ap57_no_lift_off", "stops"])
+def case(request: pytest.FixtureRequest) -> tuple[dict[str, object], reference.Reference]:
+    if request.param == "stops":
+        return STOPS, reference.solve(STOPS, np.linspace(0.0, 1.0, 101))
+    parameters = {"lift_off": request.param == "ap57_lift_off"}
+    return parameters, reference.stored(request.param)
+
+
+def test_default_settings_are_within_a_millionth_of_the_peak(
+    case: tuple[dict[str, object], reference.Reference],
+) -> None:
+    assert error(*case) < 1e-6
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7, 1e-9, 1e-11])
+def test_the_error_follows_the_tolerance(
+    case: tuple[dict[str, object], reference.Reference], tolerance: float
+) -> None:
+    assert error(*case, tolerance=tolerance) < 3.0 * tolerance
+
+
+def test_the_comparison_fails_for_another_car() -> None:
+    truth = reference.stored("ap57_lift_off")
+    assert error({"tyre.damping": 990.0}, truth) > 1e-4
+
+
+@pytest.mark.parametrize("method", ["tangent", "mean", "equilibrium"])
+def test_fixed_steps_converge_at_order_two_through_lift_off(method: str) -> None:
+    truth = reference.stored("ap57_lift_off")
+    steps = 1e-3 / 2.0 ** np.arange(5)
+    errors = [error({}, truth, method=method, step=h) for h in steps]
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize(("order", "first"), [(2, 5e-3), (4, 5e-3), (6, 1e-2), (8, 1.25e-2)])
+def test_extrapolated_steps_converge_at_their_order(order: int, first: float) -> None:
+    truth = reference.stored("ap57_lift_off")
+    steps = first / 2.0 ** np.arange(4)
+    errors = [error({}, truth, order=order, step=h) for h in steps]
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    assert slope == pytest.approx(order, abs=0.1 * order / 2)
+
+
+@pytest.mark.parametrize("method", ["tangent", "mean", "equilibrium", "extrapolated"])
+def test_a_smooth_nonlinear_spring_keeps_every_order(method: str) -> None:
+    parameters = {"spring.cubic": 5e6, "lift_off": False, "damper.bump_rate": 1961.33}
+    times = np.linspace(0.0, 0.4, 41)
+    truth = reference.solve(parameters, times, method="integrated")
+    order = 8 if method == "extrapolated" else 2
+    steps = (1e-2 if order == 8 else 1e-3) / 2.0 ** np.arange(4)
+    options = {"order": 8} if order == 8 else {}
+    errors = [error(parameters, truth, method=method, step=h, **options) for h in steps]
+    slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    if order == 8:
+        assert slope > 7.0 or errors[-1] < 1e-12
+    else:
+        assert slope == pytest.approx(2.0, abs=0.15)
+
+
+def test_switches_are_located_to_rounding() -> None:
+    truth = reference.stored("ap57_lift_off")
+    system = build("QuarterCar", {})
+    _, integrator = motion(system, truth.times, tolerance=1e-12)
+    tyre = system.element("tyre")
+    found = {
+        KINDS[kind] + str(after): t
+        for t, element, kind, _, after in integrator.log
+        if element == tyre
+    }
+    assert found["contact1"] == pytest.approx(truth.instants("tyre", "flight")[0], abs=1e-12)
+    assert found["contact0"] == pytest.approx(truth.instants("tyre", "contact")[0], abs=1e-12)
+
+
+def test_every_switch_of_the_reference_is_found_in_order() -> None:
+    truth = reference.solve(STOPS, np.linspace(0.0, 1.0, 11))
+    _, integrator = motion(build("QuarterCar", STOPS), truth.times, tolerance=1e-10)
+    found = [t for t, *_ in integrator.log if t > 0.0]
+    expected = [event.time for event in truth.events if event.element != "road"]
+    expected = [t for t in expected if t > 0.0]
+    assert len(expected) > 15
+    assert found == sorted(found)
+    assert found == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize("method", ["extrapolated", "equilibrium"])
+def test_the_energy_ledger_closes(method: str) -> None:
+    # extrapolated: to its tolerance; order 2: a fourth with half the step
+    def residual(**options: object) -> float:
+        _, integrator = motion(
+            build("QuarterCar", STOPS), np.linspace(0, 1, 11), method=method, **options
+        )
+        return abs(integrator.residual_end)
+
+    if method == "extrapolated":
+        assert residual(tolerance=1e-8) < 1e-6
+        assert residual(step=2e-2, order=2) > 1e-3
+    else:
+        assert residual(step=1e-4) < 0.3 * residual(step=2e-4)
+
+
+def oscillator(
+    mass: float, stiffness: float, damping: float, force: float = 0.0, scale: float = 1e-3
+) -> System:
+    return System(
+        coordinates=("x",),
+        mass=((mass,),),
+        elements=(
+            Element(
+                "spring",
+                (1.0,),
+                spring=characteristics.linear(stiffness),
+                damper=characteristics.linear(damping),
+            ),
+        ),
+        signals={"force": constant(force)},
+        loads=(Load((1.0,), "force"),),
+        scales=(scale,),
+    )
+
+
+def test_damped_free_vibration() -> None:
+    mass, stiffness, damping = 2.0, 800.0, 8.0
+    system = oscillator(mass, stiffness, damping)
+    integrator = Integrator(system, tolerance=1e-11)
+    integrator.set_state([0.01], [0.3])
+    decay, omega = damping / (2 * mass), sqrt(stiffness / mass - (damping / (2 * mass)) ** 2)
+    for t in np.linspace(0.0, 2.0, 21):
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        exact = exp(-decay * t) * (
+            0.01 * cos(omega * t) + (0.3 + decay * 0.01) / omega * sin(omega * t)
+        )
+        assert integrator.sample_q[0] == pytest.approx(exact, abs=1e-12)
+
+
+def test_step_response() -> None:
+    mass, stiffness = 2.0, 800.0
+    integrator = Integrator(oscillator(mass, stiffness, 0.0, force=4.0), tolerance=1e-11)
+    for t in np.linspace(0.0, 1.0, 11):
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        assert integrator.sample_q[0] == pytest.approx(
+            4.0 / stiffness * (1 - cos(sqrt(stiffness / mass) * t)), abs=1e-13
+        )
+
+
+def test_one_step_is_that_of_the_incremental_method() -> None:
+    """K~ dq = df~ of H83 eqs. 15.16 to 15.18, worked by hand for the numbers of its example 40."""
+    mass, damping, k, dt = 100.0, 200.0, 5000.0, 0.1
+    u, v = 1.0e-3, 2.0e-2
+    a = (8.0 - damping * v - k * u) / mass
+    stiffness = k + 3 / dt * damping + 6 / dt**2 * mass
+    assert stiffness == pytest.approx(k + 66_000)  # eq. (1) of the example
+    effective = mass * (6 / dt * v + 3 * a) + damping * (3 * v + dt / 2 * a)
+    assert effective == pytest.approx(6600 * v + 310 * a)  # eq. (2), load held
+    du = effective / stiffness
+    for method in ("tangent", "mean", "equilibrium"):
+        integrator = Integrator(oscillator(mass, k, damping, 8.0), method, step=dt)
+        integrator.set_state([u], [v])
+        assert integrator.advance(dt) == 0
+        integrator.sample(dt)
+        assert integrator.sample_q[0] == pytest.approx(u + du, rel=1e-14)
+        assert integrator.sample_v[0] == pytest.approx(
+            v + 3 / dt * du - 3 * v - dt / 2 * a, rel=1e-13
+        )
+        # within the step the displacement is the cubic (15.11)
+        slope = (6 / dt**2 * du - 6 / dt * v - 3 * a) / dt
+        tau = 0.037
+        integrator.sample(tau)
+        assert integrator.sample_q[0] == pytest.approx(
+            u + tau * v + tau**2 / 2 * a + tau**3 / 6 * slope, rel=1e-13
+        )
+
+
+def test_linear_acceleration_is_stable_up_to_two_root_three() -> None:
+    mass, stiffness = 1.0, 1.0
+    limit = 2.0 * sqrt(3.0)
+    assert Integrator(oscillator(mass, stiffness, 0.0)).stable_step() == pytest.approx(limit)
+
+    def growth(step: float) -> float:
+        integrator = Integrator(oscillator(mass, stiffness, 0.0), "equilibrium", step=step)
+        integrator.set_state([1e-3], [0.0])
+        integrator.advance(300 * step)
+        integrator.sample(integrator.time)
+        return abs(integrator.sample_q[0]) / 1e-3
+
+    assert growth(0.99 * limit) < 10.0
+    assert growth(1.01 * limit) > 1e3
+
+
+def test_stable_step_is_the_highest_mode_of_the_car() -> None:
+    m, k = np.diag([294.1995, 29.41995]), np.array([[14709.975, -14709.975], [-14709.975, 0]])
+    k[1, 1] = 14709.975 + 147099.75
+    omega = sqrt(np.linalg.eigvals(np.linalg.solve(m, k)).max())
+    assert Integrator(build("QuarterCar", {})).stable_step() == pytest.approx(
+        2 * sqrt(3) / omega, rel=1e-12
+    )
+
+
+def test_a_car_at_rest_stays_at_rest_to_the_bit() -> None:
+    found, integrator = motion(
+        build("QuarterCar", {"road.shape": "flat", **STOPS}), np.linspace(0, 5, 6)
+    )
+    assert np.all(found == 0.0)
+    assert integrator.log == []
+
+
+def test_flight_is_a_parabola_of_the_centre_of_mass() -> None:
+    system = build("QuarterCar", {})
+    big, small = system.mass[0][0], system.mass[1][1]
+    g = 9.80665
+    integrator = Integrator(system, tolerance=1e-11)
+    centre, times = [], np.linspace(0.0310, 0.0655, 8)
+    for t in times:
+        integrator.advance(t)
+        integrator.sample(t)
+        centre.append(
+            (big * integrator.sample_q[0] + small * integrator.sample_q[1]) / (big + small)
+        )
+    assert np.polyfit(times, centre, 2)[0] == pytest.approx(-g / 2, rel=1e-8)
+
+
+def test_a_sudden_change_of_road_velocity_may_lift_the_wheel_at_once() -> None:
+    # a sine that starts downwards at full slope: the damping force falls at the joint
+    parameters = {"road.shape": "sine", "road.height": -0.5, "road.length": 2.0, "speed": 30.0}
+    truth = reference.solve(parameters, np.linspace(0.0, 0.3, 31))
+    assert error(parameters, truth) < 1e-6
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    st.floats(0.001, 0.1),
+    st.floats(0.2, 5.0),
+    st.floats(2.0, 40.0),
+    st.floats(0.0, 0.05),
+)
+def test_mirrored_road_and_laws_give_the_mirrored_motion(
+    height: float, length: float, speed: float, start: float
+) -> None:
+    """Up and down exchanged, damper, stops and road with them; without lift-off, which has no mirror."""
+    car = {"lift_off": False, "road.length": length, "speed": speed, "road.start": start}
+    up = {
+        "road.height": height, "damper.rebound_rate": 1500.0, "damper.bump_rate": 400.0,
+        "bump_stop.gap": 0.01, "bump_stop.stiffness": 2e5,
+        "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e5,
+    }  # fmt: skip
+    down = {
+        "road.height": -height, "damper.rebound_rate": 400.0, "damper.bump_rate": 1500.0,
+        "bump_stop.gap": 0.03, "bump_stop.stiffness": 1e5,
+        "rebound_stop.gap": 0.01, "rebound_stop.stiffness": 2e5,
+    }  # fmt: skip
+    times = np.linspace(0.0, 0.5, 11)
+    one, _ = motion(build("QuarterCar", {**car, **up}), times, tolerance=1e-8)
+    other, _ = motion(build("QuarterCar", {**car, **down}), times, tolerance=1e-8)
+    assert np.abs(one + other).max() < 1e-6 * np.abs(one).max() + 1e-12
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(-20, 20), st.floats(0.3, 3.0), st.floats(3.0, 30.0))
+def test_other_units_of_mass_scale_exactly(power: int, length: float, speed: float) -> None:
+    """All masses, rates and forces times a power of two: the same motion to the bit."""
+    factor = 2.0**power
+    shape = {"road.length": length, "speed": speed, "gravity": 8.0}
+    base = {
+        "sprung_mass": 300.0, "unsprung_mass": 30.0, "spring.rate": 15000.0,
+        "tyre.stiffness": 150000.0, "tyre.damping": 1000.0, "damper.rebound_rate": 2000.0,
+        "damper.bump_rate": 500.0, "damper.rebound_limit": 500.0,
+    }  # fmt: skip
+    times = np.linspace(0.0, 0.3, 7)
+    one, _ = motion(build("QuarterCar", {**shape, **base}), times)
+    scaled = {name: factor * value for name, value in base.items()}
+    other, _ = motion(build("QuarterCar", {**shape, **scaled}), times)
+    assert np.array_equal(one, other)
+
+
+def drawn(seed: int) -> dict[str, object]:
+    """A random car with blow-off and both stops on a random bump, everything acting."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    body = between(150.0, 600.0)
+    wheel = body * between(0.07, 0.2)
+    rate = body * between(30.0, 120.0)
+    tyre = wheel * between(3000.0, 7000.0)
+    rebound = between(0.2, 0.6) * 2.0 * sqrt(rate * body)
+    bump = between(0.1, 0.3) * 2.0 * sqrt(rate * body)
+    return {
+        "sprung_mass": body, "unsprung_mass": wheel, "spring.rate": rate,
+        "tyre.stiffness": tyre, "tyre.damping": between(0.01, 0.1) * 2.0 * sqrt(tyre * wheel),
+        "damper.rebound_rate": rebound, "damper.bump_rate": bump,
+        "damper.rebound_limit": rebound * between(0.2, 0.5),
+        "damper.bump_limit": bump * between(0.2, 0.5),
+        "damper.limit_slope": between(10.0, 100.0),
+        "bump_stop.gap": between(0.01, 0.03), "bump_stop.stiffness": rate * between(5.0, 20.0),
+        "rebound_stop.gap": between(0.01, 0.03), "rebound_stop.stiffness": rate * between(5.0, 20.0),
+        "road.height": between(0.04, 0.1), "road.length": between(0.5, 2.0),
+        "speed": between(5.0, 25.0),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_drawn_cars_with_everything_acting(seed: int) -> None:
+    parameters = drawn(seed)
+    truth = reference.solve(parameters, np.linspace(0.0, 1.0, 51))
+    assert error(parameters, truth, tolerance=1e-6) < 3e-6
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.floats(-1.0, 5.0), st.floats(-2.0, 5.0), st.floats(-2.0, 9.0), st.floats(-2.0, 9.0),
+    st.floats(-3.0, 3.0), st.floats(-4.0, 0.0), st.floats(-1.0, 2.5), st.booleans(),
+)  # fmt: skip
+def test_from_tiny_to_huge_nothing_that_is_no_number_leaves_silently(
+    body: float, wheel: float, spring: float, tyre: float,
+    damping: float, height: float, speed: float, lift_off: bool,
+) -> None:  # fmt: skip
+    system = build(
+        "QuarterCar",
+        {
+            "sprung_mass": 10.0**body, "unsprung_mass": 10.0**wheel, "spring.rate": 10.0**spring,
+            "tyre.stiffness": 10.0**tyre, "damper.rebound_rate": 10.0**damping,
+            "damper.bump_rate": 10.0**damping, "tyre.damping": 0.01 * 10.0**damping,
+            "road.height": 10.0**height, "speed": 10.0**speed, "lift_off": lift_off,
+        },
+    )  # fmt: skip
+    integrator = Integrator(system, tolerance=1e-4)
+    fastest = integrator.stable_step()
+    status = integrator.advance(min(0.2, 100.0 * fastest))
+    assert status == 0 or status in FAILURES
+    integrator.sample(integrator.time)
+    assert np.all(np.isfinite(integrator.sample_q))
+
+
+def test_a_run_that_diverges_says_so() -> None:
+    integrator = Integrator(build("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3}))
+    assert integrator.advance(1.0) in FAILURES
+    assert 0.0 < integrator.time < 1.0
+
+
+def test_the_state_can_be_put_back_to_the_bit() -> None:
+    integrator = Integrator(build("QuarterCar", STOPS))
+    integrator.advance(0.04)
+    kept = integrator.snapshot()
+    integrator.advance(0.8)
+    ahead = integrator.snapshot()
+    integrator.restore(kept)
+    assert integrator.snapshot() == kept
+    integrator.advance(0.8)
+    assert integrator.snapshot() == ahead
+    with pytest.raises(ValueError, match="another system"):
+        Integrator(build("QuarterCar", {})).restore(kept)
+
+
+def test_unusable_systems_are_refused() -> None:
+    with pytest.raises(ValueError, match="positive definite"):
+        Integrator(oscillator(0.0, 1.0, 0.0))
+    with pytest.raises(ValueError, match="one entry per coordinate"):
+        Integrator(System(("x",), ((1.0,),), (Element("spring", (1.0, 0.0)),), scales=(1.0,)))
+    with pytest.raises(ValueError, match="not one of"):
+        Integrator(oscillator(1.0, 1.0, 0.0), "euler")
+    with pytest.raises(ValueError, match="1 displacements"):
+        Integrator(oscillator(1.0, 1.0, 0.0)).set_state([0.0, 1.0], [0.0])
+
+
+def test_steady_state_over_a_sine_is_the_transfer_function() -> None:
+    mass, stiffness, damping, omega = 2.0, 800.0, 40.0, 2 * pi * 2.0
+    system = System(
+        ("x",),
+        ((mass,),),
+        (
+            Element(
+                "s", (1.0,), characteristics.linear(stiffness),
+                characteristics.linear(damping), road="road",
+            ),
+        ),
+        {"road": sine(0.02, 1.0, 2.0)},
+        scales=(0.01,),
+    )  # fmt: skip
+    times = 10.0 + np.linspace(0.0, 0.5, 41)
+    integrator = Integrator(system, tolerance=1e-9)
+    found = []
+    for t in times:
+        integrator.advance(t)
+        integrator.sample(t)
+        found.append(integrator.sample_q[0])
+    h = (stiffness + 1j * omega * damping) / (stiffness - mass * omega**2 + 1j * omega * damping)
+    expected = (0.01 * h * np.exp(1j * (omega * times - pi / 2))).real
+    assert np.abs(np.array(found) - expected).max() < 1e-9

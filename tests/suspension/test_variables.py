@@ -1,0 +1,108 @@
+"""Public variables: units, ranges and names are checked where a value enters."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from suspension.models import build
+from suspension.units import UNITS, UnitError, to_si
+from suspension.variables import MODELS, ParameterError, checked_parameters, variables
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "value"),
+    [
+        ("5 cm", "m", 0.05),
+        ("72 km/h", "m/s", 20.0),
+        ("15 N/mm", "N/m", 15000.0),
+        ("15 kgf/cm", "N/m", 14709.975),
+        ("0.3 kgf.s2/cm", "kg", 294.1995),
+        ("1 kgf·s/cm", "N.s/m", 980.665),
+        ("2 N*s/mm", "N.s/m", 2000.0),
+        ("-2.5e1 mm", "m", -0.025),
+        ("7", "m", 7.0),
+        (".5ms", "s", 0.0005),
+        ("9.81 m/s²", "m/s2", 9.81),
+    ],
+)
+def test_quantities(quantity: str, unit: str, value: float) -> None:
+    assert to_si(quantity, unit) == pytest.approx(value, rel=1e-14)
+
+
+@pytest.mark.parametrize(("quantity", "unit"), [("5 kg", "m"), ("5 parsec", "m"), ("m", "m")])
+def test_a_wrong_unit_names_what_is_allowed(quantity: str, unit: str) -> None:
+    with pytest.raises(UnitError, match=r"cm|number with a unit"):
+        to_si(quantity, unit)
+
+
+@given(st.floats(-1e9, 1e9), st.sampled_from(sorted(UNITS)))
+def test_every_display_unit_is_a_multiple_of_its_unit(x: float, unit: str) -> None:
+    for name, size in UNITS[unit].display.items():
+        assert to_si(f"{x!r} {name}", unit) == pytest.approx(x * size)
+
+
+@pytest.mark.parametrize(
+    ("given_", "complaint"),
+    [
+        ({"sprung_mas": 1.0}, r"'sprung_mas'; did you mean 'sprung_mass'\?"),
+        ({"sprung_mass": -3.0}, r"sprung_mass = -3: must be greater than 0 in kg"),
+        ({"sprung_mass": 0}, r"greater than 0"),
+        ({"sprung_mass": float("nan")}, r"sprung_mass = nan"),
+        ({"sprung_mass": float("inf")}, r"sprung_mass = inf"),
+        ({"sprung_mass": True}, r"must be a number in kg"),
+        ({"sprung_mass": "heavy"}, r"not a number with a unit"),
+        ({"sprung_mass": "3 m"}, r"unit 'm' does not fit here; allowed: kg, g, t"),
+        ({"lift_off": 1}, r"lift_off = 1: must be true or false"),
+        ({"road.shape": "bmup"}, r"must be one of .* did you mean 'bump'"),
+        ({"road.shape": 3}, r"must be a text"),
+        ({"solver.tolerance": 0.5}, r"at least 1e-12 and at most 0.1"),
+        ({"spring.rate": "-1 N/mm"}, r"spring.rate = -1000: must be at least 0"),
+        ({"spring.table": "0:0, 1"}, r"spring.table = '0:0, 1': must be pairs"),
+        ({"spring.table": "0:0, 0:1"}, r"spring.table: table abscissae must ascend"),
+        ({"spring.table": "-1:5, 1:20"}, r"must pass through 0:0"),
+        ({"road.shape": "table", "road.table": "1:0, 0:0"}, r"road.table: .*ascend"),
+        ({"road.shape": "table", "road.table": "x"}, r"road.table = 'x': must be pairs"),
+    ],
+)
+def test_a_wrong_parameter_gives_one_clear_line(given_: dict[str, object], complaint: str) -> None:
+    with pytest.raises(ParameterError, match=complaint) as error:
+        build("QuarterCar", given_)
+    assert "\n" not in str(error.value)
+
+
+def test_an_unknown_model_names_the_nearest() -> None:
+    with pytest.raises(ParameterError, match="did you mean 'QuarterCar'"):
+        variables("Quartercar")
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_default_is_allowed_and_every_unit_known(model: str) -> None:
+    names = [v.name for v in variables(model)]
+    assert len(names) == len(set(names))
+    for v in variables(model):
+        assert v.checked(v.start) == v.start
+        assert not v.unit or v.unit in UNITS
+        assert not v.display or v.display in UNITS[v.unit].display
+        assert v.description
+    assert checked_parameters(model, {}) == {
+        v.name: v.start for v in variables(model) if v.causality == "parameter"
+    }
+
+
+def test_defaults_are_those_of_the_worked_example() -> None:
+    p = checked_parameters("QuarterCar", {})  # AP57 section 8, 1 kgf = 9.80665 N
+    assert p["sprung_mass"] == pytest.approx(294.1995)
+    assert p["unsprung_mass"] == pytest.approx(29.41995)
+    assert p["spring.rate"] == pytest.approx(14709.975)
+    assert p["tyre.stiffness"] == pytest.approx(147099.75)
+    assert p["tyre.damping"] == pytest.approx(980.665)
+    assert p["damper.rebound_rate"] == pytest.approx(1961.33)
+    assert p["damper.bump_rate"] == pytest.approx(490.3325)
+
+
+def test_elements_that_never_act_are_left_out() -> None:
+    names = [element.name for element in build("QuarterCar", {}).elements]
+    assert names == ["spring", "damper", "tyre"]
+    assert build("QuarterCar", {"bump_stop.stiffness": 1e5}).element("bump_stop") is not None
