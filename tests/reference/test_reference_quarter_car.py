@@ -1,0 +1,379 @@
+"""The references themselves: against each other, the paper's equations and its numbers."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.reference import quarter_car_reference as reference
+from tests.reference.quarter_car_reference import (
+    BLOW_OFF_TABLE,
+    DEFAULTS,
+    KGF,
+    STORED,
+    Reference,
+    car_from,
+    largest_difference,
+    solve,
+    stored,
+)
+
+STOPS: dict[str, Any] = {
+    "bump_stop.gap": 0.02,
+    "bump_stop.stiffness": 2e5,
+    "rebound_stop.gap": 0.002,
+    "rebound_stop.stiffness": 5e4,
+    "damper.rebound_limit": 400.0,
+    "damper.bump_limit": 300.0,
+    "damper.limit_slope": 80.0,
+}
+CARS: dict[str, dict[str, Any]] = {
+    "AP57": {},
+    "AP57 held to the road": {"lift_off": False},
+    "slopes falling to a fifth": {"damper.table": BLOW_OFF_TABLE},
+    "stops and blow-off": STOPS,
+    "obstacle": {**STOPS, "road.shape": "obstacle", "road.length": 0.6, "road.start": 0.013},
+    "undamped tyre": {"tyre.damping": 0.0, "road.height": 0.08},
+    "no gap, no rebound damping": {**STOPS, "bump_stop.gap": 0.0, "damper.rebound_rate": 0.0},
+    "broken road": {"road.shape": "table", "road.table": "1:0, 2:0.03, 2.2:-0.1, 3:0"},
+    "sine": {"road.shape": "sine", "road.height": 0.03, "road.length": 3.0},
+}
+
+
+def bump_of_the_paper(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Elevation and velocity of AP57 section 8, cm and cm/s."""
+    on = (t >= 0.0) & (t <= 0.05)
+    turn = 40.0 * np.pi
+    return (
+        np.where(on, 2.5 * (1.0 - np.cos(turn * t)), 0.0),
+        np.where(on, 2.5 * turn * np.sin(turn * t), 0.0),
+    )
+
+
+def tyre_bracket_of_the_paper(solution: Reference) -> np.ndarray:
+    """c2 (x2 - xi) + k2 (x2' - xi') of AP57 section 8, kgf."""
+    elevation, velocity = bump_of_the_paper(solution.times)
+    return 150.0 * (1e2 * solution.wheel_displacement - elevation) + 1.0 * (
+        1e2 * solution.wheel_velocity - velocity
+    )
+
+
+def airborne(solution: Reference) -> np.ndarray:
+    """Whether an instant lies between a lift-off and the next touchdown."""
+    lift_offs, touchdowns = (solution.instants("tyre", to) for to in ("flight", "contact"))
+    return (np.searchsorted(lift_offs, solution.times, side="right")) > (
+        np.searchsorted(touchdowns, solution.times, side="right")
+    )
+
+
+@pytest.mark.parametrize("name", CARS)
+def test_exact_and_integrated_reference_agree(name: str) -> None:
+    times = np.linspace(0.0, 0.5, 251)
+    exact, integrated = (solve(CARS[name], times, way) for way in ("exact", "integrated"))
+    assert largest_difference(exact, integrated) < 1e-11
+    for column in reference.COLUMNS:
+        one, other = getattr(exact, column), getattr(integrated, column)
+        np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-10 * abs(one).max())
+    assert [event[1:] for event in exact.events] == [event[1:] for event in integrated.events]
+    np.testing.assert_allclose(
+        [event.time for event in integrated.events],
+        [event.time for event in exact.events],
+        rtol=0.0,
+        atol=1e-11,
+    )
+
+
+ANY_CAR = st.fixed_dictionaries(
+    {
+        "sprung_mass": st.floats(150.0, 600.0),
+        "unsprung_mass": st.floats(15.0, 60.0),
+        "damper.rebound_rate": st.floats(0.0, 4000.0),
+        "damper.bump_rate": st.floats(0.0, 2000.0),
+        "damper.rebound_limit": st.sampled_from([0.0, 200.0, 600.0]),
+        "bump_stop.gap": st.floats(0.0, 0.05),
+        "bump_stop.stiffness": st.just(1e5),
+        "tyre.damping": st.sampled_from([0.0, 300.0]),
+        "road.shape": st.sampled_from(["bump", "obstacle"]),
+        "road.length": st.floats(0.4, 3.0),
+        "speed": st.just(10.0),
+    }
+)
+
+
+@settings(max_examples=6, deadline=None, derandomize=True)
+@given(car=ANY_CAR)
+def test_the_two_references_agree_for_any_car(car: dict[str, Any]) -> None:
+    times = np.linspace(0.0, 0.4, 41)
+    assert largest_difference(solve(car, times, "exact"), solve(car, times, "integrated")) < 1e-11
+
+
+@pytest.mark.parametrize("may_leave", [True, False])
+def test_the_equations_of_the_paper_hold_in_its_own_units(may_leave: bool) -> None:
+    """AP57 eqs. 14 and 29 with the numbers of section 8, kgf, cm and s."""
+    run = solve({"lift_off": may_leave}, np.linspace(0.0, 0.5, 501))
+    y = 1e2 * (run.body_displacement - run.wheel_displacement)
+    rate = 1e2 * (run.body_velocity - run.wheel_velocity)
+    coupling = 15.0 * y + np.where(rate > 0.0, 2.0 * rate, 0.5 * rate)
+    weight = 0.33 * 980.665
+    tyre = np.where(airborne(run), weight, tyre_bracket_of_the_paper(run))
+    assert airborne(run).any() == may_leave
+    body = 0.3 * 1e2 * run.body_acceleration + coupling
+    wheel = 0.03 * 1e2 * run.wheel_acceleration - coupling + tyre
+    assert abs(body).max() < 1e-11 * abs(coupling).max()
+    assert abs(wheel).max() < 1e-11 * abs(tyre).max()
+    np.testing.assert_allclose(run.contact_force, KGF * (weight - tyre), rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("way", ["exact", "integrated"])
+def test_switches_lie_where_their_conditions_vanish(way: str) -> None:
+    events = solve({}, [1.0], way).events
+    at = solve({}, sorted({event.time for event in events}), way)
+    rate = 1e2 * (at.body_velocity - at.wheel_velocity)
+    would_be_contact = 0.33 * 980.665 - tyre_bracket_of_the_paper(at)
+    for event in events:
+        i = int(np.flatnonzero(at.times == event.time)[0])
+        if event.element == "damper":
+            assert abs(rate[i]) < 1e-11  # cm/s
+        elif event.element == "tyre":
+            assert abs(would_be_contact[i]) < 1e-10  # kgf
+        else:
+            assert (event.element, event.time) == ("road", 0.05)
+
+
+def test_each_contact_and_each_damper_branch_has_the_sign_it_is_named_for() -> None:
+    run = solve({}, np.linspace(0.0, 1.0, 2001))
+    flying = airborne(run)
+    assert (run.contact_force[~flying] > 0.0).all()
+    assert (run.contact_force[flying] == 0.0).all()
+    assert (tyre_bracket_of_the_paper(run)[flying] > 0.33 * 980.665).all()
+    rate = run.body_velocity - run.wheel_velocity
+    for before, after in pairwise(
+        [(0.0, "bump"), *((e.time, e.after) for e in run.events if e.element == "damper")]
+    ):
+        inside = (run.times > before[0]) & (run.times < after[0])
+        assert (rate[inside] < 0.0).all() == (before[1] == "bump")
+        assert (rate[inside] > 0.0).all() == (before[1] == "rebound")
+
+
+@pytest.mark.parametrize("way", ["exact", "integrated"])
+def test_in_flight_the_centre_of_mass_falls_freely(way: str) -> None:
+    (lift_off,), (touchdown,) = (solve({}, [0.2], way).instants("tyre", to)
+                                 for to in ("flight", "contact"))  # fmt: skip
+    run = solve({}, np.linspace(lift_off, touchdown, 60), way)
+    body, wheel = 30.0 * KGF, 3.0 * KGF
+    moment = body * run.body_displacement + wheel * run.wheel_displacement
+    momentum = body * run.body_velocity + wheel * run.wheel_velocity
+    s = run.times - lift_off
+    weight = (body + wheel) * 9.80665
+    np.testing.assert_allclose(
+        moment, moment[0] + momentum[0] * s - 0.5 * weight * s**2, rtol=0.0, atol=1e-12
+    )
+    np.testing.assert_allclose(momentum, momentum[0] - weight * s, rtol=0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("car", "way"),
+    [({}, "exact"), ({}, "integrated"), (STOPS, "exact"), ({"spring.cubic": 3e6}, "integrated")],
+    ids=["AP57 exact", "AP57 integrated", "stops and blow-off", "cubic spring"],
+)
+def test_energy_and_kinematics_balance(car: dict[str, Any], way: str) -> None:
+    """Change of T + U = - (dissipated) - integral of the tyre bracket over the wheel's way."""
+    p = {**DEFAULTS, **car}
+    end = 0.3
+    joints = np.unique([*np.linspace(0.0, end, 31), *(e.time for e in solve(car, [end]).events)])
+    nodes, weights = np.polynomial.legendre.leggauss(10)
+    mid, half = 0.5 * (joints[1:] + joints[:-1]), 0.5 * np.diff(joints)
+    inner = (mid[:, None] + half[:, None] * nodes).ravel()
+
+    def over_time(integrand: np.ndarray) -> np.ndarray:
+        pieces = (half[:, None] * weights * integrand.reshape(len(half), -1)).sum(axis=1)
+        return np.concatenate([[0.0], np.cumsum(pieces)])
+
+    at, run = solve(car, joints, way), solve(car, inner, way)
+    for motion in ("body", "wheel"):
+        for integral, integrand in (("displacement", "velocity"), ("velocity", "acceleration")):
+            np.testing.assert_allclose(
+                over_time(getattr(run, f"{motion}_{integrand}")),
+                getattr(at, f"{motion}_{integral}"),
+                rtol=0.0,
+                atol=1e-12,
+            )
+
+    rate = run.body_velocity - run.wheel_velocity
+    damper = np.where(rate > 0.0, p["damper.rebound_rate"], p["damper.bump_rate"]) * rate
+    for side, limit in ((1.0, p["damper.rebound_limit"]), (-1.0, p["damper.bump_limit"])):
+        if limit > 0.0:
+            slope = p["damper.rebound_rate"] if side > 0.0 else p["damper.bump_rate"]
+            beyond = side * damper > limit
+            open_valve = side * limit + p["damper.limit_slope"] * (rate - side * limit / slope)
+            damper = np.where(beyond, open_valve, damper)
+    weight = (p["sprung_mass"] + p["unsprung_mass"]) * p["gravity"]
+    road_work = -over_time((weight - run.contact_force) * run.wheel_velocity)
+
+    y = at.body_displacement - at.wheel_displacement
+    energy = (
+        0.5 * p["sprung_mass"] * at.body_velocity**2
+        + 0.5 * p["unsprung_mass"] * at.wheel_velocity**2
+        + 0.5 * p["spring.rate"] * y**2
+        + 0.25 * p["spring.cubic"] * y**4
+        + 0.5 * p["bump_stop.stiffness"] * np.maximum(-y - p["bump_stop.gap"], 0.0) ** 2
+        + 0.5 * p["rebound_stop.stiffness"] * np.maximum(y - p["rebound_stop.gap"], 0.0) ** 2
+    )
+    assert energy.max() > 10.0
+    np.testing.assert_allclose(
+        energy + over_time(damper * rate), road_work, rtol=0.0, atol=1e-11 * energy.max()
+    )
+
+
+def test_the_worked_example_has_its_known_numbers() -> None:
+    held = solve({"lift_off": False}, np.linspace(0.0, 0.1, 2001))
+    static_deflection = held.contact_force[0] / (15000.0 * KGF)
+    assert static_deflection == pytest.approx(0.02157, abs=5e-6)
+    # the wheel would leave the road: the bracket exceeds c2 x2st
+    assert tyre_bracket_of_the_paper(held).max() / 150.0 == pytest.approx(4.82, abs=5e-3)
+    assert held.contact_force.min() < 0.0
+
+    events = solve({}, [0.2])
+    (lift_off,), (touchdown,) = (
+        events.instants("tyre", "flight"),
+        events.instants("tyre", "contact"),
+    )
+    assert touchdown == pytest.approx(0.0656, abs=5e-5)
+    at = solve({}, [lift_off, touchdown])
+    elevation = bump_of_the_paper(at.times)[0] * 1e-2
+    from_free_length = at.wheel_displacement - elevation - static_deflection
+    energies = 0.5 * 15000.0 * KGF * from_free_length**2
+    np.testing.assert_allclose(energies, [48.2, 6.5], atol=0.05)
+    # the wheel passes x2st, where AP57's shortcut sees the touchdown, only later
+    around = solve({}, [0.07215, 0.0722]).wheel_displacement - static_deflection
+    assert around[0] > 0.0 > around[1]
+
+
+def test_blow_off_case_switches_seventeen_times() -> None:
+    run = stored("ap57_blow_off")
+    elements = [event.element for event in run.events]
+    assert {name: elements.count(name) for name in elements} == {"damper": 14, "tyre": 2, "road": 1}
+
+
+@pytest.mark.parametrize("name", STORED)
+def test_stored_file_is_what_the_program_makes(name: str) -> None:
+    parameters, duration, count = STORED[name]
+    kept = stored(name)
+    fresh = solve(parameters, np.linspace(0.0, duration, count))
+    for column in reference.COLUMNS:
+        one, other = getattr(kept, column), getattr(fresh, column)
+        np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-12 * abs(one).max())
+    assert [event[1:] for event in kept.events] == [event[1:] for event in fresh.events]
+    np.testing.assert_allclose(
+        [e.time for e in kept.events], [e.time for e in fresh.events], rtol=0.0, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("car", "wrong"),
+    [
+        *(
+            ({}, {name: 1.001 * float(DEFAULTS[name])})
+            for name in (
+                "sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate",
+                "damper.bump_rate", "tyre.stiffness", "tyre.damping", "gravity", "road.height",
+                "road.length", "speed",
+            )
+        ),
+        *(
+            (STOPS, {name: 1.001 * STOPS[name]})
+            for name in STOPS
+        ),
+        ({}, {"road.start": 1e-5}),
+        ({}, {"road.shape": "obstacle"}),
+        ({}, {"lift_off": False}),
+        ({}, {"spring.cubic": 1e3}),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_wrong_parameter_shows(car: dict[str, Any], wrong: dict[str, Any]) -> None:
+    """A comparison at 1e-6 of the peak notices a parameter that is wrong by a thousandth."""
+    times = np.linspace(0.0, 0.2, 41)
+    assert largest_difference(solve(car, times), solve({**car, **wrong}, times)) > 3e-6
+
+
+def test_blow_off_by_limits_and_by_table_are_one_law() -> None:
+    limits = {
+        "damper.rebound_limit": 60.0 * KGF,
+        "damper.bump_limit": 30.0 * KGF,
+        "damper.limit_slope": 20.0 * KGF,
+    }
+    table = ", ".join(
+        f"{rate}:{force}"
+        for rate, force in (
+            (-1.6, -50.0 * KGF), (-0.6, -30.0 * KGF), (0, 0), (0.3, 60.0 * KGF), (1.3, 80.0 * KGF),
+        )
+    )  # fmt: skip
+    times = np.linspace(0.0, 0.5, 101)
+    assert largest_difference(solve(limits, times), solve({"damper.table": table}, times)) < 1e-12
+
+
+@pytest.mark.parametrize("way", ["exact", "integrated"])
+def test_a_bump_met_later_shifts_everything(way: str) -> None:
+    """Until then the car rests, to the last bit, on the corner of its damper."""
+    times = np.linspace(0.0, 0.3, 61)
+    now, later = solve({}, times, way), solve({"road.start": 0.1}, [0.05, *(times + 0.1)], way)
+    assert later.body_displacement[0] == later.wheel_displacement[0] == 0.0
+    for column in reference.COLUMNS[1:]:
+        one, other = getattr(now, column), getattr(later, column)[1:]
+        np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-10 * abs(one).max())
+
+
+def test_a_nearly_straight_spring_gives_the_straight_one() -> None:
+    times = np.linspace(0.0, 0.3, 31)
+    bent, straight = solve({"spring.cubic": 1e-3}, times), solve({}, times, "exact")
+    assert 0.0 < largest_difference(bent, straight) < 1e-10
+
+
+def test_roads_follow_their_formulas() -> None:
+    bump = car_from({"road.start": 0.3}).road
+    assert [piece.start for piece in bump[1:]] == pytest.approx([0.3, 0.35], abs=1e-15)
+    for t in np.linspace(0.0, 0.05, 11):
+        elevation, velocity = bump_of_the_paper(t)
+        assert bump[1].at(0.3 + t)[:2] == pytest.approx(
+            (1e-2 * elevation, 1e-2 * velocity), abs=1e-13
+        )
+    # AP57 eqs. 9 and 10 with a = 5 cm, T = 0.05 s
+    obstacle = car_from({"road.shape": "obstacle"}).road
+    assert [piece.start for piece in obstacle[1:]] == pytest.approx([0.0, 0.0125, 0.0375, 0.05])
+    accelerations = [piece.acceleration for piece in obstacle[1:]]
+    assert accelerations == pytest.approx([320.0, -320.0, 320.0, 0.0], abs=1e-11)
+    assert obstacle[2].at(0.025)[:2] == pytest.approx((0.05, 0.0), abs=1e-15)
+    for left, right in pairwise(obstacle[1:]):
+        assert left.at(right.start)[:2] == pytest.approx(right.at(right.start)[:2], abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("car", "times", "way", "message"),
+    [
+        ({"spring_rate": 1.0}, [0.0, 1.0], "", "spring_rate"),
+        ({"road.shape": "kerb"}, [0.0, 1.0], "", "kerb"),
+        ({"damper.table": "-1:-10, 1:20"}, [0.0, 1.0], "", "force at 0"),
+        ({"spring.cubic": 1e6}, [0.0, 1.0], "exact", "cubic"),
+        ({}, [0.0, 1.0], "euler", "euler"),
+        ({}, [0.0, 0.2, 0.1], "", "ascend"),
+        ({}, [-0.1, 0.1], "", "ascend"),
+        ({}, [], "", "ascend"),
+        ({}, [0.0, float("nan")], "", "ascend"),
+    ],
+)
+def test_bad_input_is_refused(
+    car: dict[str, Any], times: list[float], way: str, message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        solve(car, times, way)
+
+
+def test_comparing_different_instants_is_refused() -> None:
+    with pytest.raises(ValueError, match="same instants"):
+        largest_difference(solve({}, [0.0, 0.1]), solve({}, [0.0, 0.2]))
