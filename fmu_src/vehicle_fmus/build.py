@@ -1,0 +1,229 @@
+"""Packs the FMUs: a clean stage, pythonfmu's builder, and everything it leaves out.
+
+All FMUs that a process loads share one `sys.modules`, so the modules inside an FMU go by names that
+carry a hash of their content: equal content is loaded once, different content never mixes.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from io import BytesIO
+from pathlib import Path
+from tempfile import NamedTemporaryFile, TemporaryDirectory
+from uuid import UUID
+from xml.etree import ElementTree
+
+import suspension
+from suspension.engine import kernel_name
+from suspension.session import Session
+from suspension.variables import Value, refuse_unknown, variables
+
+from . import slaves
+from .manual import DOCUMENTATION, page
+from .model_description import completed
+from .slaves.vehicle_slave import START_VALUES
+
+SUSPENSION = Path(suspension.__file__).parent
+SLAVES = Path(slaves.__file__).parent
+SCRIPTS = {"QuarterCar": "quarter_car.py"}
+
+_NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
+
+
+def build(
+    models: Sequence[str],
+    folder: Path,
+    *,
+    parameters: Mapping[str, Mapping[str, object]] | None = None,
+) -> list[Path]:
+    """Pack models as FMI 2.0 co-simulation FMUs, `<model>.fmu` each.
+
+    Equal sources give equal files. Either all FMUs are written or none.
+
+    Parameters
+    ----------
+    models : `QuarterCar`
+    folder : where to; made if it is missing
+    parameters : for each model, start values in place of the defaults, as `Session` takes them
+
+    Returns
+    -------
+    The files written, in the order of `models`.
+
+    Raises
+    ------
+    ParameterError : unknown model or parameter, or a start value that is refused.
+    RuntimeError : pythonfmu could not build an FMU; the message holds what it said.
+    """
+    parameters = parameters or {}
+    for model in models:
+        variables(model)
+    refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    archives: dict[Path, bytes] = {}
+    for model in models:
+        given = parameters.get(model, {})
+        accepted = Session(model, given).parameters  # reads the tables, too
+        archives[Path(folder, f"{model}.fmu")] = _packed(model, {n: accepted[n] for n in given})
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    _write_all(archives)
+    return list(archives)
+
+
+# -- what goes in ----------------------------------------------------------------------------------
+
+
+def _digest(*parts: bytes) -> str:
+    digest = sha256()
+    for part in parts:
+        digest.update(len(part).to_bytes(8, "big") + part)
+    return digest.hexdigest()
+
+
+def _hashed(name: str, *parts: bytes) -> str:
+    return f"{name}_{_digest(*parts)[:12]}"
+
+
+def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
+    """The source with top-level modules imported by other names."""
+    for old, new in names.items():
+        source = re.sub(rf"^(from|import) {re.escape(old)}\b".encode(), rf"\1 {new}".encode(),
+                        source, flags=re.MULTILINE)  # fmt: skip
+    return source
+
+
+def _suspension_sources() -> dict[str, bytes]:
+    """The package by path: sources, what they are compiled with, and the compiled kernel if any."""
+    kernel = SUSPENSION / "kernel"
+    binaries = kernel / kernel_name(kernel)
+    paths = [
+        *SUSPENSION.glob("*.py"),
+        *kernel.glob("*.py"),
+        *kernel.glob("*.pxd"),  # the kernel's name is a hash of these too
+        *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),
+    ]
+    return {path.relative_to(SUSPENSION).as_posix(): path.read_bytes() for path in sorted(paths)}
+
+
+def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, list[Path]]:
+    """Lay out what the FMU carries; the script, and what stands beside it."""
+    package = _suspension_sources()
+    sources = [part for path, text in package.items() if not path.endswith((".so", ".pyd"))
+               for part in (path.encode(), text)]  # fmt: skip
+    names = {"suspension": _hashed("suspension", *sources)}
+    for path, content in package.items():
+        target = stage / names["suspension"] / path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+    base = _renamed_imports((SLAVES / "vehicle_slave.py").read_bytes(), names)
+    names["vehicle_fmus.slaves.vehicle_slave"] = _hashed("vehicle_slave", base)
+    base_file = stage / f"{names['vehicle_fmus.slaves.vehicle_slave']}.py"
+    base_file.write_bytes(base)
+    slave = SLAVES / SCRIPTS[model]
+    content = _renamed_imports(slave.read_bytes(), names)
+    script = stage / f"{_hashed(slave.stem, content)}.py"
+    script.write_bytes(content)
+    start_values = stage / START_VALUES
+    start_values.write_text(json.dumps(dict(sorted(start.items())), indent=1) + "\n", "utf-8")
+    return script, [stage / names["suspension"], base_file, start_values]
+
+
+def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
+    """Run pythonfmu's builder, in a process of its own: it imports what it packs."""
+    command = [
+        sys.executable, "-B", "-P", "-m", "pythonfmu", "build",
+        "--file", str(script), "--dest", str(target), "--handle-state", "--serialize-state",
+        *map(str, beside),
+    ]  # fmt: skip
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0 or not target.exists():
+        raise RuntimeError(f"pythonfmu could not build {target.name}:\n{done.stderr.strip()}")
+
+
+def _packed(model: str, start: dict[str, Value]) -> bytes:
+    """The whole archive of one FMU."""
+    with TemporaryDirectory() as work:
+        stage, raw = Path(work, "stage"), Path(work, f"{model}.fmu")
+        stage.mkdir()
+        _run_pythonfmu(*_staged(model, start, stage), raw)
+        with zipfile.ZipFile(raw) as archive:
+            members = {name: archive.read(name) for name in archive.namelist()}
+    about = _about()
+    members |= {
+        "model.png": (DOCUMENTATION / "model.png").read_bytes(),
+        "documentation/index.html": page(model, start, about["generationTool"]).encode(),
+        "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
+        "documentation/licenses/license.txt": _text("license.txt"),
+    }
+    description = completed(members.pop("modelDescription.xml"), model, about, start)
+    description.set("guid", _guid({**members, "description": ElementTree.tostring(description)}))
+    ElementTree.indent(description)
+    members["modelDescription.xml"] = ElementTree.tostring(
+        description, encoding="UTF-8", xml_declaration=True
+    )
+    return _zipped(members)
+
+
+def _text(name: str) -> bytes:
+    return (DOCUMENTATION / name).read_bytes()
+
+
+def _about() -> dict[str, str]:
+    """Attributes of the model description that say what made it, and when."""
+    try:
+        own = version("phaseplane")
+    except PackageNotFoundError:  # run from its sources
+        own = ""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH")
+    made = datetime.fromtimestamp(int(epoch), UTC).isoformat()[:19] + "Z" if epoch else ""
+    return {
+        "guid": "",
+        "version": own,
+        "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {version('pythonfmu')}",
+        "generationDateAndTime": made,  # no clock: it would make every build another one
+    }
+
+
+def _guid(members: Mapping[str, bytes]) -> str:
+    parts = [part for name in sorted(members) for part in (name.encode(), members[name])]
+    return str(UUID(hex=_digest(*parts)[:32]))
+
+
+# -- archive ---------------------------------------------------------------------------------------
+
+
+def _zipped(members: Mapping[str, bytes]) -> bytes:
+    """A zip archive that depends on nothing but its members."""
+    buffer = BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(members):
+            entry = zipfile.ZipInfo(name, _NO_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, on every system
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, members[name])
+    return buffer.getvalue()
+
+
+def _write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write all files beside their targets, and only then put them in place."""
+    written: dict[Path, Path] = {}
+    try:
+        for target, content in contents.items():
+            with NamedTemporaryFile(dir=target.parent, suffix=".part", delete=False) as file:
+                written[target] = Path(file.name)
+                file.write(content)
+            written[target].chmod(0o644)
+        for target, part in written.items():
+            os.replace(part, target)
+    finally:
+        for part in written.values():
+            part.unlink(missing_ok=True)

@@ -1,0 +1,65 @@
+"""The page an FMU shows of itself: equations from a template, its variables from the code."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+from string import Template
+
+from suspension.variables import Value, Variable, variables
+
+from .model_description import in_words
+
+DOCUMENTATION = Path(__file__).parent / "documentation"
+
+_HEADINGS = {"parameter": "Parameters", "input": "Inputs", "output": "Outputs"}
+
+
+def page(model: str, start: dict[str, Value], colophon: str) -> str:
+    """documentation/index.html of a model.
+
+    Parameters
+    ----------
+    model : `QuarterCar`
+    start : parameters whose start values are not the defaults
+    colophon : what made the FMU
+    """
+    return Template((DOCUMENTATION / "index.html").read_text("utf-8")).substitute(
+        model=model,
+        equations=(DOCUMENTATION / f"{model}.html").read_text("utf-8"),
+        variables=variable_table(variables(model), start),
+        colophon=escape(colophon),
+    )
+
+
+def variable_table(declared: tuple[Variable, ...], start: dict[str, Value]) -> str:
+    """Name, unit, start value and meaning of every variable, as HTML."""
+    parts = []
+    for causality, heading in _HEADINGS.items():
+        parts.append(f"<h3>{heading}</h3>\n<table>")
+        parts.append("<tr><th>Name</th><th>Unit</th><th>Start</th><th>Meaning</th></tr>")
+        for variable in declared:
+            if variable.causality == causality:
+                value = start.get(variable.name, variable.start)
+                cells = (
+                    variable.name,
+                    _unit(variable),
+                    "" if causality == "output" else _text(value),
+                    in_words(variable),
+                )
+                row = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
+                parts.append(f"<tr>{row}</tr>")
+        parts.append("</table>")
+    return "\n".join(parts)
+
+
+def _unit(variable: Variable) -> str:
+    if not isinstance(variable.start, float):
+        return {bool: "Boolean", int: "Integer", str: "text"}[type(variable.start)]
+    return f"{variable.unit} ({variable.display})" if variable.display else variable.unit
+
+
+def _text(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:.9g}" if isinstance(value, float) else str(value)

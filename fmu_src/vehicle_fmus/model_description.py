@@ -1,0 +1,101 @@
+"""What an FMU says of its variables beyond what pythonfmu writes: units, ranges, dependencies.
+
+All of it follows from the tables of variables and units, so nothing of it need travel in the FMU.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from suspension.units import UNITS
+from suspension.variables import Value, Variable, variables
+
+
+def completed(
+    description: bytes, model: str, about: Mapping[str, str], start: Mapping[str, Value]
+) -> Element:
+    """The model description of an FMU with everything a host may want to know (FMI 2.0.4, 2.2).
+
+    Parameters
+    ----------
+    description : modelDescription.xml as pythonfmu writes it
+    model : `QuarterCar`
+    about : attributes of the root; an empty one is taken away
+    start : parameters whose start values are not the defaults
+    """
+    root = ElementTree.fromstring(description)
+    for name, text in about.items():
+        root.attrib.pop(name, None)
+        if text:
+            root.set(name, text)
+    declared = variables(model)
+    # the schema wants this order: CoSimulation, UnitDefinitions, LogCategories, ...
+    position = list(root).index(_child(root, "CoSimulation")) + 1
+    root.insert(position, _unit_definitions(declared))
+    for element, variable in zip(_child(root, "ModelVariables"), declared, strict=True):
+        _complete_variable(element, variable, start.get(variable.name, variable.start))
+    root.remove(_child(root, "ModelStructure"))
+    root.append(_model_structure(declared))
+    return root
+
+
+def in_words(variable: Variable) -> str:
+    """The description of a variable with the values it may have."""
+    if variable.choices:
+        return f"{variable.description}; one of: {', '.join(variable.choices)}"
+    if variable.positive:
+        return f"{variable.description}; greater than 0"
+    return variable.description
+
+
+def _child(parent: Element, tag: str) -> Element:
+    child = parent.find(tag)
+    if child is None:
+        raise ValueError(f"pythonfmu's model description has no {tag}")
+    return child
+
+
+def _unit_definitions(declared: tuple[Variable, ...]) -> Element:
+    definitions = Element("UnitDefinitions")
+    for name in sorted({variable.unit for variable in declared if variable.unit}):
+        unit = SubElement(definitions, "Unit", name=name)
+        SubElement(unit, "BaseUnit", {k: str(n) for k, n in UNITS[name].exponents.items()})
+        for display, size in UNITS[name].display.items():
+            # FMI multiplies the SI value by the factor, the table holds the size of the unit
+            SubElement(unit, "DisplayUnit", name=display, factor=repr(1.0 / size))
+    return definitions
+
+
+def _complete_variable(element: Element, variable: Variable, start: Value) -> None:
+    element.set("description", in_words(variable))
+    kind = element[0]
+    if "start" in kind.attrib and isinstance(start, float):
+        kind.set("start", repr(start))  # all digits: pythonfmu writes 16
+    attributes = {
+        "unit": variable.unit or None,
+        "displayUnit": variable.display or None,
+        "min": 0.0 if variable.positive else variable.minimum,
+        "max": variable.maximum,
+        "nominal": variable.nominal,
+    }
+    for name, value in attributes.items():
+        if value is not None:
+            kind.set(name, str(value))
+
+
+def _model_structure(declared: tuple[Variable, ...]) -> Element:
+    """Outputs and the unknowns of initialisation.
+
+    Within a run an output is that of the step just made, which knows nothing of inputs set after
+    it: no output depends on an input, and no algebraic loop can arise. At the start outputs follow
+    inputs and parameters, hence no list of dependencies, which means all of them.
+    """
+    structure = Element("ModelStructure")
+    indices = [str(i) for i, v in enumerate(declared, 1) if v.causality == "output"]
+    outputs, initial = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    for index in indices:
+        SubElement(outputs, "Unknown", index=index, dependencies="")
+        SubElement(initial, "Unknown", index=index)
+    return structure

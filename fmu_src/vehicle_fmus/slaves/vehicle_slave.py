@@ -1,0 +1,273 @@
+"""FMI 2.0 mapped onto `suspension.session.Session`: no mechanics here, only what a host may call.
+
+Within an FMU this file and `suspension` go by names that carry a hash of their content, because all
+FMUs of a process share one `sys.modules`.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from functools import partial
+from math import nan
+from pathlib import Path
+from typing import Any, ClassVar
+
+from pythonfmu import (
+    Boolean,
+    DefaultExperiment,
+    Fmi2Causality,
+    Fmi2Initial,
+    Fmi2Slave,
+    Fmi2Variability,
+    Integer,
+    Real,
+    String,
+)
+from pythonfmu.enums import Fmi2Status
+
+from suspension.engine import why_uncompiled
+from suspension.session import Session, SimulationError
+from suspension.variables import Value, Variable, checked_parameters, variables
+
+START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
+
+_TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
+_CATEGORIES = {"event": "logEvents", "info": "logAll"}  # errors are logged where they are caught
+
+
+class VehicleSlave(Fmi2Slave):
+    """A model as a co-simulation slave; a subclass names the model.
+
+    The hosts' wrapper turns any exception into fmi2Fatal, after which some hosts crash. Therefore a
+    step that fails, or a call that is not allowed, is logged and answered by the next step with
+    fmi2Discard, `ok` false and outputs that are not numbers. Two things do raise: bad start values,
+    from the constructor (instantiation fails), and bad parameters or inputs at the end of
+    initialisation, because a host would otherwise go on with a model that does not exist.
+    """
+
+    model: ClassVar[str]
+    author = "The phaseplane developers"
+    license = "MIT"
+    copyright = "(c) 2026 The phaseplane developers"
+    log_categories: ClassVar[dict[str, str]] = {
+        "logEvents": "Lift-off, touchdown and end stops met, with their instants.",
+        **Fmi2Slave.log_categories,
+    }
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        # For every instance the wrapper executes the script once more and then gives up a reference
+        # to the script's globals that it never took: without this they vanish while in use.
+        _hold(vars(sys.modules[cls.__module__]))
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.default_experiment = DefaultExperiment(0.0, 1.0, 1e-3, 1e-6)
+        declared = variables(self.model)
+        self._names = [variable.name for variable in declared]
+        self._starts = {variable.name: variable.start for variable in declared}
+        # parameters and inputs as the host has set them, checked when a session is made of them
+        self._parameters = checked_parameters(self.model, _start_values(self.resources))
+        self._inputs = {v.name: float(v.start) for v in declared if v.causality == "input"}
+        self._start_time = 0.0
+        self._tolerance: float | None = None
+        self._refusal = ""  # why the next step cannot be made
+        self._initialised = False
+        self._session: Session | None = self._new_session()
+        for variable in declared:
+            self.register_variable(
+                _scalar_variable(
+                    variable,
+                    getter=partial(self._value, variable.name),
+                    setter=partial(self._set, variable.name),
+                )
+            )
+
+    # -- initialisation ----------------------------------------------------------------------------
+
+    def _new_session(self) -> Session:
+        session = Session(self.model, self._parameters, self._start_time, self._tolerance)
+        for name, value in self._inputs.items():
+            session.set_input(name, value)
+        session.advance(self._start_time)  # outputs follow the inputs already at the start
+        return session
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None, tolerance: float | None
+    ) -> None:
+        """Note where time starts and what the host tolerates."""
+        if self.resources in sys.path:
+            sys.path.remove(self.resources)  # the wrapper put it there; all is imported by now
+        self._start_time, self._tolerance = start_time, tolerance
+        self._session = None
+
+    def exit_initialization_mode(self) -> None:
+        """Check what was given and make the model.
+
+        Raises
+        ------
+        ParameterError : a parameter or input out of its range, or one that cannot be read.
+        """
+        try:
+            self._session = self._new_session()
+        except Exception as error:
+            self.log(str(error), Fmi2Status.error)
+            # on an exception the wrapper gives up what it holds, and once more with the instance
+            _hold(self, type(self), self.log_queue)
+            raise
+        self._initialised = True
+        if why_uncompiled:
+            self.log(f"the integrator runs uncompiled, more slowly: {why_uncompiled}")
+        self._report()
+
+    # -- stepping ----------------------------------------------------------------------------------
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Go on by one communication step; False (fmi2Discard) where that cannot be done."""
+        session = self._session
+        try:
+            if session is None or not self._initialised:
+                raise SimulationError("a step needs an initialised model")
+            if self._refusal:
+                raise SimulationError(self._refusal)
+            session.advance(current_time + step_size)
+        except Exception as error:
+            self._report()
+            why = str(error) if isinstance(error, SimulationError) else repr(error)
+            self.log(f"no step from {current_time:.9g} s: {why}", Fmi2Status.discard)
+            if session is not None:
+                session.ok = False
+            return False
+        if session.messages:
+            self._report()
+        return True
+
+    def _report(self) -> None:
+        """Pass on what the session has to say."""
+        if self._session is not None:
+            for category, text in self._session.messages:
+                if category in _CATEGORIES:
+                    self.log(text, category=_CATEGORIES[category])
+            self._session.messages.clear()
+
+    def _refuse(self, reason: str) -> None:
+        self.log(reason, Fmi2Status.error)
+        self._refusal = self._refusal or reason
+
+    # -- variables ---------------------------------------------------------------------------------
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Values by value reference: what hosts call most."""
+        names = self._names
+        if self._initialised and self._session is not None:
+            value = self._session.value
+            return [value(names[vr]) for vr in vrs]  # type: ignore[misc]
+        return [self._value(names[vr]) for vr in vrs]  # type: ignore[misc]
+
+    def _value(self, name: str) -> Value:
+        if name in self._parameters:
+            return self._parameters[name]
+        if name in self._inputs:
+            return self._inputs[name]
+        if self._session is None:
+            try:
+                self._session = self._new_session()
+            except Exception:  # told at the end of initialisation
+                start = self._starts[name]
+                return nan if isinstance(start, float) else type(start)(0)
+        return self._session.value(name)
+
+    def _set(self, name: str, value: Value) -> None:
+        if name in self._inputs:
+            self._inputs[name] = float(value)
+            if not self._initialised:
+                self._session = None
+            elif self._session is not None:
+                try:
+                    self._session.set_input(name, float(value))
+                except ValueError as error:
+                    self._refuse(str(error))
+        elif name not in self._parameters:
+            self._refuse(f"{name} = {value!r}: an output cannot be set")
+        elif self._initialised:
+            self._refuse(f"{name} = {value!r}: parameters cannot change after initialisation")
+        else:
+            self._parameters[name] = value
+            self._session = None
+
+    # -- whole state -------------------------------------------------------------------------------
+
+    def _get_fmu_state(self) -> dict[str, Any]:
+        session = self._session if self._initialised else None
+        return {
+            "model": self.__module__,
+            "parameters": dict(self._parameters),
+            "inputs": dict(self._inputs),
+            "start": (self._start_time, self._tolerance),
+            "refusal": self._refusal,
+            "session": session and session.snapshot().decode(),
+        }
+
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
+        if state.get("model") != self.__module__:
+            self._refuse("the state to be restored is not one of this FMU")
+            return
+        self._parameters, self._inputs = dict(state["parameters"]), dict(state["inputs"])
+        self._start_time, self._tolerance = state["start"]
+        self._refusal = state["refusal"]
+        self._session = None
+        self._initialised = state["session"] is not None
+        if self._initialised:
+            self._session = self._new_session()
+            self._session.restore(state["session"].encode())
+            self._session.messages.clear()
+
+    @staticmethod
+    def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:
+        try:
+            return dict(json.loads(state))
+        except (ValueError, TypeError):
+            return {}  # refused when it is to be restored
+
+
+def _start_values(resources: str | None) -> dict[str, Value]:
+    """The start values that were packed into the FMU."""
+    path = Path(resources or "", START_VALUES)
+    return dict(json.loads(path.read_text("utf-8"))) if resources and path.exists() else {}
+
+
+def _scalar_variable(variable: Variable, **access: Any) -> Any:
+    """The same variable in pythonfmu's terms."""
+    kind = type(variable.start)
+    if variable.causality == "parameter":
+        role: dict[str, Any] = {
+            "variability": Fmi2Variability.fixed,
+            "initial": Fmi2Initial.exact,
+            "start": variable.start,
+        }
+    elif variable.causality == "input":
+        role = {"variability": Fmi2Variability.continuous, "start": variable.start}
+    else:
+        continuous = kind is float
+        role = {
+            "variability": Fmi2Variability.continuous if continuous else Fmi2Variability.discrete,
+            "initial": Fmi2Initial.calculated,
+        }
+    return _TYPES[kind](
+        variable.name,
+        causality=Fmi2Causality[variable.causality],
+        description=variable.description,
+        **role,
+        **access,
+    )
+
+
+def _hold(*objects: object) -> None:
+    """Take a reference for good to objects that the wrapper gives up once too often."""
+    try:
+        from ctypes import py_object, pythonapi  # noqa: PLC0415  (some Pythons come without it)
+    except ImportError:
+        return
+    for held in objects:
+        pythonapi.Py_IncRef(py_object(held))

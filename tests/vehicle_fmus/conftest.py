@@ -1,0 +1,80 @@
+"""The FMU under test, packed once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.simulation import instantiate_fmu
+
+from vehicle_fmus.build import build
+
+
+class Host:
+    """A host that drives one extracted FMU by variable names."""
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        self.description = read_model_description(folder)
+        self._references = {v.name: v.valueReference for v in self.description.modelVariables}
+        self._types = {v.name: v.type for v in self.description.modelVariables}
+        self.log: list[tuple[int, str, str]] = []  # status, category, text
+        self.fmu: Any = None
+
+    @contextmanager
+    def instance(self) -> Iterator[Host]:
+        self.log = []
+        self.fmu = instantiate_fmu(
+            self.folder, self.description, "CoSimulation", debug_logging=True, logger=self._note
+        )
+        yield self
+        self.fmu.freeInstance()  # not after a failure: FMI forbids it, and FMPy does not do it
+
+    def _note(self, _env: Any, _name: bytes, status: int, category: bytes, text: bytes) -> None:
+        self.log.append((status, (category or b"").decode(), text.decode()))
+
+    @property
+    def texts(self) -> str:
+        return "\n".join(text for _, _, text in self.log)
+
+    def set(self, **values: Any) -> None:
+        for key, value in values.items():
+            name = key.replace("__", ".")
+            setter = getattr(self.fmu, f"set{self._types[name]}")
+            setter([self._references[name]], [value])
+
+    def get(self, name: str) -> Any:
+        return getattr(self.fmu, f"get{self._types[name]}")([self._references[name]])[0]
+
+    def start(self, tolerance: float | None = None, time: float = 0.0, **values: Any) -> None:
+        self.fmu.setupExperiment(startTime=time, tolerance=tolerance)
+        self.set(**values)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def step(self, time: float, until: float) -> None:
+        self.fmu.doStep(currentCommunicationPoint=time, communicationStepSize=until - time)
+
+
+@pytest.fixture(scope="session")
+def quarter_car_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(["QuarterCar"], tmp_path_factory.mktemp("fmus"))[0]
+
+
+@pytest.fixture(scope="session")
+def quarter_car_folder(quarter_car_fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
+    return extract(str(quarter_car_fmu), unzipdir=str(tmp_path_factory.mktemp("extracted")))
+
+
+@pytest.fixture
+def car(quarter_car_folder: str) -> Host:
+    return Host(quarter_car_folder)
+
+
+@pytest.fixture
+def host() -> type[Host]:
+    return Host

@@ -1,0 +1,250 @@
+"""How FMUs are packed: what is inside, under which names, and what runs where it does not fit."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from importlib.machinery import EXTENSION_SUFFIXES
+from pathlib import Path
+from typing import Any
+
+import pytest
+from fmpy import extract, read_model_description
+
+import suspension.session
+from suspension import engine
+from suspension.variables import MODELS, ParameterError
+from vehicle_fmus import build as packing
+from vehicle_fmus.build import build
+
+OUTPUTS = ("body_displacement", "contact_force", "step_count")
+
+
+def guid(fmu: Path) -> str:
+    return str(read_model_description(str(fmu)).guid)
+
+
+@pytest.fixture
+def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The same FMU, packed from sources in which the kernel and a model differ."""
+    sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
+    integrator, models = sources / "kernel" / "integrator.py", sources / "models.py"
+    shorter_steps = integrator.read_text().replace("_SAFE_PHASE = 2.5", "_SAFE_PHASE = 0.25")
+    heavier = models.read_text().replace('float(p["sprung_mass"])', '2.0 * float(p["sprung_mass"])')
+    assert shorter_steps != integrator.read_text()
+    assert heavier != models.read_text()
+    integrator.write_text(shorter_steps)
+    models.write_text(heavier)
+    monkeypatch.setattr(packing, "SUSPENSION", sources)
+    return build(["QuarterCar"], tmp_path)[0]
+
+
+# -- archive ---------------------------------------------------------------------------------------
+
+
+def test_equal_content_gives_equal_files(quarter_car_fmu: Path, tmp_path: Path) -> None:
+    before = (list(sys.path), set(sys.modules))
+    (again,) = build(["QuarterCar"], tmp_path / "new" / "folder")
+    assert again.read_bytes() == quarter_car_fmu.read_bytes()
+    assert (list(sys.path), set(sys.modules)) == before
+    assert list(again.parent.iterdir()) == [again]
+
+
+def test_other_start_values_give_another_guid(quarter_car_fmu: Path, tmp_path: Path) -> None:
+    (heavier,) = build(
+        ["QuarterCar"], tmp_path, parameters={"QuarterCar": {"sprung_mass": "0.3 t"}}
+    )
+    assert guid(heavier) != guid(quarter_car_fmu)
+
+
+def test_other_sources_give_another_guid(quarter_car_fmu: Path, changed_fmu: Path) -> None:
+    assert guid(changed_fmu) != guid(quarter_car_fmu)
+
+
+def test_the_date_comes_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    (fmu,) = build(["QuarterCar"], tmp_path)
+    assert read_model_description(str(fmu)).generationDateAndTime == "1970-01-02T00:00:00Z"
+
+
+def test_what_an_fmu_holds(quarter_car_fmu: Path) -> None:
+    with zipfile.ZipFile(quarter_car_fmu) as archive:
+        names = archive.namelist()
+        page = archive.read("documentation/index.html").decode()
+        licence = archive.read("documentation/licenses/license.txt").decode()
+        assert archive.read("model.png").startswith(b"\x89PNG")
+        assert b"libpython" in archive.read("documentation/externalDependencies.txt")
+        own = [n for n in names if n.startswith("resources/") and "/pythonfmu/" not in n]
+        texts = {n: archive.read(n).decode() for n in own if not n.endswith((".so", ".pyd"))}
+    assert all(f"<td>{variable.name}</td>" in page for variable in MODELS["QuarterCar"])
+    assert "$" not in page
+    assert "NTNU" in licence
+    assert "The phaseplane developers" in licence
+    assert {Path(n).suffix for n in own} <= {".py", ".pxd", ".json", ".txt", ".so", ".pyd"}
+    assert not [n for n, text in texts.items() if str(Path.cwd()) in text or "__pycache__" in n]
+
+
+def test_start_values_are_burned_in(tmp_path: Path, host: Any) -> None:
+    given = {"sprung_mass": "300 kg", "lift_off": False, "road.shape": "sine"}
+    (fmu,) = build(["QuarterCar"], tmp_path, parameters={"QuarterCar": given})
+    shown = {v.name: v.start for v in read_model_description(str(fmu)).modelVariables}
+    assert (shown["sprung_mass"], shown["lift_off"], shown["road.shape"]) == (
+        "300.0", "false", "sine",
+    )  # fmt: skip
+    car = host(extract(str(fmu), unzipdir=str(tmp_path / "fmu")))
+    with car.instance():
+        car.start()
+        assert (car.get("sprung_mass"), car.get("lift_off")) == (300.0, False)
+        car.step(0.0, 0.1)
+        found = [car.get(name) for name in OUTPUTS]
+    meant = {"sprung_mass": 300.0, "lift_off": False, "road.shape": "sine"}
+    direct = suspension.session.simulate("QuarterCar", meant, [0.0, 0.1], OUTPUTS)
+    assert found == [direct[name][-1] for name in OUTPUTS]
+
+
+# -- refusals --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("models", "parameters", "words"),
+    [
+        (["QuarterCar", "QuaterCar"], None, "did you mean 'QuarterCar'"),
+        (["QuarterCar"], {"HalfCar": {}}, "HalfCar"),
+        (["QuarterCar"], {"QuarterCar": {"spring.rte": 1.0}}, "did you mean 'spring.rate'"),
+        (["QuarterCar"], {"QuarterCar": {"speed": -1.0}}, "speed = -1: must be greater than 0"),
+        (["QuarterCar"], {"QuarterCar": {"spring.table": "1:1"}}, "spring.table"),
+    ],
+)
+def test_nothing_is_written_where_something_is_wrong(
+    tmp_path: Path, models: list[str], parameters: Any, words: str
+) -> None:
+    with pytest.raises(ParameterError, match=words):
+        build(models, tmp_path / "out", parameters=parameters)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_failing_builder_leaves_the_old_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    old = tmp_path / "QuarterCar.fmu"
+    old.write_bytes(b"old")
+    sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
+    (sources / "session.py").write_text("raise ImportError('no such session')")
+    monkeypatch.setattr(packing, "SUSPENSION", sources)
+    with pytest.raises(RuntimeError, match=r"QuarterCar\.fmu:[^$]*no such session"):
+        build(["QuarterCar"], tmp_path)
+    assert old.read_bytes() == b"old"
+    assert sorted(tmp_path.iterdir()) == [old, sources]
+
+
+# -- several versions in one process ---------------------------------------------------------------
+
+
+def test_each_fmu_runs_its_own_code(
+    quarter_car_folder: str, changed_fmu: Path, tmp_path: Path, host: Any
+) -> None:
+    installed = {name: sys.modules[name] for name in sys.modules if name.startswith("suspension")}
+    direct = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
+    expected = [direct[name][-1] for name in OUTPUTS]
+    original, changed = host(quarter_car_folder), host(extract(str(changed_fmu), str(tmp_path)))
+    found: dict[str, list[Any]] = {}
+    with changed.instance(), original.instance():
+        for car in (changed, original):
+            car.start()
+        for car in (original, changed):
+            car.step(0.0, 0.05)
+        for name, car in (("changed", changed), ("original", original)):
+            car.step(0.05, 0.1)
+            found[name] = [car.get(output) for output in OUTPUTS]
+    assert found["original"] == expected
+    twice = {"sprung_mass": 2.0 * float(MODELS["QuarterCar"][0].start)}
+    heavier = suspension.session.simulate("QuarterCar", twice, [0.0, 0.1], OUTPUTS)
+    assert found["changed"][0] == pytest.approx(heavier["body_displacement"][-1], rel=1e-4)
+    assert found["changed"][0] != pytest.approx(expected[0], rel=1e-4)
+    assert found["changed"][2] > 2 * expected[2]  # a tenth of the step
+    after = {name: sys.modules[name] for name in sys.modules if name.startswith("suspension")}
+    assert all(after[name] is module for name, module in installed.items())
+    again = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
+    assert again == direct
+
+
+# -- other hosts -----------------------------------------------------------------------------------
+
+_BARE_HOST = """
+import json, sys
+resources = sys.argv[1]
+sys.path.insert(0, resources)
+name = open(resources + "/slavemodule.txt").read().strip()
+slave = __import__(name).QuarterCar(instance_name="car", resources=resources)
+slave.setup_experiment(0.0, None, None)
+slave.exit_initialization_mode()
+steps = [slave.do_step(0.02 * k, 0.02) for k in range(10)]
+references = {v.name: reference for reference, v in slave.vars.items()}
+values = [slave.vars[references[name]].getter() for name in sys.argv[2:]]
+folders = {getattr(m, "__file__", None) or "" for m in sys.modules.values()}
+print(json.dumps({
+    "steps": steps, "values": values, "log": [message.msg for message in slave.log_queue],
+    "foreign": sorted(f for f in folders if "site-packages" in f),
+    "paths": sys.path, "modules": sorted(sys.modules),
+}))
+"""
+
+
+def run_in_a_bare_python(folder: Path) -> dict[str, Any]:
+    """Step the FMU's code in a Python that has nothing but its standard library."""
+    done = subprocess.run(
+        [sys.executable, "-I", "-S", "-B", "-c", _BARE_HOST, str(folder / "resources"), *OUTPUTS],
+        capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": ""},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return dict(json.loads(done.stdout))
+
+
+@pytest.fixture
+def bare_folder(quarter_car_folder: str, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(quarter_car_folder, tmp_path / "fmu"))
+
+
+def binaries_of(folder: Path) -> Path:
+    (kernel,) = (folder / "resources").glob("suspension_*/kernel")
+    return Path(kernel, engine.kernel_name())
+
+
+@pytest.fixture
+def expected() -> list[Any]:
+    times = [0.02 * k for k in range(11)]
+    direct = suspension.session.simulate("QuarterCar", {}, times, OUTPUTS)
+    return [direct[name][-1] for name in OUTPUTS]
+
+
+def test_the_standard_library_is_enough(bare_folder: Path, expected: list[Any]) -> None:
+    told = run_in_a_bare_python(bare_folder)
+    assert told["steps"] == [True] * 10
+    assert told["values"] == pytest.approx(expected, rel=1e-12)
+    assert told["foreign"] == []
+    assert not any(path == str(bare_folder / "resources") for path in told["paths"])
+    assert not {"suspension", "vehicle_fmus", "cython", "numpy"} & set(told["modules"])
+    assert any("uncompiled" in text for text in told["log"]) != engine.compiled
+
+
+def test_without_binaries_the_sources_run(bare_folder: Path) -> None:
+    as_packed = run_in_a_bare_python(bare_folder)
+    shutil.rmtree(binaries_of(bare_folder), ignore_errors=True)
+    uncompiled = run_in_a_bare_python(bare_folder)
+    assert uncompiled["values"] == as_packed["values"]
+    assert any("uncompiled" in text for text in uncompiled["log"])
+
+
+@pytest.mark.parametrize("module", ["integrator", "linear"])
+def test_with_broken_binaries_the_sources_run(bare_folder: Path, module: str) -> None:
+    as_packed = run_in_a_bare_python(bare_folder)
+    binaries = binaries_of(bare_folder)
+    binaries.mkdir(exist_ok=True)
+    Path(binaries, module + EXTENSION_SUFFIXES[0]).write_bytes(b"of another machine")
+    broken = run_in_a_bare_python(bare_folder)
+    assert broken["values"] == as_packed["values"]
+    assert any("uncompiled" in text and "cannot be loaded" in text for text in broken["log"])

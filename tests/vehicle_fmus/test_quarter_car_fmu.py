@@ -1,0 +1,404 @@
+"""QuarterCar.fmu as hosts see it: description, runs, states, refusals."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+import sys
+from itertools import pairwise
+from math import isnan, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.fmi1 import FMICallException
+from fmpy.validation import validate_fmu
+
+from suspension.session import simulate
+from suspension.units import UNITS
+from suspension.variables import MODELS
+from vehicle_fmus.slaves.quarter_car import QuarterCar
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+MOTION = ("body_displacement", "body_velocity", "wheel_displacement", "wheel_velocity")
+DISCARD, ERROR, FATAL = 2, 3, 4
+
+
+def run(fmu: Path, output: tuple[str, ...] = MOTION, **options: Any) -> Any:
+    options = {"stop_time": 1.0, "output_interval": 5e-3} | options
+    return simulate_fmu(str(fmu), output=output, **options)
+
+
+# -- description -----------------------------------------------------------------------------------
+
+
+def test_fmpy_finds_no_fault(quarter_car_fmu: Path) -> None:
+    assert validate_fmu(str(quarter_car_fmu)) == []
+
+
+def test_variables_are_those_of_the_table(car: Any) -> None:
+    shown = car.description.modelVariables
+    assert [v.name for v in shown] == [v.name for v in MODELS["QuarterCar"]]
+    for said, meant in zip(shown, MODELS["QuarterCar"], strict=True):
+        assert said.causality == meant.causality
+        assert said.unit == (meant.unit or None)
+        assert (said.declaredType, said.displayUnit) == (None, meant.display or None)
+        assert meant.description in said.description
+        assert all(choice in said.description for choice in meant.choices)
+        bounds = (0.0 if meant.positive else meant.minimum, meant.maximum, meant.nominal)
+        assert tuple(v and float(v) for v in (said.min, said.max, said.nominal)) == bounds
+        if said.causality == "parameter":
+            assert (said.variability, said.initial) == ("fixed", "exact")
+        if said.causality == "output":
+            continuous = isinstance(meant.start, float)
+            assert said.variability == ("continuous" if continuous else "discrete")
+            assert (said.initial, said.start) == ("calculated", None)
+        elif isinstance(meant.start, float):
+            assert float(said.start) == meant.start
+
+
+def test_units_convert_as_ours_do(car: Any) -> None:
+    units = {unit.name: unit for unit in car.description.unitDefinitions}
+    assert set(units) == {v.unit for v in MODELS["QuarterCar"] if v.unit}
+    for name, unit in units.items():
+        base = {k: getattr(unit.baseUnit, k) for k in ("kg", "m", "s")}
+        assert base == {k: UNITS[name].exponents.get(k, 0) for k in base}
+        assert {d.name: 1.0 / d.factor for d in unit.displayUnits} == pytest.approx(
+            dict(UNITS[name].display)
+        )
+
+
+def test_structure_and_experiment(car: Any) -> None:
+    description = car.description
+    outputs = [v.name for v in MODELS["QuarterCar"] if v.causality == "output"]
+    assert [unknown.variable.name for unknown in description.outputs] == outputs
+    assert all(unknown.dependencies == [] for unknown in description.outputs)
+    assert [unknown.variable.name for unknown in description.initialUnknowns] == outputs
+    experiment = description.defaultExperiment
+    assert [float(x) for x in (experiment.startTime, experiment.stopTime, experiment.stepSize,
+                               experiment.tolerance)] == [0.0, 1.0, 1e-3, 1e-6]  # fmt: skip
+    can = description.coSimulation
+    assert can.canGetAndSetFMUstate
+    assert can.canSerializeFMUstate
+    assert can.canHandleVariableCommunicationStepSize
+    assert not can.canBeInstantiatedOnlyOncePerProcess
+
+
+# -- runs ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("case", "parameters"), [("ap57_lift_off", {}), ("ap57_no_lift_off", {"lift_off": False})]
+)
+def test_worked_example(quarter_car_fmu: Path, case: str, parameters: dict[str, Any]) -> None:
+    with (REFERENCE / f"{case}.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    result = run(quarter_car_fmu, (*MOTION, "contact_force", "ok"), start_values=parameters)
+    assert result["time"] == pytest.approx([float(row["times"]) for row in rows])
+    assert result["ok"].all()
+    for name in MOTION:
+        exact = np.array([float(row[name]) for row in rows])
+        assert result[name] == pytest.approx(exact, abs=2e-5 * np.abs(exact).max()), name
+
+
+def test_units_in_start_values(quarter_car_fmu: Path) -> None:
+    si = run(quarter_car_fmu, start_values={"spring.rate": 15000.0, "road.height": 0.04})
+    converted = run(
+        quarter_car_fmu, start_values={"spring.rate": (15, "N/mm"), "road.height": (40, "mm")}
+    )
+    assert (si == converted).all()
+    assert (si != run(quarter_car_fmu)).any()
+
+
+def walk(car: Any, times: list[float], *names: str) -> list[list[float]]:
+    """Step from one instant to the next and read at each."""
+    rows = [[car.get(name) for name in names]]
+    for before, now in pairwise(times):
+        car.step(before, now)
+        rows.append([car.get(name) for name in names])
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("fine", "coarse", "tolerance"),
+    [
+        (1e-3, 7.3e-3, 1e-12),  # where the sums of the two differ by rounding
+        (1 / 1024, 7.5 / 1024, 0.0),  # where they do not
+    ],
+)
+def test_the_communication_step_does_not_matter(
+    car: Any, fine: float, coarse: float, tolerance: float
+) -> None:
+    names = (*MOTION, "contact_force", "energy_residual", "airborne_time")
+    found = []
+    for step in (fine, coarse):
+        with car.instance():
+            car.start()
+            times = [k * step for k in range(round(0.3 / step))]
+            rows = dict(zip((round(t / fine, 6) for t in times), walk(car, times, *names),
+                            strict=True))  # fmt: skip
+            found.append(rows)
+    common = sorted(found[0].keys() & found[1].keys())
+    assert len(common) > 3
+    for instant in common:
+        assert found[0][instant] == pytest.approx(found[1][instant], rel=tolerance, abs=tolerance)
+
+
+def test_values_before_during_and_after(car: Any) -> None:
+    with car.instance():
+        assert car.get("sprung_mass") == MODELS["QuarterCar"][0].start
+        assert car.get("body_displacement") == 0.0
+        car.fmu.setupExperiment(startTime=0.0)
+        car.set(road__shape="input", tyre__stiffness=1e5)
+        car.fmu.enterInitializationMode()
+        car.set(road_elevation=0.02)
+        assert car.get("ground_elevation") == 0.02
+        assert car.get("tyre_force") == pytest.approx(-2000.0)
+        assert car.get("road.shape") == b"input"
+        car.set(road_elevation=0.01)
+        assert car.get("tyre_force") == pytest.approx(-1000.0)
+        car.fmu.exitInitializationMode()
+        assert car.get("tyre_force") == pytest.approx(-1000.0)
+        car.step(0.0, 0.5)
+        last = car.get("body_displacement")
+        assert 0.0 < last < 0.02
+        car.fmu.terminate()
+        assert car.get("body_displacement") == last
+
+
+def test_constant_force_on_the_body_ends_in_static_deflection(car: Any) -> None:
+    with car.instance():
+        car.start(road__shape="flat", spring__rate=2e4, tyre__stiffness=1e5)
+        car.set(body_force=500.0)
+        car.step(0.0, 20.0)
+        assert car.get("body_displacement") == pytest.approx(500.0 / 2e4 + 500.0 / 1e5, rel=1e-5)
+        assert car.get("suspension_deflection") == pytest.approx(500.0 / 2e4, rel=1e-5)
+
+
+def test_starts_at_another_time(car: Any) -> None:
+    with car.instance():
+        car.start(time=5.0, road__start=5.0)
+        car.step(5.0, 5.1)
+        late = [car.get(name) for name in MOTION]
+    here = simulate("QuarterCar", {}, [0.0, 0.1], MOTION)
+    assert late == pytest.approx([here[name][-1] for name in MOTION], rel=1e-5)
+
+
+def test_the_hosts_tolerance_counts_unless_a_parameter_says_otherwise(car: Any) -> None:
+    taken = []
+    for tolerance, own in [(1e-3, 1e-6), (1e-9, 1e-6), (1e-9, 1e-3)]:
+        with car.instance():
+            car.start(tolerance, solver__tolerance=own)
+            car.step(0.0, 0.5)
+            taken.append(car.get("step_count"))
+    assert taken[1] > taken[0] == taken[2]
+
+
+def test_reset_begins_anew(car: Any) -> None:
+    with car.instance():
+        runs = []
+        for _ in range(2):
+            car.start(road__height=0.03)
+            runs.append(walk(car, [0.0, 0.05, 0.1], *MOTION))
+            car.fmu.reset()
+        assert car.get("road.height") == 0.05
+        assert runs[0] == runs[1]
+
+
+def test_events_reach_the_log(car: Any) -> None:
+    with car.instance():
+        car.start()
+        car.step(0.0, 0.2)
+        events = [text for _, category, text in car.log if category == "logEvents"]
+        assert [text.split()[0] for text in events] == ["lift-off", "touchdown"]
+        instants = (car.get("last_lift_off"), car.get("last_touchdown"))
+        assert [float(text.split()[-2]) for text in events] == pytest.approx(instants, rel=1e-8)
+        assert instants == pytest.approx((0.0306624689, 0.0656005836), abs=1e-7)
+
+
+# -- whole state -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("parameters", [{}, {"road__shape": "input"}])
+def test_state_in_mid_flight_continues_to_the_bit(car: Any, parameters: dict[str, str]) -> None:
+    times = [0.05, 0.06, 0.0731, 0.2]
+    names = (*MOTION, "contact_force", "airborne_time", "energy_residual", "step_count")
+    with car.instance():
+        car.start(**parameters)
+        if parameters:
+            car.set(road_elevation=0.05, road_velocity=-3.0)
+        car.step(0.0, 0.05)
+        assert car.get("airborne")
+        state = car.fmu.getFMUstate()
+        kept = car.fmu.serializeFMUstate(state)
+        through = walk(car, times, *names)
+        car.fmu.setFMUstate(state)
+        assert walk(car, times, *names) == through
+        car.fmu.freeFMUstate(state)
+    with car.instance():  # another instance, started otherwise
+        car.start(sprung_mass=100.0)
+        restored = car.fmu.deSerializeFMUstate(kept)
+        car.fmu.setFMUstate(restored)
+        assert car.get("sprung_mass") == MODELS["QuarterCar"][0].start
+        assert walk(car, times, *names) == through
+
+
+def test_a_state_brings_a_failed_run_back(car: Any) -> None:
+    with car.instance():
+        car.start()
+        car.step(0.0, 0.01)
+        state = car.fmu.getFMUstate()
+        car.set(road_velocity=nan)
+        with pytest.raises(FMICallException):
+            car.step(0.01, 0.02)
+        car.fmu.setFMUstate(state)
+        car.step(0.01, 0.02)
+        assert car.get("ok")
+
+
+def test_a_foreign_state_is_refused(car: Any) -> None:
+    with car.instance():
+        car.start()
+        for garbage in (b"garbage", b"[1, 2]", b'{"model": "another"}'):
+            car.fmu.setFMUstate(car.fmu.deSerializeFMUstate(garbage))
+        with pytest.raises(FMICallException) as caught:
+            car.step(0.0, 0.01)
+        assert caught.value.status == DISCARD
+        assert "not one of this FMU" in car.texts
+
+
+# -- refusals --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"sprung_mass": -3.0}, ("sprung_mass", "-3", "greater than 0", "kg")),
+        ({"damper.bump_rate": -1.0}, ("damper.bump_rate", "-1", "at least 0", "N.s/m")),
+        ({"speed": nan}, ("speed", "nan")),
+        ({"road.shape": "bumb"}, ("road.shape", "bumb", "obstacle", "did you mean 'bump'")),
+        ({"spring.table": "0:0, 1"}, ("spring.table", "0:0, 1", "pairs")),
+        ({"damper.table": "0:0, -1:5"}, ("damper.table", "ascend")),
+        ({"solver.tolerance": 1.0}, ("solver.tolerance", "1", "at least 1e-12", "at most 0.1")),
+    ],
+)
+def test_bad_parameters_are_refused(
+    quarter_car_fmu: Path, given: dict[str, Any], words: tuple[str, ...]
+) -> None:
+    log: list[str] = []
+    with pytest.raises(FMICallException, match="ExitInitializationMode"):
+        run(
+            quarter_car_fmu,
+            start_values=given,
+            debug_logging=True,
+            logger=lambda _env, _name, _status, _category, text: log.append(text.decode()),
+        )
+    assert all(word in log[0] for word in words), log
+
+
+def failing_call(car: Any, what: str) -> None:
+    if what == "input not a number":
+        car.set(body_force=nan)
+    elif what == "parameter after initialisation":
+        car.set(sprung_mass=200.0)
+    elif what == "output set":
+        car.set(body_velocity=1.0)
+
+
+@pytest.mark.parametrize(
+    ("what", "words"),
+    [
+        ("input not a number", "body_force = nan"),
+        ("parameter after initialisation", "sprung_mass = 200.0: parameters cannot change"),
+        ("output set", "body_velocity = 1.0: an output cannot be set"),
+        ("step backwards", "cannot step from 0.01 s back"),
+    ],
+)
+def test_what_is_not_allowed_is_discarded_with_its_cause(car: Any, what: str, words: str) -> None:
+    with car.instance():
+        car.start()
+        car.step(0.0, 0.01)
+        failing_call(car, what)
+        with pytest.raises(FMICallException) as caught:
+            car.step(0.01, 0.005 if what == "step backwards" else 0.02)
+        assert caught.value.status == DISCARD
+        assert words in car.texts
+        assert not car.get("ok")
+        assert isnan(car.get("body_displacement"))
+        assert car.get("lift_off_count") == 0
+        with pytest.raises(FMICallException):  # and it stays so
+            car.step(0.02, 0.03)
+
+
+def test_a_diverging_run_ends_with_a_reason(quarter_car_fmu: Path) -> None:
+    log: list[tuple[int, str]] = []
+    result = run(
+        quarter_car_fmu,
+        (*MOTION, "airborne", "ok"),
+        start_values={"spring.cubic": -1e9, "road.height": 0.3},
+        debug_logging=True,
+        logger=lambda _env, _name, status, _category, text: log.append((status, text.decode())),
+    )
+    assert result["time"][-1] < 0.1
+    assert not result["ok"][-1]
+    assert result["ok"][:-1].all()
+    assert np.isnan([result[name][-1] for name in MOTION]).all()
+    assert np.isfinite([result[name][:-1] for name in MOTION]).all()
+    (reason,) = (text for status, text in log if status == DISCARD)
+    assert "diverged at 0.0" in reason
+
+
+def test_bad_start_values_fail_the_constructor(tmp_path: Path) -> None:
+    (tmp_path / "start_values.json").write_text('{"sprung_mass": 0.0}')
+    with pytest.raises(ValueError, match="sprung_mass = 0: must be greater than 0 in kg"):
+        QuarterCar(instance_name="car", resources=str(tmp_path))
+
+
+_MANY = """
+import gc, sys
+from fmpy import read_model_description
+from fmpy.simulation import instantiate_fmu
+folder = sys.argv[1]
+description = read_model_description(folder)
+paths = len(sys.path)
+for k in range(24):
+    fmu = instantiate_fmu(folder, description, "CoSimulation")
+    fmu.setupExperiment(startTime=0.0)
+    fmu.setReal([0], [-1.0 if k % 2 else 1.0])
+    fmu.enterInitializationMode()
+    try:
+        fmu.exitInitializationMode()
+        fmu.doStep(0.0, 0.01)
+    except Exception as error:
+        assert k % 2 and "fatal" in str(error), error
+    fmu.freeInstance()
+    gc.collect()
+assert len(sys.path) == paths, sys.path
+print("all freed")
+"""
+
+
+def test_many_instances_refused_and_freed_in_one_process(quarter_car_folder: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _MANY, quarter_car_folder],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "all freed\n"), done.stderr
+
+
+def test_instances_do_not_disturb_each_other(host: Any, quarter_car_folder: str) -> None:
+    times = [0.0, 0.03, 0.06, 0.09]
+    alone, first, second = (host(quarter_car_folder) for _ in range(3))
+    with alone.instance():
+        alone.start()
+        expected = walk(alone, times, *MOTION)
+    with first.instance(), second.instance():
+        first.start()
+        second.start(sprung_mass=50.0, road__height=0.1)
+        rows = []
+        for before, now in pairwise(times):
+            second.step(before, now)
+            rows.extend(walk(first, [before, now], *MOTION)[1:])
+    assert rows == expected[1:]
