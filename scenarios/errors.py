@@ -1,0 +1,35 @@
+"""What can go wrong in a way that is told in one line."""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Bad input: the message names what was given and what is allowed."""
+
+
+class SceneError(InputError):
+    """A scene that cannot be read; the message names file, key, value and what is allowed."""
+
+
+class FolderError(InputError):
+    """A results folder that cannot be read, or that must not be replaced."""
+
+
+class RunError(RuntimeError):
+    """A run that could not begin: the FMU was not built, not loaded or not initialised."""
+
+
+def one_line(text: object, limit: int = 400) -> str:
+    """A message as one printable line of bounded length."""
+    words = " ".join(str(text).split())
+    line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in words)
+    return line if len(line) <= limit else f"{line[: limit - 3]}..."
+
+
+def shown(value: object, limit: int = 80) -> str:
+    """A value as it is quoted in a message."""
+    try:
+        text = repr(value)
+    except ValueError:  # an integer with too many digits to print
+        text = "a very large number"
+    return text if len(text) <= limit else f"{text[: limit - 3]}..."

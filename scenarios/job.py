@@ -1,0 +1,159 @@
+"""What the commands do: a scene run into its folder, FMUs packed, a construction replayed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from suspension.variables import MODELS, ParameterError, variables
+
+from .errors import InputError, RunError, SceneError, one_line
+from .layers import find_scene
+from .results import (
+    Results,
+    check_replaceable,
+    read_results,
+    read_summary,
+    replaced_whole,
+    write_results,
+)
+
+OUTPUT = Path("out")
+PICTURES = (".png", ".svg", ".pdf")
+
+
+def run_scene(
+    reference: str,
+    overrides: Sequence[str] = (),
+    folder: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[dict[str, Any], Path]:
+    """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
+
+    Parameters
+    ----------
+    reference : name of a case, or path of a scene file
+    overrides : `key=value` texts
+    folder : None for `out/<scene>`
+
+    Returns
+    -------
+    The summary as it was written, and the folder.
+
+    Raises
+    ------
+    InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
+    RunError : the run could not begin.
+    """
+    from .pictures import constructed, draw_all  # noqa: PLC0415
+    from .runner import run  # noqa: PLC0415
+    from .schema import load_scene  # noqa: PLC0415
+
+    scene = load_scene(reference, overrides)
+    folder = folder or OUTPUT / scene.name
+    check_replaceable(folder)
+    problems: list[str] = []
+    drawing = None
+    if scene.show.draws:
+        try:
+            drawing = constructed(
+                scene.fmu.model,
+                scene.all_parameters,
+                scene.construction.model_dump(),
+                scene.construction_time,
+            )
+        except ArithmeticError as error:
+            problems.append(f"the construction cannot be drawn: {one_line(error)}")
+    results = run(scene, progress=progress)
+    with replaced_whole(folder) as draft:
+        problems += draw_all(scene, results, drawing, draft)
+        results = Results(results.columns, {**results.summary, "problems": problems})
+        write_results(results, draft)
+    return read_summary(folder) or {}, folder
+
+
+def build_models(models: Sequence[str], folder: Path) -> list[Path]:
+    """Pack the FMUs of the models named, or of all.
+
+    Raises
+    ------
+    InputError : no such model, or a folder that cannot be written to.
+    RunError : an FMU could not be packed.
+    """
+    try:
+        for model in models:
+            variables(model)
+    except ParameterError as error:
+        raise InputError(str(error)) from None
+    from vehicle_fmus.build import build  # noqa: PLC0415  (heavy)
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return build(list(dict.fromkeys(models)) or list(MODELS), folder)
+    except OSError as error:
+        raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
+    except RuntimeError as error:
+        raise RunError(one_line(error)) from error
+
+
+def replay(
+    what: str, overrides: Sequence[str], recording: Path | None, figure: Path | None
+) -> dict[str, Any]:
+    """Make the construction of a scene, or lay it over the results of a run, and write it down.
+
+    Parameters
+    ----------
+    what : a scene, or a results folder
+    overrides : `key=value` texts; for results only those of `construction`
+    recording, figure : files to be written; at least one
+
+    Raises
+    ------
+    InputError : a scene, folder or file name that is not fit.
+    RunError : the construction leaves every sheet.
+    """
+    from .pictures import constructed, draw, laid_over, record  # noqa: PLC0415
+    from .schema import construction_settings, load_scene  # noqa: PLC0415
+
+    _check_targets(recording, figure)
+    results = None
+    if Path(what).is_dir():
+        results = read_results(Path(what))
+        settings = construction_settings(results.summary["construction"], overrides)
+        drawing = laid_over(results, settings)
+    else:
+        scene = load_scene(_scene_or_folder(what), overrides)
+        settings = scene.construction.model_dump()
+        try:
+            drawing = constructed(
+                scene.fmu.model, scene.all_parameters, settings, scene.construction_time
+            )
+        except ArithmeticError as error:
+            raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
+    if recording is not None:
+        record(drawing, recording, results, detail="stages")
+    if figure is not None:
+        draw("phase_planes", figure, drawing)
+    files = [str(path) for path in (recording, figure) if path is not None]
+    return {"title": drawing.title, "steps": len(drawing.frames), "files": files}
+
+
+def _scene_or_folder(what: str) -> str:
+    """The reference of a scene; refuses what is neither that nor a folder."""
+    try:
+        find_scene(what)
+    except SceneError as error:
+        raise SceneError(f"{error}, or of a results folder") from None
+    return what
+
+
+def _check_targets(recording: Path | None, figure: Path | None) -> None:
+    """Refuse names of files before anything is computed."""
+    if recording is not None and recording.suffix != ".rrd":
+        raise InputError(one_line(f"--save {recording}: the name must end in .rrd"))
+    if figure is not None and figure.suffix not in PICTURES:
+        raise InputError(one_line(f"--figure {figure}: must end in {', '.join(PICTURES)}"))
+    for path in (recording, figure):
+        if path is not None and not path.parent.is_dir():
+            raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))

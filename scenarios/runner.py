@@ -1,0 +1,264 @@
+"""A scene run: its FMU packed, driven by FMPy, its results measured."""
+
+from __future__ import annotations
+
+import signal
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from .errors import InputError, RunError, one_line
+from .fmus import Fmu
+from .measures import BOOKKEEPING, measured, outputs_measured
+from .results import Results
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    from fmpy.simulation import Recorder
+
+    from .schema import Scene
+
+    Columns = dict[str, npt.NDArray[np.float64]]
+
+Progress = Callable[[float], None]
+_DISCARD, _FATAL = 2, 4  # FMI status
+
+
+@dataclass
+class _Log:
+    """What the FMU says while it runs."""
+
+    lines: list[tuple[int, str, str]] = field(default_factory=list)
+
+    def take(
+        self, _environment: object, _name: bytes, status: int, category: bytes, message: bytes
+    ) -> None:
+        """The callback handed to the FMU."""
+        texts = (str(part or b"", "utf-8", "replace") for part in (category, message))
+        self.lines.append((status, *texts))  # type: ignore[arg-type]
+
+    def complaint(self) -> str:
+        """The last thing the FMU complained of, or nothing.
+
+        What is fatal comes from the wrapper around it and says less than the FMU did before.
+        """
+        complaints = [
+            (status == _FATAL, -number, message)
+            for number, (status, category, message) in enumerate(self.lines)
+            if status >= _DISCARD or "Error" in category
+        ]
+        return one_line(min(complaints)[2]) if complaints else ""
+
+
+@dataclass(frozen=True)
+class _Drive:
+    """What came out of the FMU: all columns read, and why it ended early, if it did."""
+
+    columns: Columns
+    run_time: float
+    complaint: str
+    uncompiled: bool
+
+
+def run(scene: Scene, *, progress: Progress | None = None) -> Results:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : what is to be run
+    progress : called after every communication step with the part of the duration done, 0 to 1
+
+    Raises
+    ------
+    RunError : the FMU could not be packed, loaded or initialised. A run that fails midway raises
+        nothing: its results say where it stopped and why.
+    KeyboardInterrupt : at the end of the step in which it came.
+    """
+    with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
+        _check_path(folder)
+        started = perf_counter()
+        path = packed(scene.fmu, Path(folder))
+        build_time = perf_counter() - started if scene.fmu.path is None else None
+        with _deferred_interrupt() as interrupted:
+            drive = _driven(scene, path, Path(folder, "unpacked"), progress, interrupted)
+        if interrupted():
+            raise KeyboardInterrupt
+    kept = {"time", *scene.columns}
+    return Results(
+        {name: column for name, column in drive.columns.items() if name in kept},
+        _summary(scene, drive, build_time),
+    )
+
+
+def packed(fmu: Fmu, folder: Path) -> Path:
+    """The file of an FMU: its own, or one packed now into the folder.
+
+    Raises
+    ------
+    RunError : it could not be packed.
+    """
+    if fmu.path is not None:
+        return fmu.path
+    from vehicle_fmus.build import build  # noqa: PLC0415  (heavy)
+
+    try:
+        return Path(build([fmu.model], folder)[0])
+    except Exception as error:
+        raise RunError(f"cannot pack {fmu.model}: {one_line(error)}") from error
+
+
+def _check_path(folder: str) -> None:
+    """The FMU's binary crashes where its path is not plain: refuse instead."""
+    if not folder.isascii() or set(folder) & set("#%"):
+        raise InputError(
+            f"an FMU cannot run from the temporary folder {one_line(folder)}: set TMPDIR to a path "
+            "in plain ASCII without '#' and '%'"
+        )
+
+
+def _driven(
+    scene: Scene,
+    path: Path,
+    unpacked: Path,
+    progress: Progress | None,
+    interrupted: Callable[[], bool],
+) -> _Drive:
+    """Take the FMU through the scene, keeping whatever it gives."""
+    from fmpy import extract, read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
+    from fmpy.simulation import instantiate_fmu  # noqa: PLC0415
+
+    log = _Log()
+    try:
+        extract(path, unpacked)
+        description = read_model_description(str(unpacked), validate=False)
+        instance = instantiate_fmu(
+            str(unpacked), description, "CoSimulation", debug_logging=True, logger=log.take
+        )
+    except Exception as error:
+        reason = log.complaint() or one_line(error)
+        raise RunError(f"cannot load {scene.fmu.model}: {reason}") from error
+
+    seen: list[Recorder] = []  # FMPy's own, so that rows survive an exception
+    reached = 0.0
+
+    def step_finished(time: float, recorder: Recorder) -> bool:
+        nonlocal reached
+        seen[:] = [recorder]
+        if progress is not None:
+            progress(time / scene.duration)
+        advanced, reached = time > reached, time
+        return advanced and not interrupted()
+
+    failure, usable = "", True
+    started = perf_counter()
+    try:
+        table = simulate_fmu(
+            str(unpacked),
+            validate=False,
+            start_time=0.0,
+            stop_time=scene.duration,
+            output_interval=scene.show.output_interval,
+            start_values=scene.parameters,
+            output=_read_in(scene),
+            step_finished=step_finished,
+            model_description=description,
+            fmu_instance=instance,
+            terminate=False,
+        )
+    except Exception as error:
+        failure = log.complaint() or one_line(error)
+        usable = getattr(error, "status", 0) != _FATAL
+        if not seen:
+            raise RunError(f"{scene.fmu.model} did not start: {failure}") from error
+        table = seen[0].result()
+    finally:
+        run_time = perf_counter() - started
+        if usable:
+            instance.freeInstance()
+    uncompiled = any("uncompiled" in message for _, _, message in log.lines)
+    return _Drive(_columns(table), run_time, failure or log.complaint(), uncompiled)
+
+
+def _read_in(scene: Scene) -> list[str]:
+    """The outputs read at every step: what is shown, what is bounded, and the bookkeeping."""
+    wanted = {*scene.columns, *outputs_measured(scene.expect), *BOOKKEEPING}
+    return [name for name in scene.fmu.outputs() if name in wanted]
+
+
+def _columns(table: npt.NDArray[np.void]) -> Columns:
+    """The columns of FMPy's table, up to where the FMU was well.
+
+    Raises
+    ------
+    RunError : it was not well from the start.
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    columns = {name: np.asarray(table[name]) for name in table.dtype.names or ()}
+    well = columns.get("ok", np.ones(len(table), bool)).astype(bool)
+    for column in columns.values():
+        well &= np.isfinite(column)
+    rows = len(well) if well.all() else int(well.argmin())
+    if rows == 0:
+        unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
+        raise RunError(f"no run: not a number at the start: {', '.join(unfit) or 'ok is false'}")
+    return {name: column[:rows].copy() for name, column in columns.items()}
+
+
+def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str, Any]:
+    """All that is to be said of a run, as plain data."""
+    measures = measured(drive.columns)
+    outputs = scene.fmu.outputs()
+    reached = float(drive.columns["time"][-1])
+    stopped = None
+    if reached < scene.duration * (1.0 - 1e-9):
+        reason = drive.complaint or "the FMU ended the run"
+        stopped = {"time": reached, "reason": reason}
+    return {
+        "scene": scene.name,
+        "title": scene.title,
+        "source": scene.source,
+        "model": scene.fmu.model,
+        "fmu": str(scene.fmu.path) if scene.fmu.path else scene.fmu.model,
+        "duration": scene.duration,
+        "output_interval": scene.show.output_interval,
+        "parameters": scene.all_parameters,
+        "construction": scene.construction.model_dump(),
+        "stopped": stopped,
+        "measures": measures.as_dict(),
+        "expectations": [
+            {
+                "measure": name,
+                **bounds.model_dump(),
+                "value": measures.value(name),
+                "holds": bounds.hold(measures.value(name)),
+            }
+            for name, bounds in scene.expect.items()
+        ],
+        "unchecked": list(scene.unchecked),
+        "units": {"time": "s", **{name: outputs[name].unit for name in scene.columns}},
+        "rows": len(drive.columns["time"]),
+        "uncompiled": drive.uncompiled,
+        "build_time": build_time,
+        "run_time": drive.run_time,
+    }
+
+
+@contextmanager
+def _deferred_interrupt() -> Iterator[Callable[[], bool]]:
+    """Remember Ctrl-C; raised inside the FMU it would be taken for a failure of the FMU."""
+    came: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: bool(came)
+        return
+    before = signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+    try:
+        yield lambda: bool(came)
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -1,0 +1,343 @@
+"""What a scene says: the FMU, its parameters, the duration, what is shown and what must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from suspension.models import build
+from suspension.units import nearest
+from suspension.variables import MODELS, ParameterError, Value, refuse_unknown
+
+from .errors import SceneError, one_line, shown
+from .fields import (
+    Bounds,
+    Factor,
+    Metres,
+    Seconds,
+    Strict,
+    bounds_from,
+    list_of,
+    one_of,
+    pair,
+)
+from .fmus import Fmu, find_fmu
+from .layers import Layers, find_scene, parse_override, read_layers
+from .measures import measure_units
+
+Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
+Detail = Literal["trail", "steps", "stages"]
+Rule = Literal[
+    "tangent", "mean_normal", "osculating_circle", "midpoint_circle", "velocity", "delta"
+]
+FIGURES: tuple[Figure, ...] = get_args(Figure)
+RULES: tuple[Rule, ...] = get_args(Rule)
+# Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
+_SHOWN = (
+    "_displacement", "_velocity", "_acceleration", "_deflection", "_deflection_rate", "_elevation",
+    "contact_force", "airborne",
+)  # fmt: skip
+# Drawn by the time histories and plotted in a recording.
+_DRAWN = (
+    "_displacement", "_velocity", "_acceleration", "_deflection", "_elevation", "airborne",
+)  # fmt: skip
+_MOST_ROWS = 5_000_000
+_MOST_STEPS = 100_000
+
+
+class Show(Strict):
+    """What is shown; nothing else is computed, read or written.
+
+    Parameters
+    ----------
+    outputs : names of outputs, or "all"
+    output_interval : s
+    figures : which pictures are drawn
+    recording : detail of the recording, or false for none
+    """
+
+    outputs: list[str] | Literal["all"] | None = None
+    output_interval: Seconds = 1e-3
+    figures: Annotated[tuple[str, ...], BeforeValidator(list_of(FIGURES))] = ()
+    recording: Detail | Literal[False] = False
+
+    @field_validator("outputs", mode="before")
+    @classmethod
+    def _names(cls, value: object) -> object:
+        if value == "all" or (
+            isinstance(value, list) and all(isinstance(name, str) for name in value)
+        ):
+            return value
+        raise ValueError('must be a list of outputs, or "all"')
+
+    @field_validator("recording", mode="before")
+    @classmethod
+    def _detail(cls, value: object) -> object:
+        if value is True:
+            return "stages"
+        if value is False or value in get_args(Detail):
+            return value
+        raise ValueError(f"must be true, false or one of {', '.join(get_args(Detail))}")
+
+    @property
+    def draws(self) -> bool:
+        """Whether anything shown needs the graphical construction."""
+        return bool(self.recording) or any(name != "time_histories" for name in self.figures)
+
+
+class Construction(Strict):
+    """How the graphical construction is made.
+
+    Parameters
+    ----------
+    rule : the rule of a step
+    step : s
+    duration : s; None for the duration of the scene
+    plane_distance : of the axes on the sheet, m of paper
+    plane_scales : paper over displacement, one for each plane
+    """
+
+    rule: Annotated[str, BeforeValidator(one_of(RULES))] = "delta"
+    step: Seconds = 2.5e-3
+    duration: Seconds | None = None
+    plane_distance: Metres = 0.25
+    plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] = (1.0, 2.5)
+
+
+class Scene(Strict):
+    """One scripted run.
+
+    Parameters
+    ----------
+    name : of its file
+    fmu : a model's name, or the path of an `.fmu` file
+    duration : s
+    parameters : what differs from the FMU's defaults, in SI
+    expect : bounds on measures by name
+    unchecked : measures that a base scene bounds but that no longer hold, the motion being another
+    """
+
+    name: str
+    title: str = ""
+    source: str = ""
+    fmu: Fmu
+    duration: Seconds
+    parameters: dict[str, Value] = Field(default_factory=dict)
+    show: Show = Show()
+    construction: Construction = Construction()
+    expect: dict[str, Bounds] = Field(default_factory=dict)
+    unchecked: tuple[str, ...] = ()
+
+    @field_validator("fmu", mode="before")
+    @classmethod
+    def _find(cls, value: object, info: ValidationInfo) -> Fmu:
+        if not isinstance(value, str):
+            raise ValueError("must be a model's name or the path of an .fmu file")
+        return find_fmu(value, (info.context or {}).get("folder"))
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _check_parameters(cls, value: object, info: ValidationInfo) -> dict[str, Value]:
+        given = _table(value)
+        if "fmu" not in info.data:
+            return {}
+        fmu: Fmu = info.data["fmu"]
+        declared = fmu.parameters()
+        checked = {}
+        for name, raw in given.items():
+            try:
+                refuse_unknown([name], declared, f"{fmu.model} has no parameter")
+                checked[name] = declared[name].checked(raw)
+            except ParameterError as error:
+                raise _at(name, str(error)) from None
+            except OverflowError:
+                raise _at(name, f"{name} = {shown(raw)}: too large") from None
+        if checked.get("road.shape") == "input":
+            raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
+        if fmu.model in MODELS and fmu.path is None:
+            try:
+                build(fmu.model, checked)
+            except (ParameterError, OverflowError, ZeroDivisionError) as error:
+                about = next((name for name in checked if str(error).startswith(name)), "")
+                raise _at(about, str(error)) from None
+        return checked
+
+    @field_validator("expect", mode="before")
+    @classmethod
+    def _check_expectations(cls, value: object, info: ValidationInfo) -> dict[str, Bounds]:
+        given = _table(value)
+        if "fmu" not in info.data:
+            return {}
+        units = measure_units(info.data["fmu"].outputs())
+        expected = {}
+        for name, raw in given.items():
+            if name not in units:
+                raise _at(name, f"no measure {shown(name)}{nearest(name, units)}")
+            try:
+                expected[name] = bounds_from(raw, units[name])
+            except ValueError as error:
+                raise _at(name, f"expect.{name} = {shown(raw)}: {error}") from None
+        return expected
+
+    @model_validator(mode="after")
+    def _check_whole(self) -> Scene:
+        outputs = self.fmu.outputs()
+        if isinstance(self.show.outputs, list):
+            for name in self.show.outputs:
+                if name not in outputs:
+                    raise _at(
+                        "show.outputs",
+                        f"show.outputs: {self.fmu.model} has no output {shown(name)}"
+                        + nearest(name, outputs),
+                    )
+        if self.duration / self.show.output_interval > _MOST_ROWS:
+            raise _at(
+                "show.output_interval",
+                f"show.output_interval = {self.show.output_interval:g} s gives "
+                f"{self.duration / self.show.output_interval:.3g} rows over {self.duration:g} s; "
+                f"allowed: {_MOST_ROWS}, so at least {self.duration / _MOST_ROWS:.3g} s",
+            )
+        if self.show.draws and self.construction_time / self.construction.step > _MOST_STEPS:
+            raise _at(
+                "construction.step",
+                f"construction.step = {self.construction.step:g} s gives "
+                f"{self.construction_time / self.construction.step:.3g} steps over "
+                f"{self.construction_time:g} s; allowed: {_MOST_STEPS}",
+            )
+        return self
+
+    @property
+    def all_parameters(self) -> dict[str, Value]:
+        """The parameters of the scene over the FMU's defaults."""
+        return {name: v.start for name, v in self.fmu.parameters().items()} | self.parameters
+
+    @property
+    def construction_time(self) -> float:
+        """How long the construction goes on, s."""
+        return min(self.construction.duration or self.duration, self.duration)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs shown, in the FMU's order."""
+        wanted = self.show.outputs
+        return tuple(
+            name
+            for name in self.fmu.outputs()
+            if wanted == "all" or (name.endswith(_SHOWN) if wanted is None else name in wanted)
+        )
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the outputs kept: what is shown, and what is drawn."""
+        drawn = (
+            name.endswith(_DRAWN) and bool(self.show.figures or self.show.recording)
+            for name in self.fmu.outputs()
+        )
+        return tuple(
+            name
+            for name, needed in zip(self.fmu.outputs(), drawn, strict=True)
+            if needed or name in self.outputs
+        )
+
+
+def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene.
+
+    Parameters
+    ----------
+    reference : name of a case, or path of a scene file
+    overrides : `key=value` texts, laid over the file
+
+    Raises
+    ------
+    SceneError : one line that names file, key, value and what is allowed.
+    """
+    path = find_scene(reference)
+    layers = read_layers(path, overrides)
+    content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
+    try:
+        return Scene.model_validate(content, context={"folder": layers.folders.get("fmu")})
+    except ValidationError as error:
+        raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
+
+
+def construction_settings(kept: Mapping[str, Any], overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """The construction settings of a run, with `construction.key=value` texts laid over them.
+
+    Raises
+    ------
+    SceneError : a key that is none of the construction's, or a value that is not allowed.
+    """
+    layers = Layers()
+    layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
+    for text in overrides:
+        key, value = parse_override(text)
+        if not key.startswith("construction."):
+            raise SceneError(
+                one_line(
+                    f"--set {text}: of results only construction.* can be set: "
+                    f"{', '.join(Construction.model_fields)}"
+                )
+            )
+        layers.put({key: value}, "--set", Path())
+    try:
+        return Construction.model_validate(layers.tables()["construction"]).model_dump()
+    except ValidationError as error:
+        told = error.errors(include_url=False)[0]
+        told["loc"] = ("construction", *told["loc"])
+        raise SceneError(_told(told, layers, "results")) from None
+
+
+def _table(value: object) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError("must be a table")
+    return value
+
+
+def _at(key: str, message: str) -> PydanticCustomError:
+    """An error that tells itself which key it is about."""
+    return PydanticCustomError("told", "{message}", {"message": message, "key": key})
+
+
+def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
+    """A validation error as one line."""
+    parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
+    key = ".".join(parts)
+    if error["type"] == "told":
+        key = str(error["ctx"]["key"])
+        places = [place for place in (".".join([*parts[:1], key]).strip("."), key) if place]
+        origin = next((layers.origins[p] for p in places if p in layers.origins), "")
+        return one_line(f"{origin or layers.origin(places[0], reference)}: {error['msg']}")
+    where = layers.origin(key, reference)
+    if error["type"] == "missing":
+        return one_line(f"{where}: {shown(key)} is missing; a scene needs fmu and duration")
+    if error["type"] == "extra_forbidden":
+        names = _fields(parts[:-1])
+        return one_line(
+            f"{where}: unknown key {shown(key)}{nearest(parts[-1], names)}; "
+            f"allowed in [{'.'.join(parts[:-1])}]: {', '.join(names)}"
+        )
+    message = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "model_type":
+        message = "must be a table"
+    elif message.startswith("Input should be"):
+        message = f"must be{message.removeprefix('Input should be')}"
+    return one_line(f"{where}: {key} = {shown(error['input'])}: {message}")
+
+
+def _fields(sections: Sequence[str]) -> list[str]:
+    """The keys a section of the scene may have."""
+    models: dict[str, type[BaseModel]] = {"show": Show, "construction": Construction}
+    return list(models[sections[0]].model_fields) if sections and sections[0] in models else []

@@ -1,0 +1,348 @@
+"""The command line: what it leaves, what it says, and with which status it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter
+
+import pytest
+from click.testing import CliRunner, Result
+from fmpy.util import read_csv
+
+from scenarios.cli import main
+
+ROOT = Path(__file__).parents[2]
+BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def phaseplane(*arguments: str) -> Result:
+    """Run in this process; whatever goes wrong is one line on stderr."""
+    result = CliRunner().invoke(main, arguments)
+    assert result.exception is None or isinstance(result.exception, SystemExit)
+    lines = result.stderr.splitlines()
+    assert len(lines) == (result.exit_code != 0), result.stderr
+    assert all(line.startswith("phaseplane: ") for line in lines)
+    return result
+
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])}
+
+
+def in_a_process(
+    *arguments: str, cwd: Path | None = None, encoding: str = "utf-8"
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *arguments],
+        env=ENVIRONMENT | {"PYTHONIOENCODING": encoding},
+        cwd=cwd,
+        capture_output=True,
+        encoding=encoding,
+        timeout=60,
+        check=False,
+    )
+
+
+# -- what is not used is not imported ------------------------------------------------------------
+
+
+def test_the_command_line_imports_nothing_heavy() -> None:
+    code = (
+        "import sys, scenarios.cli as c\n"
+        "try: c.main(['--help'])\n"
+        "except SystemExit: pass\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+    )
+    loaded = set(in_a_process("-c", code).stderr.split())
+    assert "click" in loaded
+    assert not loaded & {
+        "numpy", "scipy", "fmpy", "matplotlib", "rerun", "pydantic", "pythonfmu", "phaseplane",
+        "suspension", "vehicle_fmus",
+    }  # fmt: skip
+
+
+def test_help_takes_well_under_a_fifth_of_a_second() -> None:
+    def once() -> float:
+        started = perf_counter()
+        assert "Usage" in in_a_process("-m", "scenarios.cli", "--help").stdout
+        return perf_counter() - started
+
+    assert min(once() for _ in range(5)) < 0.2
+
+
+def test_a_bare_run_imports_neither_pictures_nor_recordings(fmu: Path) -> None:
+    arguments = ["run", "ap57", "--set", f"fmu={fmu}", *BARE, "--json"]
+    code = (
+        f"import sys, scenarios.cli as c\ntry: c.main({arguments!r})\n"
+        "except SystemExit as e: status = e.code\n"
+        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)\nsys.exit(status)"
+    )
+    done = in_a_process("-c", code)
+    assert done.returncode == 0
+    assert not set(done.stderr.split()) & {"rerun", "matplotlib", "scipy", "phaseplane"}
+    assert json.loads(done.stdout)["scene"] == "ap57"  # and nothing else on stdout
+
+
+# -- the main job --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def ap57(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The results folder of `run ap57` as a user runs it, and what was said."""
+    folder = tmp_path_factory.mktemp("ap57")
+    done = in_a_process("-m", "scenarios.cli", "run", "ap57", cwd=folder)
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder / "out" / "ap57", done.stdout
+
+
+def test_run_leaves_results_pictures_and_recording(ap57: tuple[Path, str]) -> None:
+    folder, _ = ap57
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "construction.rrd", "phase_planes.png", "results.csv", "summary.json", "time_histories.png",
+    ]  # fmt: skip
+    assert [path.name for path in folder.parent.iterdir()] == ["ap57"]
+    assert (folder / "phase_planes.png").read_bytes().startswith(b"\x89PNG")
+    table = read_csv(folder / "results.csv")
+    assert len(table) == 1001
+    assert table["body_displacement"].min() == pytest.approx(-0.0202, abs=1e-4)
+    assert set(table["airborne"]) == {0.0, 1.0}
+
+
+def test_run_tells_the_figures_that_matter(ap57: tuple[Path, str]) -> None:
+    folder, said = ap57
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    peak = summary["measures"]["peaks"]["wheel_displacement"]
+    wanted = [
+        "Apetaur", "QuarterCar", "bump 50 mm high, 1 m long, at 20 m/s", "extrapolated",
+        f"{1e3 * peak['value']:.3f} mm", "30.662 ms", "65.601 ms", "34.938 ms",
+        "smallest force 0 N",
+        f"{summary['measures']['step_count']} steps", "4 of 4 hold", "packed in",
+        *(f"out/ap57/{name}" for name in summary["files"]),
+    ]  # fmt: skip
+    assert [words for words in wanted if words not in said] == []
+    assert said.isascii() or "Půst" in said
+    assert max(map(len, said.splitlines())) <= 100
+
+
+def test_run_again_replaces_the_folder(fmu: Path) -> None:
+    run = ("run", "ap57", "--set", f"fmu={fmu}", "--set", "show.recording=false", "-o", "here")
+    assert phaseplane(*run, "--set", "show.figures=['time_histories']").exit_code == 0
+    assert Path("here", "time_histories.png").exists()
+    assert phaseplane(*run, "--set", "show.figures=[]").exit_code == 0
+    assert sorted(os.listdir("here")) == ["results.csv", "summary.json"]
+    assert os.listdir() == ["here"]
+
+
+def test_json_is_the_summary_as_written(fmu: Path) -> None:
+    result = phaseplane("run", "ap57_figure13", "--set", f"fmu={fmu}", *BARE, "--json")
+    summary = json.loads(result.stdout)
+    assert summary == json.loads(Path("out/ap57_figure13/summary.json").read_text("utf-8"))
+    assert summary["measures"]["lift_off_count"] == 0
+
+
+def test_figure_13_is_drawn(fmu: Path) -> None:
+    result = phaseplane(
+        "run",
+        "ap57_figure13",
+        "--set",
+        f"fmu={fmu}",
+        "--set",
+        "show.figures=['construction_sheet']",
+    )
+    assert result.exit_code == 0
+    assert Path("out/ap57_figure13/construction_sheet.png").stat().st_size > 10_000
+
+
+# -- failures ------------------------------------------------------------------------------------
+
+
+def test_an_expectation_that_fails(fmu: Path) -> None:
+    result = phaseplane(
+        "run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "expect.lift_off_count=2"
+    )
+    assert result.exit_code == 1
+    assert result.stderr == "phaseplane: ap57: lift_off_count = 1, expected 2\n"
+    assert "0 of 1 hold" in result.stdout
+    assert Path("out/ap57/results.csv").exists()
+
+
+def test_a_diverging_run(fmu: Path) -> None:
+    result = phaseplane(
+        "run", "ap57", "--set", f"fmu={fmu}", "--set", "show.figures=['time_histories']",
+        "--set", "show.recording=false", "--set", "spring.cubic=-1e9", "--set", "road.height=0.3",
+    )  # fmt: skip
+    assert result.exit_code == 1
+    assert "stopped after 0.018 s of 1 s" in result.stderr
+    assert "diverged at 0.018" in result.stderr
+    assert len(read_csv("out/ap57/results.csv")) == 19
+    assert Path("out/ap57/time_histories.png").exists()
+
+
+def test_a_construction_that_leaves_the_sheet_costs_only_itself(fmu: Path) -> None:
+    result = phaseplane(
+        "run", "ap57", "--set", f"fmu={fmu}", "--set", "spring.cubic=-1e9", "--set",
+        "road.height=0.3", "--set", "show.figures=[]", "--json",
+    )  # fmt: skip
+    assert result.exit_code == 1
+    summary = json.loads(result.stdout)
+    assert "cannot be drawn" in summary["problems"][0]
+    assert summary["rows"] == 19
+
+
+def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object, **__: object) -> None:
+        raise ZeroDivisionError("a bug")
+
+    monkeypatch.setattr("phaseplane.figures.time_histories", fail)
+    result = phaseplane(
+        "run", "ap57", "--set", f"fmu={fmu}", "--set", "show.figures=['time_histories']",
+        "--set", "show.recording=false",
+    )  # fmt: skip
+    assert result.exit_code == 1
+    assert "time_histories.png was not drawn: a bug" in result.stderr
+    assert Path("out/ap57/results.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run"], "Missing argument 'SCENE'"),
+        (["rum", "ap57"], "did you mean 'run'?"),
+        (["run", "ap75"], "did you mean 'ap57'?"),
+        (["run", "gone.toml"], "no scene file gone.toml"),
+        (["run", "bad.toml"], "not TOML"),
+        (["run", "ap57", "--sett", "x=1"], "No such option"),
+        (["run", "ap57", "--set", "sprung_mass=-3"], "sprung_mass = -3: must be greater than 0"),
+        (["run", "ap57", "--set", "speed=3 kg"], "'kg' does not fit"),
+        (["run", "ap57", "--set", "spead=3"], "did you mean 'speed'?"),
+        (["run", "ap57", "--set", "construction.step=1 s"], "at most a right angle"),
+        (["run", "ap57", "-o", "full"], "full holds no results of a run"),
+        (["run", "ap57", "-o", "bad.toml"], "bad.toml is a file"),
+        (["run", "ap57", "-o", "."], "current folder"),
+        (["build"], "Missing option '-o'"),
+        (["build", "Quartercar", "-o", "x"], "did you mean 'QuarterCar'?"),
+        (["build", "-o", "bad.toml/x"], "cannot write"),
+        (["list", "extra"], "unexpected extra argument"),
+        (["replay", "ap57"], "--save F.rrd or --figure F.png"),
+        (["replay", "ap57", "--save", "x.txt"], "must end in .rrd"),
+        (["replay", "ap57", "--figure", "x.gif"], "must end in .png"),
+        (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
+        (["replay", "ap75", "--save", "x.rrd"], "or of a results folder"),
+        (["replay", "full", "--save", "x.rrd"], "is no results folder"),
+        (["replay", "ap57", "--save", "x.rrd", "--construction", "detla"], "'delta'?"),
+        (["replay", "ap57", "--save", "x.rrd", "--step", "fast"], "'fast' is not a number"),
+    ],
+)
+def test_bad_input(arguments: list[str], words: str, elsewhere: Path) -> None:
+    (elsewhere / "bad.toml").write_text("fmu = QuarterCar\n")
+    (elsewhere / "full").mkdir()
+    (elsewhere / "full" / "diary.txt").touch()
+    result = phaseplane(*arguments)
+    assert result.exit_code == 2
+    assert words.lower() in result.stderr.lower()
+    assert result.stdout == ""
+    assert sorted(os.listdir()) == ["bad.toml", "full"]
+
+
+def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("scenarios.job.run_scene", interrupt)
+    result = CliRunner().invoke(main, ["run", "ap57"])
+    assert result.exit_code == 130
+    assert result.stderr.strip() == "phaseplane: interrupted"
+
+
+def test_a_closed_pipe_is_no_error() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c",
+         "import sys; sys.stdin.readline()\nfrom scenarios.cli import main; main(['list'])"],
+        env=ENVIRONMENT, text=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    ) as process:  # fmt: skip
+        assert process.stdin and process.stdout and process.stderr  # noqa: PT018
+        process.stdout.close()
+        process.stdin.write("go\n")
+        process.stdin.close()
+        assert process.stderr.read() == ""
+        assert process.wait(30) == 141
+
+
+def test_output_that_cannot_be_encoded() -> None:
+    done = in_a_process("-m", "scenarios.cli", "run", "ap57\N{SNOWMAN}", encoding="latin-1")
+    assert done.returncode == 2
+    assert done.stderr.startswith("phaseplane: no scene 'ap57?'")
+    assert len(done.stderr.splitlines()) == 1
+
+
+# -- the other commands --------------------------------------------------------------------------
+
+
+def test_list() -> None:
+    lines = phaseplane("list").stdout.splitlines()
+    assert lines[0].split(maxsplit=1) == [
+        "ap57",
+        "Quarter car over a 5 cm bump, with wheel lift-off",
+    ]
+    assert set(json.loads(phaseplane("list", "--json").stdout)) >= {"ap57", "ap57_figure13"}
+
+
+def test_build_packs_what_runs() -> None:
+    assert phaseplane("build", "-o", "fmus").stdout == f"{Path('fmus', 'QuarterCar.fmu')}\n"
+    again = phaseplane("build", "QuarterCar", "-o", "fmus", "--json")
+    assert json.loads(again.stdout) == {"files": [str(Path("fmus", "QuarterCar.fmu"))]}
+    told = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", *BARE).stdout
+    assert f"from {Path('fmus', 'QuarterCar.fmu')}" in told
+
+
+def test_replay_a_scene() -> None:
+    result = phaseplane(
+        "replay", "ap57", "--construction", "tangent", "--step", "5 ms", "--save", "x.rrd",
+        "--figure", "x.svg", "--json",
+    )  # fmt: skip
+    told = json.loads(result.stdout)
+    assert "tangent" in told["title"]
+    assert told["steps"] == 30 + 2  # 0.15 s, and a step divided at lift-off and at touchdown
+    assert Path("x.rrd").stat().st_size > 10_000
+    assert "<svg" in Path("x.svg").read_text(encoding="utf-8")
+
+
+def test_replay_lies_over_results(ap57: tuple[Path, str]) -> None:
+    """Its state points are the run's own: with 2 ms every second row, and those of the switches."""
+    folder, _ = ap57
+    result = phaseplane("replay", str(folder), "--step", "2 ms", "--save", "over.rrd", "--json")
+    assert json.loads(result.stdout)["steps"] == pytest.approx(500, abs=2)
+    assert Path("over.rrd").exists()
+    refused = phaseplane("replay", str(folder), "--save", "over.rrd", "--set", "speed=3")
+    assert refused.exit_code == 2
+    assert "only construction.*" in refused.stderr
+
+
+def test_replay_needs_the_motion(ap57: tuple[Path, str]) -> None:
+    shutil.copytree(ap57[0], "copy")
+    table = Path("copy/results.csv")
+    table.write_text(table.read_text().replace('"wheel_velocity"', '"other"'))
+    result = phaseplane("replay", "copy", "--save", "x.rrd")
+    assert result.exit_code == 2
+    assert "no column wheel_velocity; put it into show.outputs" in result.stderr
+
+
+def test_help_without_a_command() -> None:
+    assert phaseplane().stdout == phaseplane("--help").stdout
+    assert "Exit status" in phaseplane().stdout
+
+
+def test_version() -> None:
+    assert phaseplane("--version").stdout.startswith("phaseplane")

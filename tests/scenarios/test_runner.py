@@ -1,0 +1,160 @@
+"""Scenes run: against the model in this process, an independent reference, and failures."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios.errors import InputError, RunError
+from scenarios.runner import packed, run
+from scenarios.schema import load_scene
+from suspension.session import simulate
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+BARE = ("show.figures=[]", "show.recording=false")
+
+
+def scene_of(fmu: Path, *overrides: str, case: str = "ap57"):  # type: ignore[no-untyped-def]
+    return load_scene(case, [f"fmu={fmu}", *BARE, *overrides])
+
+
+def test_the_fmu_gives_what_the_model_gives_to_the_bit(fmu: Path) -> None:
+    scene = scene_of(fmu, "show.outputs=all", "show.output_interval=3.7 ms")
+    results = run(scene)
+    times = results.columns["time"]
+    assert times[-1] == scene.duration  # the last interval is a shorter one
+    assert times[1] == 3.7e-3
+    own = simulate("QuarterCar", scene.parameters, times.tolist(), scene.outputs)
+    assert set(own) == set(results.columns)
+    for name, column in results.columns.items():
+        assert np.array(own[name], float).tobytes() == column.astype(float).tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("case", "file"), [("ap57", "ap57_lift_off"), ("ap57_figure13", "ap57_no_lift_off")]
+)
+def test_against_the_independent_reference(fmu: Path, case: str, file: str) -> None:
+    """Displacements within 1e-6 of the peak at default settings, switches to a microsecond."""
+    results = run(scene_of(fmu, "duration=1 s", "show.output_interval=5 ms", case=case))
+    lines = (REFERENCE / f"{file}.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert len(rows) == len(results.columns["time"]) == 201
+    wanted = {k: np.array([float(row[k]) for row in rows]) for k in rows[0]}
+    masses = ("body_displacement", "wheel_displacement")
+    peak = max(abs(wanted[name]).max() for name in masses)
+    for name in masses:
+        assert abs(results.columns[name] - wanted[name]).max() < 1e-6 * peak
+    events = json.loads((REFERENCE / "ap57_events.json").read_text())[file]["events"]
+    tyre = [event["time"] for event in events if event["element"] == "tyre"]
+    measures = results.summary["measures"]
+    found = sorted([*measures["lift_offs"], *measures["touchdowns"]])
+    assert found == pytest.approx(tyre, abs=1e-6)
+    if tyre:
+        assert measures["airborne_time"] == pytest.approx(tyre[1] - tyre[0], abs=1e-6)
+
+
+def test_only_what_is_shown_is_kept(fmu: Path) -> None:
+    results = run(scene_of(fmu, "show.outputs=['contact_force']", "duration=10 ms"))
+    assert list(results.columns) == ["time", "contact_force"]
+    assert results.summary["units"] == {"time": "s", "contact_force": "N"}
+    assert results.summary["measures"]["step_count"] > 0
+
+
+def test_expectations_are_judged(fmu: Path) -> None:
+    wrong = run(
+        scene_of(fmu, "expect={lift_off_count=2, peak={body_displacement={max='-2 cm'}}}")
+    ).summary["expectations"]
+    assert {e["measure"]: e["holds"] for e in wrong} == {
+        "lift_off_count": False,
+        "peak.body_displacement": True,
+    }
+    never = run(scene_of(fmu, "expect.first_lift_off={min=0}", case="ap57_figure13"))
+    assert never.summary["expectations"][0]["holds"] is False
+
+
+def test_a_diverging_run_keeps_what_it_had(fmu: Path) -> None:
+    """A softening spring pulls the car apart on a 30 cm bump."""
+    overrides = ("spring.cubic=-1e9", "road.height=0.3")
+    scene = scene_of(fmu, *overrides)
+    results = run(scene)
+    assert results.stopped is not None
+    times = results.columns["time"]
+    assert results.stopped["time"] == times[-1]
+    assert 0.01 < times[-1] < 0.05
+    assert "diverged at 0.0" in results.stopped["reason"]
+    assert all(np.isfinite(column).all() for column in results.columns.values())
+    own = simulate("QuarterCar", scene.parameters, times.tolist(), ["wheel_displacement"])
+    assert own["wheel_displacement"] == results.columns["wheel_displacement"].tolist()
+
+
+def test_progress_goes_from_nothing_to_all(fmu: Path) -> None:
+    seen: list[float] = []
+    run(scene_of(fmu, "duration=20 ms"), progress=seen.append)
+    assert len(seen) == 20
+    assert seen == sorted(seen)
+    assert seen[0] == pytest.approx(0.05)
+    assert seen[-1] == 1.0
+
+
+def test_an_interrupt_ends_the_run_at_its_next_step(fmu: Path) -> None:
+    seen: list[float] = []
+
+    def interrupt_once(part: float) -> None:
+        seen.append(part)
+        if len(seen) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        run(scene_of(fmu), progress=interrupt_once)
+    assert len(seen) == 3
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> None:
+    bare = tmp_path / "bare.fmu"
+    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(bare, "w") as part:
+        for name in whole.namelist():
+            if not name.startswith("binaries"):
+                part.writestr(name, whole.read(name))
+    with pytest.raises(RunError, match="cannot load QuarterCar: Cannot find shared library"):
+        run(scene_of(bare))
+
+
+def test_an_fmu_that_refuses_its_parameters_tells_why(fmu: Path) -> None:
+    """What a model description cannot say, a packed FMU checks itself."""
+    with pytest.raises(RunError, match=r"did not start: .*spring\.table") as caught:
+        run(scene_of(fmu, "spring.table=0:1, 1:2"))
+    assert str(caught.value).isprintable()
+
+
+def test_a_file_that_is_no_fmu(tmp_path: Path) -> None:
+    path = tmp_path / "text.fmu"
+    path.write_text("not a zip")
+    with pytest.raises(InputError, match="not an FMU"):
+        scene_of(path)
+
+
+def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("pythonfmu said:\nno")
+
+    monkeypatch.setattr("vehicle_fmus.build.build", fail)
+    with pytest.raises(RunError, match="cannot pack QuarterCar: pythonfmu said: no"):
+        packed(load_scene("ap57").fmu, tmp_path)
+
+
+def test_a_temporary_folder_that_would_crash_the_binary_is_refused(
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "größer").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "größer"))
+    with pytest.raises(InputError, match="set TMPDIR"):
+        run(scene_of(fmu))

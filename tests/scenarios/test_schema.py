@@ -1,0 +1,333 @@
+"""Scenes: what they say, what they refuse, and in which words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, get_args
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from scenarios.errors import SceneError
+from scenarios.layers import CASES, KEYS, case_names, case_titles
+from scenarios.schema import (
+    FIGURES,
+    RULES,
+    Construction,
+    Detail,
+    Scene,
+    construction_settings,
+    load_scene,
+)
+
+KGF = 9.80665  # N
+AP57 = (CASES / "ap57.toml").read_text(encoding="utf-8")
+MINIMAL = 'fmu = "QuarterCar"\nduration = "1 s"\n'
+
+
+def scene_file(folder: Path, text: str, name: str = "scene.toml") -> str:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def refusal(reference: str, *overrides: str) -> str:
+    with pytest.raises(SceneError) as caught:
+        load_scene(reference, overrides)
+    message = str(caught.value)
+    assert message.isprintable()
+    return message
+
+
+# -- what a scene says ---------------------------------------------------------------------------
+
+
+def test_published_values_reach_the_parameters() -> None:
+    """AP57 section 8: kgf, cm, s in the file, SI in the scene, and the paper's own results."""
+    p: dict[str, Any] = {**load_scene("ap57").parameters}
+    assert p["sprung_mass"] == pytest.approx(0.3 * 100 * KGF, rel=1e-15)
+    assert p["spring.rate"] == pytest.approx(15 * 100 * KGF, rel=1e-15)
+    assert p["damper.bump_rate"] == pytest.approx(0.5 * 100 * KGF, rel=1e-15)
+    load = (p["sprung_mass"] + p["unsprung_mass"]) * KGF
+    assert load / p["tyre.stiffness"] == pytest.approx(2.157e-2, abs=5e-6)  # x2st
+    omega_2 = (p["tyre.stiffness"] / p["unsprung_mass"]) ** 0.5
+    assert omega_2 == pytest.approx(70.7107, abs=5e-5)
+    assert p["road.length"] / p["speed"] == pytest.approx(0.05, rel=1e-15)
+
+
+def test_every_case_is_a_scene_of_the_title_listed() -> None:
+    assert {"ap57", "ap57_figure13"} <= set(case_names())
+    for name, title in case_titles().items():
+        assert load_scene(name).title == title != ""
+
+
+def test_figure_13_is_ap57_with_the_wheel_on_the_road() -> None:
+    base, derived = load_scene("ap57"), load_scene("ap57_figure13")
+    assert derived.parameters == {**base.parameters, "lift_off": False}
+    assert derived.duration == 0.15
+    assert derived.source == base.source
+    assert "construction_sheet" in derived.show.figures
+
+
+def test_defaults_show_the_motion_and_draw_nothing(tmp_path: Path) -> None:
+    scene = load_scene(scene_file(tmp_path, MINIMAL))
+    assert {"body_displacement", "wheel_acceleration", "contact_force"} <= set(scene.outputs)
+    assert "stable_step" not in scene.outputs
+    assert (scene.show.figures, scene.show.recording, scene.show.draws) == ((), False, False)
+    assert scene.columns == scene.outputs
+
+
+def test_columns_add_to_the_outputs_what_is_drawn(tmp_path: Path) -> None:
+    text = MINIMAL + '[show]\noutputs = ["contact_force"]\n'
+    assert load_scene(scene_file(tmp_path, text)).columns == ("contact_force",)
+    drawn = load_scene(scene_file(tmp_path, text + 'figures = ["time_histories"]\n'))
+    assert {"contact_force", "ground_elevation", "body_velocity"} < set(drawn.columns)
+
+
+def test_all_outputs(tmp_path: Path) -> None:
+    scene = load_scene(scene_file(tmp_path, MINIMAL + '[show]\noutputs = "all"\n'))
+    assert set(scene.outputs) == set(scene.fmu.outputs())
+
+
+def test_nested_and_quoted_keys_are_the_same(tmp_path: Path) -> None:
+    nested = scene_file(tmp_path, MINIMAL + "[parameters.spring]\nrate = 2e4\n", "a.toml")
+    quoted = scene_file(tmp_path, MINIMAL + '[parameters]\n"spring.rate" = 2e4\n', "b.toml")
+    assert load_scene(nested).parameters == load_scene(quoted).parameters == {"spring.rate": 2e4}
+    both = MINIMAL + '[parameters]\n"spring.rate" = 1.0\nspring.rate = 2.0\n'
+    assert "'parameters.spring.rate' is given twice" in refusal(scene_file(tmp_path, both))
+
+
+@pytest.mark.parametrize(
+    ("override", "read", "expected"),
+    [
+        ("road.height=8 cm", lambda s: s.parameters["road.height"], 0.08),
+        ("parameters.road.height=8 cm", lambda s: s.parameters["road.height"], 0.08),
+        ("road.height = 0.08", lambda s: s.parameters["road.height"], 0.08),
+        ("lift_off=false", lambda s: s.parameters["lift_off"], False),
+        ("damper={bump_rate=5, rebound_rate=6}", lambda s: s.parameters["damper.bump_rate"], 5.0),
+        ("road.shape=sine", lambda s: s.parameters["road.shape"], "sine"),
+        ("duration=250 ms", lambda s: s.duration, 0.25),
+        ("title=a = b", lambda s: s.title, "a = b"),
+        ("show.figures=[]", lambda s: s.show.figures, ()),
+        ("show.recording=true", lambda s: s.show.recording, "stages"),
+        ("construction.plane_scales=[1, 2]", lambda s: s.construction.plane_scales, (1.0, 2.0)),
+        ("expect.lift_off_count=7", lambda s: s.expect["lift_off_count"].max, 7.0),
+    ],
+)
+def test_override(override: str, read: object, expected: object) -> None:
+    assert read(load_scene("ap57", [override])) == expected  # type: ignore[operator]
+
+
+def test_expectations_hold_for_the_motion_they_were_written_for() -> None:
+    """A new title or tolerance leaves them; another motion drops all but those given with it."""
+    for override in ("title=x", "solver.tolerance=1e-8"):
+        assert load_scene("ap57", [override]).expect.keys() == load_scene("ap57").expect.keys()
+    changed = load_scene("ap57", ["speed=10", "expect.lift_off_count=0"])
+    assert list(changed.expect) == ["lift_off_count"]
+    assert "first_lift_off" in changed.unchecked
+
+
+def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
+    scene = load_scene("ap57", ['expect={peak={body_displacement={min="-2 cm", max=0.5}}}'])
+    bounds = scene.expect["peak.body_displacement"]
+    assert (bounds.min, bounds.max) == (-0.02, 0.5)
+    assert bounds.hold(-0.02)
+    assert not bounds.hold(-0.0201)
+    assert not bounds.hold(0.51)
+    assert not bounds.hold(None)
+
+
+def test_the_scene_has_the_keys_that_its_file_may_have() -> None:
+    assert set(KEYS) - {"extends"} == set(Scene.model_fields) - {"name", "unchecked"}
+
+
+def test_choices_are_those_of_the_packages_that_draw() -> None:
+    from phaseplane import constructions, figures, recording  # noqa: PLC0415
+
+    assert set(RULES) == set(constructions.RULES)
+    assert get_args(Detail) == recording.DETAILS
+    assert set(FIGURES) <= set(figures.__all__)
+
+
+# -- files ---------------------------------------------------------------------------------------
+
+
+def test_extends_relative_to_its_own_file(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    scene_file(tmp_path, MINIMAL + "[parameters]\nspeed = 5\ngravity = 9.0\n", "base.toml")
+    path = scene_file(
+        tmp_path / "sub", 'extends = "../base.toml"\n[parameters]\nspeed = 6\n', "derived.toml"
+    )
+    scene = load_scene(path)
+    assert scene.parameters == {"speed": 6.0, "gravity": 9.0}
+    assert scene.name == "derived"
+
+
+def test_ring_of_extends(tmp_path: Path) -> None:
+    scene_file(tmp_path, 'extends = "b.toml"\n', "a.toml")
+    scene_file(tmp_path, 'extends = "./a.toml"\n', "b.toml")
+    assert "ring" in refusal(str(tmp_path / "a.toml"))
+
+
+def test_an_error_names_the_file_that_made_it(tmp_path: Path) -> None:
+    scene_file(tmp_path, MINIMAL + "[parameters]\nspeed = -5\ngravity = -9\n", "base.toml")
+    derived = scene_file(tmp_path, 'extends = "base.toml"\n[parameters]\nspeed = 5\n', "top.toml")
+    message = refusal(derived)
+    assert message.startswith(str(tmp_path / "base.toml"))
+    assert "gravity = -9: must be at least 0 in m/s2" in message
+    assert refusal(derived, "gravity=-8").startswith("--set: gravity = -8")
+
+
+@pytest.mark.parametrize(
+    ("reference", "words"),
+    [
+        ("ap75", ["no scene 'ap75'", "did you mean 'ap57'?", "ap57_figure13"]),
+        ("nowhere/x.toml", ["no scene file nowhere/x.toml"]),
+        ("", ["is a folder"]),
+        ("a\0b", ["no scene"]),
+    ],
+)
+def test_no_such_scene(reference: str, words: list[str]) -> None:
+    message = refusal(reference)
+    assert all(word in message for word in words)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"fmu = QuarterCar", "not TOML"),
+        (b"\xff\xfe", "not UTF-8"),
+        (b"x = " + b"[" * 5000, "nested too deeply"),
+        (b"x = " + b"9" * 5000, "not TOML"),
+        (b"", "'fmu' is missing"),
+        (b'fmu = "QuarterCar"', "'duration' is missing"),
+    ],
+)
+def test_unreadable_file(tmp_path: Path, content: bytes, words: str) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_bytes(content)
+    message = refusal(str(path))
+    assert str(path) in message
+    assert words in message
+
+
+# -- what a scene refuses: key, value, what is allowed, nearest name -----------------------------
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("sprung_mass=-3", ["sprung_mass = -3", "greater than 0 in kg"]),
+        ("gravity=nan", ["gravity = nan", "at least 0 in m/s2"]),
+        ("spring.rate=5 cm", ["spring.rate = '5 cm'", "'cm' does not fit", "N/mm"]),
+        ("spring.rate=stiff", ["spring.rate = 'stiff'", "1.5 N/m"]),
+        ("sping.rate=5", ["QuarterCar", "'sping.rate'", "did you mean 'spring.rate'?"]),
+        ("spring.rate=" + "9" * 400, ["spring.rate", "too large"]),
+        ("spring.table=0:0", ["spring.table", "at least two points"]),
+        ("lift_off=1", ["lift_off = 1", "true or false"]),
+        ("road.shape=bmp", ["road.shape = 'bmp'", "flat, bump", "did you mean 'bump'?"]),
+        ("road.shape=input", ["road.shape = 'input'", "road.table"]),
+        ("duration=1 N", ["duration = '1 N'", "'N' does not fit", "ms"]),
+        ("duration=0", ["duration = 0", "greater than 0 in s"]),
+        ("duration=true", ["duration = True", "a number in s"]),
+        ("fmu=Quartercar", ["fmu = 'Quartercar'", "did you mean 'QuarterCar'?"]),
+        ("fmu=gone.fmu", ["fmu = 'gone.fmu'", "no such file"]),
+        ("title=3", ["title = 3", "string"]),
+        ("show=3", ["show = 3", "table"]),
+        ("parameters=3", ["parameters = 3", "table"]),
+        ("show.figure=[]", ["'show.figure'", "did you mean 'figures'?", "recording"]),
+        ("show.figures=['phase_plane']", ["'phase_plane'", "did you mean 'phase_planes'?"]),
+        ("show.recording=maybe", ["show.recording = 'maybe'", "trail, steps, stages"]),
+        ("show.outputs=['body_displacment']", ["did you mean 'body_displacement'?"]),
+        ("show.outputs=body", ["show.outputs = 'body'", '"all"']),
+        ("show.output_interval=1e-9", ["show.output_interval = 1e-09", "rows", "at least"]),
+        ("construction.step=1e-7", ["construction.step = 1e-07", "steps"]),
+        ("construction.rule=detla", ["'detla'", "osculating_circle", "did you mean 'delta'?"]),
+        ("construction.plane_scales=[1]", ["plane_scales = [1]", "two numbers"]),
+        ("expect.lift_of_count=1", ["'lift_of_count'", "did you mean 'lift_off_count'?"]),
+        ("expect.airborne_time=0.03", ["expect.airborne_time = 0.03", "min and/or max in s"]),
+        ("expect.airborne_time={min='1 N'}", ["expect.airborne_time", "'N' does not fit"]),
+        ("expect.lift_off_count={min=3, max=1}", ["min is above max"]),
+        ("extends=ap57", ["extends", "in its file only"]),
+        ("speed", ["'speed'", "key=value"]),
+    ],
+)
+def test_refused_override(override: str, words: list[str]) -> None:
+    message = refusal("ap57", override)
+    assert message.startswith("--set")
+    assert all(word in message for word in words), message
+
+
+def test_unknown_key_at_the_top(tmp_path: Path) -> None:
+    path = scene_file(tmp_path, MINIMAL + 'durration = "1 s"\n')
+    message = refusal(path)
+    assert all(word in message for word in (path, "'durration'", "did you mean 'duration'?"))
+
+
+def test_settings_of_a_construction_again() -> None:
+    kept = Construction().model_dump()
+    assert construction_settings(kept, ["construction.rule=tangent"])["rule"] == "tangent"
+    for text, words in (("spring.rate=3", "only construction.*"), ("construction.x=1", "'x'")):
+        with pytest.raises(SceneError, match="--set") as caught:
+            construction_settings(kept, [text])
+        assert words.strip("'") in str(caught.value)
+
+
+# -- anything at all -----------------------------------------------------------------------------
+
+SCRAPS = st.one_of(
+    st.text(max_size=6),
+    st.sampled_from(
+        ["=", "\n[", "]\n", "{", "}", "[[", '"', "'", "1e999", "-1", "true", "0x" + "f" * 9, "nan",
+         "extends = 'ap57'\n", "1979-05-27", "[parameters.spring]\n", "spring.rate = 1\n", "\r"]
+    ),
+)  # fmt: skip
+
+
+def told(reference: str, *overrides: str) -> str:
+    """What is said of a scene that is refused; nothing if it is read."""
+    try:
+        load_scene(reference, overrides)
+    except SceneError as error:
+        return str(error)
+    return ""
+
+
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(data=st.data())
+def test_a_mutated_scene_is_read_or_refused_in_one_line(
+    tmp_path: Path, data: st.DataObject
+) -> None:
+    text = AP57
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        end = min(len(text), start + data.draw(st.integers(0, 12)))
+        text = text[:start] + data.draw(SCRAPS) + text[end:]
+    path = tmp_path / "mutated.toml"
+    path.write_bytes(text.encode("utf-8", "surrogatepass"))
+    message = told(str(path))
+    assert message.isprintable()  # so no line break either
+    assert not message or "mutated.toml" in message
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    key=st.sampled_from([
+        "duration", "fmu", "title", "source", "speed", "spring.rate", "spring.table", "lift_off",
+        "road.table", "show.figures", "show.outputs", "show.recording", "show.output_interval",
+        "construction.rule", "construction.step", "construction.plane_scales", "expect",
+        "expect.lift_off_count", "expect.peak.body_displacement", "parameters", "show", "",
+    ]),
+    value=st.one_of(
+        st.text(max_size=12),
+        st.integers().map(str),
+        st.floats().map(str),
+        st.lists(st.integers() | st.text(max_size=3), max_size=3).map(str),
+        st.sampled_from(["{}", "{min=1}", "{a.b.c=1}", "9" * 400, "{min=" + "9" * 400 + "}"]),
+    ),
+)  # fmt: skip
+def test_any_override_is_taken_or_refused_in_one_line(key: str, value: str) -> None:
+    assert told("ap57", f"{key}={value}").isprintable()
