@@ -1,0 +1,12 @@
+"""Pictures of the constructions and of the motions, by matplotlib.
+
+Figures are made with its object interface alone: no window, no global state, no backend to choose.
+"""
+
+from __future__ import annotations
+
+from phaseplane.figures.histories import time_histories
+from phaseplane.figures.planes import construction_sheet, phase_planes
+from phaseplane.figures.style import save
+
+__all__ = ["construction_sheet", "phase_planes", "save", "time_histories"]

@@ -1,0 +1,349 @@
+"""The sheet as a figure: axes, lines, points, letters and legend, each drawn on demand."""
+
+from __future__ import annotations
+
+from cmath import exp, phase
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from math import ceil, floor
+
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+
+from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Frame, Plane
+from phaseplane.constructions.sheet import reach, round_step, trail
+from phaseplane.constructions.steps import REPEATED
+from phaseplane.figures.lettering import Box, place, text_box, typeset
+from phaseplane.figures.style import Palette, new_figure, role_style
+
+_TYPE = 9.0  # size of the letters, points
+_LARGEST = (11.0, 10.0)  # inches that the sheet may take up
+_EVENTS = {"lift_off": "U", "touchdown": "V"}
+_TURN_POINTS = ("W", "N")
+
+
+def is_main(name: str) -> bool:
+    """Whether a point belongs to the step itself: not to a repetition, not to the turn angles."""
+    return REPEATED not in name and not name.startswith(_TURN_POINTS)
+
+
+@dataclass(frozen=True, slots=True)
+class Graduation:
+    """Ticks of an axis in m, the unit shown, and how many of it make a metre."""
+
+    values: list[float]
+    unit: str
+    factor: float
+
+
+def graduation_of(axis: Axis, points: Sequence[complex], least: float = 0.0) -> Graduation:
+    """Round values across the motion, at least so much of the sheet apart."""
+    low, high = reach(axis, points)
+    unit, factor = ("cm", 100.0) if high - low >= 0.01 else ("mm", 1000.0)
+    span = max((high - low) / 6.0, least / axis.scale) * factor
+    interval = round_step(span or 1.0, 1)
+    first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
+    values = [i * interval / factor for i in range(first, last + 1) if i]
+    return Graduation(values, unit, factor)
+
+
+class Sheet:
+    """A figure that a sheet is drawn on, bit by bit; remembers what later letters must spare."""
+
+    def __init__(self, drawing: Drawing, view: Box, palette: Palette) -> None:
+        self.drawing = drawing
+        self.view = view
+        self.palette = palette
+        size = 2.0 * view.half
+        self.inches = min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
+        width, height = size.real * self.inches, size.imag * self.inches
+        self.columns = max(2, int(width / 1.3))
+        below, above, beside = (0.5 if self.columns > 6 else 0.7), 0.6, 0.1
+        full = (width + 2 * beside, height + below + above)
+        self.figure = new_figure(*full, palette)
+        self.axes: Axes = self.figure.add_axes(
+            (beside / full[0], below / full[1], width / full[0], height / full[1])
+        )
+        self.axes.set_aspect("equal")
+        self.axes.set_axis_off()
+        corner = view.centre - view.half
+        self.axes.set_xlim(corner.real, corner.real + size.real)
+        self.axes.set_ylim(corner.imag, corner.imag + size.imag)
+        self.em = _TYPE / 72.0 / self.inches
+        self.segments: list[tuple[complex, complex]] = []
+        self.taken: list[Box] = []
+        self.seen: dict[str, None] = {}
+
+    def colour(self, role: str) -> str:
+        return role_style(role).colour or self.palette.faint
+
+    def lines(self, role: str, strips: Sequence[Sequence[complex]], thin: float = 1.0) -> None:
+        """Polylines of one role."""
+        if not strips:
+            return
+        look = role_style(role)
+        self.axes.add_collection(
+            LineCollection(
+                [[(z.real, z.imag) for z in strip] for strip in strips],
+                colors=self.colour(role),
+                linewidths=look.width * thin,
+                linestyles=look.dash,
+                alpha=thin,
+                capstyle="round",
+                zorder=3.0 if role in ("trail", "normal") else 2.0,
+                gid=role,
+            ),
+            autolim=False,
+        )
+        self.segments += [pair for strip in strips for pair in pairwise(strip)]
+        self.seen[role] = None
+
+    def dots(self, role: str, points: Sequence[complex], size: float = 1.0) -> None:
+        """Points of one role."""
+        self.axes.plot(
+            [z.real for z in points],
+            [z.imag for z in points],
+            "o",
+            color=self.colour(role),
+            markersize=role_style(role).size * size,
+            markeredgecolor=self.palette.paper,
+            markeredgewidth=0.5,
+            zorder=4.0,
+            gid=role,
+        )
+
+    def write(self, centre: complex, text: str, colour: str, size: float = _TYPE) -> None:
+        """Text about its centre."""
+        self.axes.text(
+            centre.real,
+            centre.imag,
+            text,
+            color=colour,
+            fontsize=size,
+            ha="center",
+            va="center",
+            path_effects=self.palette.halo(),
+            zorder=6.0,
+        )
+        self.taken.append(text_box(centre, text, self.em * size / _TYPE))
+
+    def axes_of_planes(self) -> None:
+        """Axes with arrows, ticks, values and names."""
+        for plane in self.drawing.planes:
+            points = trail(plane, self.drawing.frames)
+            self._horizontal(plane, points)
+            self._vertical(plane, points)
+
+    def _arrow(self, start: complex, tip: complex) -> None:
+        self.axes.annotate(
+            "",
+            (tip.real, tip.imag),
+            (start.real, start.imag),
+            arrowprops={
+                "arrowstyle": "-|>,head_width=0.2,head_length=0.5",
+                "color": self.palette.ink,
+                "linewidth": 0.9,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+            zorder=1.5,
+        )
+        self.segments.append((start, tip))
+
+    def _horizontal(self, plane: Plane, points: Sequence[complex]) -> None:
+        """The y axis runs across the whole view, because the feet of normals lie far out on it."""
+        axis, em = plane.displacement, self.em
+        sense = axis.direction.real
+        edge = self.view.half.real - 0.5 * em
+        start = complex(self.view.centre.real - sense * edge, axis.origin.imag)
+        tip = complex(self.view.centre.real + sense * edge, axis.origin.imag)
+        self._arrow(start, tip)
+        graduation = graduation_of(axis, points, 2.2 * em)
+        for value in graduation.values:
+            at = axis.at(value)
+            self._tick(at, 0.35j * em)
+            self.write(at - 1.0j * em, _number(value * graduation.factor), self.palette.faint, 7.0)
+        words = plane.name.replace("_", " ")
+        self._name(tip + 1.1j * em, f"{words} {typeset(axis.label)} [{graduation.unit}]", sense)
+
+    def _vertical(self, plane: Plane, points: Sequence[complex]) -> None:
+        """The y-bar axis is as long as the motion, to keep clear of the other plane."""
+        axis, em = plane.scaled_velocity, self.em
+        graduation = graduation_of(axis, points)
+        ends = [0.0, *graduation.values, *reach(axis, points)]
+        start, tip = axis.at(min(ends)) - 0.8j * em, axis.at(max(ends)) + 1.6j * em
+        self._arrow(start, tip)
+        # beside the axis on the side where the motion is not
+        side = -1.0 if sum((z - axis.origin).real for z in points) > 0.0 else 1.0
+        for value in graduation.values:
+            at = axis.at(value)
+            self._tick(at, 0.35 * em)
+            text = _number(value * graduation.factor)
+            self.write(at + side * 1.2 * em, text, self.palette.faint, 7.0)
+        name = f"{typeset(axis.label)} [{graduation.unit}]"
+        self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
+
+    def _name(self, edge: complex, name: str, sense: float) -> None:
+        """The name of an axis, ending at its edge (sense > 0) or beginning there."""
+        self.axes.text(
+            edge.real,
+            edge.imag,
+            name,
+            color=self.palette.ink,
+            fontsize=8.5,
+            ha="right" if sense > 0.0 else "left",
+            va="center",
+            path_effects=self.palette.halo(),
+            zorder=6.0,
+            gid="axis_name",
+        )
+        box = text_box(edge, name, 0.9 * self.em)
+        self.taken.append(Box(edge - sense * box.half.real, box.half))
+
+    def _tick(self, at: complex, half: complex) -> None:
+        self.axes.plot(
+            [(at - half).real, (at + half).real],
+            [(at - half).imag, (at + half).imag],
+            color=self.palette.ink,
+            linewidth=0.8,
+            zorder=1.6,
+        )
+
+    def stay(self, roles: Sequence[str] | None) -> None:
+        """What stays on the sheet, of these roles or of all."""
+        curves = [c for c in self.drawing.curves if roles is None or c.role in roles]
+        highest = max((c.vertices[0].imag for c in curves if c.role == "line"), default=0.0)
+        for curve in curves:
+            self.lines(curve.role, [curve.vertices])
+            end = curve.vertices[-1]
+            if curve.role == "line":
+                side = 0.75j if end.imag == highest else -0.75j
+                edge = self.view.centre.real + 0.93 * self.view.half.real
+                centre = complex(edge, end.imag) + side * self.em
+                self.write(centre, curve.label, self.colour("line"))
+            elif curve.role == "axis":
+                self.write(end - 0.8j * self.em, curve.label, self.palette.faint, 7.0)
+            elif curve.role != "auxiliary":
+                self.write(end + 1.2 * self.em, typeset(curve.label), self.colour(curve.role))
+        for curve in curves:
+            if curve.role == "auxiliary" and curve.label:
+                self._along(curve, 7.0)
+
+    def _along(self, curve: Curve, size: float) -> None:
+        """Write the label of a curve on it, as near to its end as there is room, or not at all."""
+        text = typeset(curve.label)
+        for vertex in reversed(curve.vertices):
+            box = text_box(vertex, text, self.em * size / _TYPE)
+            if self.view.contains(box) and not any(box.overlap(other) for other in self.taken):
+                self.write(vertex, text, self.colour(curve.role), size)
+                return
+
+    def trails(self) -> None:
+        """The motion in all planes."""
+        self.lines("trail", [trail(plane, self.drawing.frames) for plane in self.drawing.planes])
+
+    def step(self, frame: Frame, *, repeated: bool, turn: bool, thin: float = 1.0) -> None:
+        """All lines and points of one step."""
+        scheme, points = self.drawing.schemes[frame.scheme], frame.points
+        by_role: dict[str, list[list[complex]]] = {}
+        for stroke in scheme.strokes:
+            if repeated or is_main(stroke.start + stroke.end):
+                by_role.setdefault(stroke.role, []).append(
+                    [points[stroke.start], points[stroke.end]]
+                )
+        for arc in scheme.arcs:
+            of_turn = arc.centre.startswith("W")
+            if (turn and of_turn) or (not of_turn and is_main(arc.start + arc.end)):
+                by_role.setdefault(arc.role, []).append(arc_vertices(arc, frame))
+        for role, strips in by_role.items():
+            self.lines(role, strips, thin)
+        for mark in scheme.marks:
+            if is_main(mark.point) and self.view.holds(points[mark.point]):
+                self.dots(mark.role, [points[mark.point]], thin)
+
+    def events(self) -> None:
+        """Lift-off U and touchdown V in every plane."""
+        for frame in self.drawing.frames:
+            if not frame.event:
+                continue
+            points = [frame.points[plane.state] for plane in self.drawing.planes]
+            self.dots("event", points)
+            letter = _EVENTS.get(frame.event, frame.event)
+            letters = [(z, letter) for z in points]
+            centres = place(letters, self.em, self.view, self.segments, self.taken)
+            for centre in centres:
+                self.write(centre, letter, self.colour("event"), 10.0)
+
+    def letters(self, frame: Frame) -> None:
+        """The letters of one step."""
+        marks = [
+            mark
+            for mark in self.drawing.schemes[frame.scheme].marks
+            if mark.label and is_main(mark.point) and self.view.holds(frame.points[mark.point])
+        ]
+        letters = [(frame.points[mark.point], typeset(mark.label)) for mark in marks]
+        letters += [
+            (plane.displacement.origin, typeset("O" + plane.state[1:]))
+            for plane in self.drawing.planes
+        ]
+        colours = [self.colour(mark.role) for mark in marks]
+        colours += [self.palette.ink] * len(self.drawing.planes)
+        centres = place(letters, 10.0 / _TYPE * self.em, self.view, self.segments, self.taken)
+        for (_, text), centre, colour in zip(letters, centres, colours, strict=True):
+            self.write(centre, text, colour, 10.0)
+
+    def numbers(self, frames: Sequence[Frame]) -> None:
+        """The numbers of the state points, up to the successors of the last step."""
+        for plane in self.drawing.planes:
+            points = [(frame.points[plane.state], str(frame.step)) for frame in frames]
+            last = frames[-1]
+            points.append((last.points[plane.state + "'"], str(last.step + 1)))
+            self.dots("state", [z for z, _ in points], 0.6)
+            # no place is free of lines here: only letters and points are spared
+            centres = place(points, 0.8 * self.em, self.view, (), self.taken)
+            for (_, text), centre in zip(points, centres, strict=True):
+                self.write(centre, text, self.colour("state"), 7.0)
+
+    def finish(self, title: str) -> None:
+        """Title above, legend below."""
+        self.figure.text(
+            0.5, 1.0 - 0.3 / self.figure.get_figheight(), title, color=self.palette.ink,
+            fontsize=10.0, ha="center", va="center",
+        )  # fmt: skip
+        handles = [
+            Line2D(
+                [],
+                [],
+                color=self.colour(role),
+                linestyle=look.dash,
+                linewidth=1.6,
+                label=look.words,
+            )
+            for role in self.seen
+            if (look := role_style(role)).words
+        ]
+        self.figure.legend(
+            handles=handles,
+            loc="lower center",
+            ncols=min(self.columns, len(handles)),
+            frameon=False,
+            fontsize=8.0,
+            labelcolor=self.palette.ink,
+        )
+
+
+def arc_vertices(arc: Arc, frame: Frame) -> list[complex]:
+    """A polyline along an arc."""
+    centre, start = frame.points[arc.centre], frame.points[arc.start]
+    radius, to = start - centre, frame.points[arc.end] - centre
+    if radius == 0.0 or to == 0.0:
+        return [start, start]
+    turn = phase(to / radius)
+    parts = 2 + ceil(abs(turn) / 0.05)
+    return [centre + radius * exp(1j * turn * i / parts) for i in range(parts + 1)]
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}".replace("-", "\N{MINUS SIGN}")

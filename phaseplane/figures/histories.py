@@ -1,0 +1,191 @@
+"""Motions over time: displacements with the road, velocities, accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from phaseplane.figures.style import DARK, LIGHT, SERIES, Palette, new_figure
+
+
+@dataclass(frozen=True, slots=True)
+class _Quantity:
+    """A panel: its name and unit, how many of it make the SI unit, and its columns with words."""
+
+    name: str
+    unit: str
+    factor: float
+    columns: tuple[tuple[str, str], ...]
+
+
+_QUANTITIES = (
+    _Quantity(
+        "displacement",
+        "cm",
+        100.0,
+        (
+            ("road_elevation", r"road $\xi$"),
+            ("suspension_deflection", r"deflection $y$"),
+            ("wheel_displacement", r"wheel $x_2$"),
+            ("body_displacement", r"body $x_1$"),
+        ),
+    ),
+    _Quantity(
+        "velocity",
+        "m/s",
+        1.0,
+        (
+            ("suspension_deflection_rate", r"deflection $\dot{y}$"),
+            ("wheel_velocity", r"wheel $\dot{x}_2$"),
+            ("body_velocity", r"body $\dot{x}_1$"),
+        ),
+    ),
+    _Quantity(
+        "acceleration",
+        "m/s\N{SUPERSCRIPT TWO}",
+        1.0,
+        (
+            ("suspension_deflection_acceleration", r"deflection $\ddot{y}$"),
+            ("wheel_acceleration", r"wheel $\ddot{x}_2$"),
+            ("body_acceleration", r"body $\ddot{x}_1$"),
+        ),
+    ),
+)
+
+
+def time_histories(
+    columns: Mapping[str, npt.ArrayLike], *, title: str = "", dark: bool = False
+) -> Figure:
+    """Displacements, velocities and accelerations one under the other (AP57 figures 14 to 16).
+
+    Parameters
+    ----------
+    columns : `time` (s), and whatever there is of road_elevation, body_displacement,
+        wheel_displacement, suspension_deflection (m), *_velocity and suspension_deflection_rate
+        (m/s), *_acceleration (m/s^2), airborne (true or false), shape (n,) each; others are
+        passed over, a panel without columns is left out
+    title : written above
+    dark : on a dark ground
+
+    Raises
+    ------
+    ValueError : no `time`, fewer than two instants, columns of unequal length, nothing to draw.
+    """
+    table, shown = _checked(columns)
+    palette = DARK if dark else LIGHT
+    figure = new_figure(9.0, 0.9 + 2.2 * len(shown), palette)
+    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    times = 1e3 * table["time"]
+    spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
+    for axes, quantity in zip(panels, shown, strict=True):
+        _panel(axes, quantity, table, times, palette)
+        for start, end in spans:
+            axes.axvspan(1e3 * start, 1e3 * end, color=palette.shade, zorder=0.0, gid="airborne")
+    for start, end in spans[:1]:
+        panels[0].annotate(
+            "airborne",
+            (500.0 * (start + end), 1.0),
+            (0.0, 2.0),
+            xycoords=("data", "axes fraction"),
+            textcoords="offset points",
+            ha="center",
+            va="bottom",
+            fontsize=8.0,
+            color=palette.faint,
+        )
+    panels[-1].set_xlabel("time [ms]", color=palette.ink)
+    if title:
+        figure.suptitle(title, color=palette.ink, fontsize=11.0)
+    figure.align_ylabels(list(panels))
+    figure.subplots_adjust(
+        left=0.09, right=0.83, bottom=0.55 / figure.get_figheight(),
+        top=1.0 - (0.55 if title else 0.35) / figure.get_figheight(), hspace=0.12,
+    )  # fmt: skip
+    return figure
+
+
+def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
+    """From and to which instants the wheel is off the road, s.
+
+    A span begins at the first airborne instant and ends at the next that is not.
+    """
+    instants = np.asarray(times, float)
+    flies = np.concatenate([[False], np.asarray(airborne, float) > 0.5, [False]])
+    changes = np.flatnonzero(flies[1:] != flies[:-1])
+    last = len(instants) - 1
+    return [
+        (float(instants[start]), float(instants[min(end, last)]))
+        for start, end in zip(changes[::2], changes[1::2], strict=True)
+    ]
+
+
+def _checked(
+    columns: Mapping[str, npt.ArrayLike],
+) -> tuple[dict[str, npt.NDArray[np.float64]], list[_Quantity]]:
+    if "time" not in columns:
+        raise ValueError(f"a column 'time' is needed; given: {', '.join(columns) or 'none'}")
+    known = {name for quantity in _QUANTITIES for name, _ in quantity.columns}
+    table = {
+        name: np.asarray(column, float)
+        for name, column in columns.items()
+        if name in known | {"time", "airborne"}
+    }
+    shape = table["time"].shape
+    if len(shape) != 1 or shape[0] < 2:
+        raise ValueError(f"'time' has the shape {shape}: at least two instants in a row are needed")
+    for name, column in table.items():
+        if column.shape != shape:
+            raise ValueError(f"column {name!r} has the shape {column.shape}, 'time' {shape}")
+    shown = [q for q in _QUANTITIES if any(name in table for name, _ in q.columns)]
+    if not shown:
+        raise ValueError(
+            f"none of the columns can be drawn: {', '.join(columns)}; known are "
+            + ", ".join(sorted(known))
+        )
+    return table, shown
+
+
+def _panel(
+    axes: Axes,
+    quantity: _Quantity,
+    table: Mapping[str, npt.NDArray[np.float64]],
+    times: npt.NDArray[np.float64],
+    palette: Palette,
+) -> None:
+    axes.set_facecolor(palette.paper)
+    for name, words in quantity.columns:
+        if name not in table:
+            continue
+        element = name.split("_")[0]
+        axes.plot(
+            times,
+            quantity.factor * table[name],
+            color=SERIES[element],
+            linewidth=1.6 if element in ("body", "wheel") else 1.1,
+            linestyle="--" if element == "road" else "-",
+            label=words,
+            gid=name,
+        )
+    axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
+    axes.set_xlim(times[0], times[-1])
+    axes.set_ylabel(f"{quantity.name} [{quantity.unit}]", color=palette.ink)
+    axes.grid(color=palette.grid, linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.tick_params(colors=palette.ink, labelsize=8.5)
+    for spine in axes.spines.values():
+        spine.set_color(palette.faint)
+    handles, labels = axes.get_legend_handles_labels()
+    axes.legend(
+        handles[::-1],
+        labels[::-1],
+        loc="center left",
+        bbox_to_anchor=(1.01, 0.5),
+        frameon=False,
+        fontsize=9.0,
+        labelcolor=palette.ink,
+    )

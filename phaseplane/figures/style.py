@@ -1,0 +1,128 @@
+"""What the pictures have in common: colours, line styles, and how they are written to a file."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import AbstractPathEffect, withStroke
+
+
+@dataclass(frozen=True, slots=True)
+class Palette:
+    """Colours of the paper and of what has no role of its own."""
+
+    paper: str
+    ink: str
+    faint: str
+    grid: str
+    shade: str
+
+    def halo(self, width: float = 2.5) -> list[AbstractPathEffect]:
+        """An outline in the colour of the paper that keeps text legible on lines."""
+        return [withStroke(linewidth=width, foreground=self.paper)]
+
+
+LIGHT = Palette(paper="#ffffff", ink="#222222", faint="#777777", grid="#e4e4e4", shade="#e9eef5")
+DARK = Palette(paper="#15181c", ink="#e8e8e8", faint="#9a9a9a", grid="#2c3138", shade="#243040")
+
+
+@dataclass(frozen=True, slots=True)
+class RoleStyle:
+    """How a role is drawn; without a colour of its own it takes that of the palette's faint ink."""
+
+    colour: str = ""
+    width: float = 0.8
+    dash: Literal["-", "--", ":"] = "-"
+    size: float = 3.0
+    words: str = ""
+
+
+BLUE, ORANGE, GREEN, RED = "#2f7fc1", "#d5651a", "#1f9e6e", "#d03c3c"
+TEAL, PINK, OCHRE, GREY, VIOLET = "#1a9aa8", "#c65594", "#a8861b", "#8a8f98", "#8868c0"
+
+ROLES = {
+    "trail": RoleStyle(BLUE, 1.8, words="integral curve"),
+    "state": RoleStyle(BLUE, size=5.0),
+    "auxiliary": RoleStyle(OCHRE, 1.0, words="auxiliary curve (of y)"),
+    "line": RoleStyle(TEAL, 1.0, "--", words="lines I, II"),
+    "foot": RoleStyle(width=0.7, dash=":"),
+    "construction": RoleStyle(width=0.7),
+    "excitation": RoleStyle(PINK, 2.0, words="road and weight"),
+    "projection": RoleStyle(VIOLET, 0.8, words="projection"),
+    "normal": RoleStyle(ORANGE, 1.4, size=4.0, words="normal"),
+    "arc": RoleStyle(GREEN, 1.6, words="step P to P'"),
+    "successor": RoleStyle(GREEN, 1.6, size=4.5),
+    "event": RoleStyle(RED, 1.6, size=7.0),
+}
+_UNKNOWN = RoleStyle()
+
+SERIES = {
+    "body": BLUE,
+    "wheel": ORANGE,
+    "suspension": GREEN,
+    "road": GREY,
+}
+
+
+def role_style(role: str) -> RoleStyle:
+    """The style of a role; one that the table does not know is drawn as construction lines are."""
+    return ROLES.get(role, _UNKNOWN)
+
+
+def new_figure(width: float, height: float, palette: Palette) -> Figure:
+    """An empty figure of so many inches."""
+    figure = Figure(figsize=(width, height), dpi=150, facecolor=palette.paper)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+# Without dates and random names the same figure gives the same file.
+_METADATA: dict[str, dict[str, str | None]] = {
+    ".png": {},
+    ".svg": {"Date": None},
+    ".pdf": {"CreationDate": None},
+}
+
+
+def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
+    """Write a figure whole or not at all, in the format of the suffix.
+
+    Parameters
+    ----------
+    path : ending with .png, .svg or .pdf; a file that is there already is replaced
+
+    Raises
+    ------
+    ValueError : another suffix.
+    OSError : the folder does not exist or cannot be written to.
+    """
+    target = Path(path)
+    suffix = target.suffix.lower()
+    if suffix not in _METADATA:
+        raise ValueError(f"{target.name}: figures are written as {', '.join(_METADATA)}")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")
+    handle, name = tempfile.mkstemp(suffix=suffix, prefix=f".{target.stem}-", dir=target.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        with rc_context({"svg.hashsalt": "phaseplane"}):
+            figure.savefig(
+                temporary,
+                format=suffix[1:],
+                facecolor=figure.get_facecolor(),
+                metadata=_METADATA[suffix],
+            )
+        temporary.chmod(0o644)
+        os.replace(temporary, target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return target

@@ -1,0 +1,288 @@
+"""The sheet as arrays of numbers: tables of points, strips, ticks and bounds.
+
+Nothing here knows of rerun. Points are complex, in metres of paper.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import ceil, floor, inf, log10
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.constructions.primitives import Axis, Curve, Drawing, Frame, Mark, Plane, Scheme
+
+from .styles import typeset
+
+Complexes = npt.NDArray[np.complex128]
+Vertices = npt.NDArray[np.float32]
+
+# Radians of arc between two vertices: the chord then misses the arc by a thousandth of its radius.
+_ARC_RESOLUTION = 0.1
+# Shift of a letter, and the text that brings it about: blanks beside it move it by a number of
+# screen points whatever the zoom; a zero-width space keeps the viewer from trimming them.
+_SIDES = {0.0: "{}", -1.0: "{}     \N{ZERO WIDTH SPACE}", 1.0: "\N{ZERO WIDTH SPACE}     {}"}
+_SAMPLE = 200  # steps that are looked at to place the letters
+_NEIGHBOURHOOD = 1.5  # sizes of the trails around them
+_AT_REST = 0.1  # m of paper that are shown around a single point
+_COUNTED_ROLES = ("state", "foot", "excitation", "normal", "successor")
+_DISPLAY_UNITS = {"m": ((2.0, "m", 1.0), (0.02, "cm", 100.0), (0.0, "mm", 1000.0))}
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """A rectangle of the sheet, m of paper."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def width(self) -> float:
+        """From left to right."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """From bottom to top."""
+        return self.top - self.bottom
+
+    def grown(self, margin: float) -> Bounds:
+        """The rectangle with a margin on every side."""
+        return Bounds(
+            self.left - margin, self.right + margin, self.bottom - margin, self.top + margin
+        )
+
+    @property
+    def corners(self) -> tuple[complex, complex]:
+        """Lower left and upper right."""
+        return complex(self.left, self.bottom), complex(self.right, self.top)
+
+    def clamped(self, z: Complexes) -> Complexes:
+        """The nearest places inside."""
+        x, y = np.clip(z.real, self.left, self.right), np.clip(z.imag, self.bottom, self.top)
+        return np.asarray(x + 1j * y)
+
+    @staticmethod
+    def around(points: Iterable[complex]) -> Bounds:
+        """The smallest rectangle around all finite points."""
+        z = np.fromiter(points, complex)
+        z = z[np.isfinite(z)]
+        return Bounds(*map(float, (z.real.min(), z.real.max(), z.imag.min(), z.imag.max())))
+
+
+def points(frames: Sequence[Frame], names: Sequence[str]) -> Complexes:
+    """The named points of the frames, shape (frames, names).
+
+    Raises
+    ------
+    ValueError : a frame lacks a point that its scheme draws.
+    """
+    try:
+        return np.array([[frame.points[name] for name in names] for frame in frames], complex)
+    except KeyError as error:
+        step = next(frame.step for frame in frames if error.args[0] not in frame.points)
+        raise ValueError(f"step {step} of the construction has no point {error}") from None
+
+
+def vertices(z: Complexes) -> Vertices:
+    """Complex points as pairs x, y: one more dimension, of length 2."""
+    return np.ascontiguousarray(z).view(float).reshape(*z.shape, 2).astype(np.float32)
+
+
+def arcs(centre: Complexes, start: Complexes, end: Complexes) -> Complexes:
+    """Polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
+
+    Parameters
+    ----------
+    centre, start, end : of the same shape
+
+    Returns
+    -------
+    one dimension more, of a length that is the same for all arcs
+    """
+    radius = start - centre
+    with np.errstate(invalid="ignore"):
+        turn = np.angle((end - centre) * radius.conj())
+    largest = np.max(np.abs(turn), initial=0.0, where=np.isfinite(turn))
+    fraction = np.linspace(0.0, 1.0, ceil(largest / _ARC_RESOLUTION) + 2)
+    return centre[..., None] + radius[..., None] * np.exp(1j * turn[..., None] * fraction)
+
+
+def trail(drawing: Drawing, plane: Plane) -> Complexes:
+    """The state points of a plane, the end of the motion included where the last step names it."""
+    states = points(drawing.frames, [plane.state])[:, 0]
+    successor = drawing.frames[-1].points.get(f"{plane.state}'")
+    return states if successor is None else np.append(states, successor)
+
+
+def bounds(drawing: Drawing) -> Bounds:
+    """What a view of the whole sheet shows: trails, axes, normals and turn angles.
+
+    Other points may lie anywhere, like the crossing of two nearly parallel lines: they do not
+    count, and normals count as far as they stay in the neighbourhood of the trails.
+    """
+    origins = [plane.displacement.origin for plane in drawing.planes]
+    trails = Bounds.around([*origins, *(z for p in drawing.planes for z in trail(drawing, p))])
+    size = max(trails.width, trails.height)
+    near = trails.grown(_NEIGHBOURHOOD * size)
+    counted = [
+        frame.points[name]
+        for frame in drawing.frames
+        for name in _places(drawing.schemes[frame.scheme])
+        if name in frame.points
+    ]
+    box = Bounds.around([*origins, *trails.corners, *near.clamped(np.array(counted, complex))])
+    return box.grown(0.08 * max(box.width, box.height) or _AT_REST)
+
+
+@cache
+def _places(scheme: Scheme) -> tuple[str, ...]:
+    """The points of a scheme that the bounds of the sheet have to hold."""
+    marked = [mark.point for mark in scheme.marks if mark.role in _COUNTED_ROLES]
+    turned = [name for arc in scheme.arcs if arc.role == "arc" for name in (arc.start, arc.end)]
+    return tuple(dict.fromkeys(marked + turned))
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """Something written on the sheet; the viewer centres it just below its place."""
+
+    place: complex
+    label: str
+
+
+def ticks(axis: Axis, values: npt.ArrayLike, spacing: float) -> list[Text]:
+    """Graduations of 1, 2 or 5 times a power of ten that cover the values, zero left out.
+
+    Parameters
+    ----------
+    values : what has to be covered, in the unit of the axis
+    spacing : least distance of two graduations, m of paper
+    """
+    finite = np.asarray(values)[np.isfinite(values)]
+    low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
+    least = spacing / axis.scale
+    unit, factor = display_unit(axis.unit, max(high - low, least))
+    decade = 10.0 ** floor(log10(least * factor))
+    step = next(s * decade for s in (1, 2, 5, 10) if s * decade >= least * factor * (1 - 1e-9))
+    first, last = floor(low * factor / step + 0.05), ceil(high * factor / step - 0.05)
+    return [
+        Text(axis.at(i * step / factor), f"{i * step:.6g} {unit}".replace("-", "\N{MINUS SIGN}"))
+        for i in range(first, max(last, first + 1) + 1)
+        if i
+    ]
+
+
+def axes(drawing: Drawing, plane: Plane, box: Bounds) -> tuple[list[list[complex]], list[Text]]:
+    """The axes of a plane: lines, arrow heads and graduations; the values and the names."""
+    size = max(box.width, box.height)
+    room = _room(drawing, plane)
+    strips: list[list[complex]] = []
+    texts: list[Text] = []
+    for axis in (plane.displacement, plane.scaled_velocity):
+        upright = abs(axis.direction.imag) > 0.5
+        values = [axis.read(z) for z in trail(drawing, plane)]
+        graduation = ticks(axis, values, 0.07 * size)
+        if upright:
+            graduation = [
+                tick
+                for tick in graduation
+                if -room + 0.035 * size < (tick.place - axis.origin).imag < room - 0.09 * size
+            ]
+        reach = [axis.scale * axis.read(tick.place) for tick in graduation]
+        low = axis.origin + axis.direction * (min([*reach, -0.05 * size]) - 0.03 * size)
+        tip = axis.origin + axis.direction * (max([*reach, 0.05 * size]) + 0.05 * size)
+        along = 0.012 * size * axis.direction
+        strips.append([low, tip])
+        strips.append([tip - along + 0.35j * along, tip, tip - along - 0.35j * along])
+        strips += [[z.place - 0.35j * along, z.place + 0.35j * along] for z in graduation]
+        beside = complex(-0.026, 0.014) * size if upright else 0.028j * size
+        texts += [Text(tick.place + beside, tick.label) for tick in graduation]
+        texts.append(Text(tip + 0.028j * size, axis.label))
+    return strips, texts
+
+
+def _room(drawing: Drawing, plane: Plane) -> float:
+    """How far the upright axis of a plane may reach before it meets that of another plane."""
+    origin = plane.scaled_velocity.origin
+    distances = [abs(other.scaled_velocity.origin - origin) for other in drawing.planes]
+    return 0.5 * min((d for d in distances if d > 0.0), default=inf)
+
+
+def curve_names(curves: Sequence[Curve], box: Bounds) -> list[Text]:
+    """The names of curves where they end or leave the box; the upper of two close ones higher."""
+    size = max(box.width, box.height)
+    named = [curve for curve in curves if curve.label]
+    ends = [_last_inside(curve.vertices, box.grown(-0.02 * size)) for curve in named]
+    raised = [
+        any(abs(end - other) < 0.03 * size and end.imag > other.imag for other in ends)
+        for end in ends
+    ]
+    return [
+        Text(end + (0.028j * size if up else 0j), curve.label)
+        for end, up, curve in zip(ends, raised, named, strict=True)
+    ]
+
+
+def _last_inside(polyline: Sequence[complex], box: Bounds) -> complex:
+    """Where a curve leaves the box for good; its end if it is never there."""
+    corners = np.array(polyline)
+    dense = np.interp(np.linspace(0, len(corners) - 1, 512), np.arange(len(corners)), corners)
+    inside = dense[
+        (dense.real >= box.left)
+        & (dense.real <= box.right)
+        & (dense.imag >= box.bottom)
+        & (dense.imag <= box.top)
+    ]
+    return complex(inside[-1] if inside.size else corners[-1])
+
+
+def letters(scheme: Scheme, frames: Sequence[Frame], box: Bounds) -> dict[Mark, str]:
+    """What is written at each mark of a scheme, moved left or right where it would hide another.
+
+    A mark keeps its side in all steps, so that letters do not jump.
+    """
+    written = dict.fromkeys(scheme.marks, "")
+    marks = [mark for mark in scheme.marks if mark.label]
+    if not marks:
+        return written
+    sample = frames[:: max(1, len(frames) // _SAMPLE)]
+    em = max(box.width, box.height) / 60
+    z = points(sample, [mark.point for mark in marks])
+    width = 0.6 * em * np.array([len(mark.label) for mark in marks])
+    shift = np.zeros(len(marks))
+    weight = np.var(z, axis=1)[:, None]  # where all points lie on one spot no letter can be read
+
+    def overlap(j: int, side: float) -> float:
+        """How far the letters of mark j reach into others, and, at less cost, their blanks."""
+        near = abs((z - z[:, [j]]).imag) < 1.2 * em
+        near[:, j] = False
+        apart = (z - z[:, [j]]).real
+        half = 0.5 * (width + width[j])
+        letters_met = half - abs(apart + em * (shift - side))
+        blanks_met = half + em * abs(side) - abs(apart + em * shift)
+        blanks_meet = half + em * abs(shift) - abs(apart - em * side)
+        return sum(
+            cost * float(np.sum(weight * np.maximum(0.0, reach), where=near))
+            for cost, reach in ((6.0, letters_met), (1.0, blanks_met), (1.0, blanks_meet))
+        )
+
+    for j in 3 * [*range(len(marks))]:
+        shift[j] = min(_SIDES, key=lambda side, j=j: overlap(j, side))  # type: ignore[misc]
+    return written | {
+        mark: _SIDES[side].format(typeset(mark.label))
+        for mark, side in zip(marks, shift, strict=True)
+    }
+
+
+def display_unit(unit: str, span: float) -> tuple[str, float]:
+    """The unit in which values of this span read well, and how many of it make one `unit`."""
+    for least, name, factor in _DISPLAY_UNITS.get(unit, ()):
+        if span >= least:
+            return name, factor
+    return unit, 1.0

@@ -1,0 +1,371 @@
+"""Figures: what is on them, to scale and named, and how they are written."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import combinations
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from phaseplane.constructions import OneDofPlane, QuarterCarPlanes, march, tangent
+from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
+from phaseplane.figures.histories import airborne_spans
+from phaseplane.figures.lettering import Box, place, text_box, typeset
+from phaseplane.figures.planes import telling_frame
+from phaseplane.figures.style import DARK, LIGHT
+from suspension import roads
+from suspension.characteristics import cubic, damper, linear
+
+KGF = 9.80665
+
+
+@pytest.fixture(scope="module")
+def drawing():
+    car = QuarterCarPlanes(
+        30.0 * KGF,
+        3.0 * KGF,
+        linear(1500.0 * KGF),
+        damper(200.0 * KGF, 50.0 * KGF),
+        15000.0 * KGF,
+        100.0 * KGF,
+        roads.bump(0.05, 1.0, 20.0),
+    )
+    return march(car, step=0.0025, steps=60)
+
+
+@pytest.fixture(scope="module")
+def lettered(drawing):
+    return phase_planes(drawing)
+
+
+@pytest.fixture(scope="module")
+def sheet(drawing):
+    return construction_sheet(drawing, range(20))
+
+
+def texts(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+
+
+def strips(figure: Figure, role: str) -> list[np.ndarray]:
+    """The polylines of a role."""
+    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
+    return [strip for collection in found for strip in collection.get_segments()]
+
+
+def dots(figure: Figure, role: str) -> list[complex]:
+    lines = [line for line in figure.axes[0].lines if line.get_gid() == role]
+    return [complex(x, y) for line in lines for x, y in zip(*line.get_data(), strict=True)]
+
+
+# Both planes with one step lettered.
+
+
+def test_the_sheet_is_to_scale(lettered, sheet):
+    for figure in (lettered, sheet):
+        (axes,) = figure.axes
+        assert axes.get_aspect() == 1.0
+        width, height = axes.get_position().size * figure.get_size_inches()
+        left, right = axes.get_xlim()
+        bottom, top = axes.get_ylim()
+        assert width / (right - left) == pytest.approx(height / (top - bottom))
+
+
+def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, drawing):
+    names = [t for t in lettered.axes[0].texts if t.get_gid() == "axis_name"]
+    assert [t.get_text() for t in names] == [
+        "suspension deflection $y_{1}$ [cm]",
+        r"$\bar{y}_1 = \dot{y}_1/\Omega_1$ [cm]",
+        "wheel displacement $y_{2}$ [cm]",
+        r"$\bar{y}_2 = \dot{y}_2/\Omega_2$ [cm]",
+    ]
+    # 3 cm of wheel displacement stand 7.5 cm to the left of the origin of plane 2
+    values = [t for t in lettered.axes[0].texts if t.get_text() == "3"]
+    assert min(abs(t.get_position()[0] + 0.075) for t in values) < 1e-12
+    on_axis = [t for t in values if abs(t.get_position()[0] + 0.075) < 1e-12]
+    assert -0.27 < on_axis[0].get_position()[1] < -0.25
+
+
+def test_one_step_is_lettered_in_full(lettered, drawing):
+    letters = [
+        "P_{1}", "P_{2}", "Q_{1}", "Q_{2}", "A_{1}", "A_{2}", "A_{1}^{*}", "A_{2}^{*}", "B_{2}",
+        "C_{1}", "C_{2}", "D_{1}", "D_{2}", r"P_{1}^{\prime}", r"P_{2}^{\prime}", "O_{1}", "O_{2}",
+    ]  # fmt: skip
+    written = texts(lettered)
+    assert [letter for letter in letters if written.count(f"${letter}$") != 1] == []
+    assert {"I", "II", "U", "V"} <= set(written)
+    frame = telling_frame(drawing)
+    normals = strips(lettered, "normal")
+    wanted = [(frame.points[f"D{n}"], frame.points[f"P{n}"]) for n in "12"]
+    assert len(normals) == 2
+    for (d, p), strip in zip(wanted, normals, strict=True):
+        assert np.allclose(strip, [(d.real, d.imag), (p.real, p.imag)])
+    assert "t = " in lettered.texts[0].get_text()
+
+
+def test_the_whole_motion_is_there_with_lift_off_and_touchdown(lettered, drawing):
+    one, two = strips(lettered, "trail")
+    for strip, name in ((one, "P1"), (two, "P2")):
+        path = [frame.points[name] for frame in drawing]
+        path.append(drawing.frames[-1].points[name + "'"])
+        assert np.allclose(strip, [(z.real, z.imag) for z in path])
+    events = [frame for frame in drawing if frame.event]
+    wanted = [frame.points[name] for frame in events for name in ("P1", "P2")]
+    assert dots(lettered, "event") == wanted
+    assert len(strips(lettered, "auxiliary")) == 2
+    assert len(strips(lettered, "line")) == 2
+
+
+def test_a_step_in_flight_shows_b0_and_one_projection(drawing):
+    index = next(i for i, frame in enumerate(drawing) if frame.scheme == "flight")
+    figure = phase_planes(drawing, index + 3)
+    written = texts(figure)
+    assert "$B_{0}$" in written
+    assert "$C_{2}$" not in written
+    assert len(strips(figure, "projection")) == 2
+
+
+def test_letters_do_not_hide_each_other(lettered):
+    renderer = FigureCanvasAgg(lettered).get_renderer()
+    lettered.draw(renderer)
+    boxes = [
+        (t.get_text(), t.get_window_extent(renderer))
+        for t in lettered.axes[0].texts
+        if t.get_text()
+    ]
+    canvas = lettered.bbox
+    assert [text for text, box in boxes if not canvas.contains(*box.min)] == []
+    assert [text for text, box in boxes if not canvas.contains(*box.max)] == []
+
+    def overlap(one, other) -> float:
+        across = min(one.x1, other.x1) - max(one.x0, other.x0)
+        up = min(one.y1, other.y1) - max(one.y0, other.y0)
+        smaller = min(one.width * one.height, other.width * other.height)
+        return max(0.0, across) * max(0.0, up) / smaller
+
+    hidden = [
+        (one[0], other[0])
+        for one, other in combinations(boxes, 2)
+        if overlap(one[1], other[1]) > 0.1
+    ]
+    assert hidden == []
+
+
+def test_no_such_frame(drawing):
+    with pytest.raises(ValueError, match="frame 62: the drawing has frames 0 to 61"):
+        phase_planes(drawing, 62)
+
+
+def test_dark_ground(drawing):
+    figure = phase_planes(drawing, 5, dark=True)
+    assert to_hex(figure.get_facecolor()) == DARK.paper
+    names = [t for t in figure.axes[0].texts if t.get_gid() == "axis_name"]
+    assert {t.get_color() for t in names} == {DARK.ink}
+    assert LIGHT.ink != DARK.ink
+
+
+def test_one_plane_with_a_family_of_auxiliary_curves():
+    one = OneDofPlane(
+        300.0, cubic(15000.0, 4e6), damper(2000.0, 500.0), roads.bump(0.05, 4.0, 10.0)
+    )
+    figure = phase_planes(march(one, tangent, step=0.01, duration=0.6))
+    written = texts(figure)
+    assert {"$P$", "$D$", "$A^{*}$", "$O$", "0 cm"} <= set(written)
+    assert len(strips(figure, "auxiliary")) > 3
+
+
+def test_a_motion_of_millimetres_is_shown_in_millimetres():
+    one = OneDofPlane(300.0, linear(15000.0), linear(100.0), initial_deflection=0.002)
+    names = texts(phase_planes(march(one, step=0.01, duration=0.6)))
+    assert "suspension deflection $y$ [mm]" in names
+
+
+# The sheet with all auxiliary lines.
+
+
+def test_all_lines_of_the_first_steps_are_there(sheet, drawing):
+    assert len(strips(sheet, "normal")) == 2 * 20
+    contact = sum(drawing.frames[i].scheme == "contact" for i in range(20))
+    assert len(strips(sheet, "projection")) == 3 * contact + 2 * (20 - contact)
+    for number in map(str, range(21)):
+        assert texts(sheet).count(number) >= 2
+    assert {r"$\Delta\tau_1$", r"$\Delta\tau_2$", "10"} <= set(texts(sheet))
+    # the turn angles: an arc for each normal, from the common arm
+    height = drawing.frames[0].points["W"].imag
+    on_arm = [strip for strip in strips(sheet, "arc") if abs(strip[0][1] - height) < 1e-12]
+    assert len(on_arm) == 2 * 20
+
+
+def test_frames_beyond_the_end_are_left_out(drawing):
+    figure = construction_sheet(drawing, range(58, 100))
+    assert len(strips(figure, "normal")) == 2 * 4
+    with pytest.raises(ValueError, match="none of the frames is there; the drawing has 62"):
+        construction_sheet(drawing, [70])
+
+
+# Time histories.
+
+TIMES = np.linspace(0.0, 0.2, 41)
+
+
+def histories() -> dict[str, np.ndarray]:
+    wave = np.sin(40.0 * TIMES)
+    return {
+        "time": TIMES,
+        "body_displacement": 0.01 * wave,
+        "wheel_displacement": 0.02 * wave,
+        "suspension_deflection": -0.01 * wave,
+        "road_elevation": 0.05 * wave,
+        "body_velocity": wave,
+        "wheel_velocity": 2.0 * wave,
+        "suspension_deflection_rate": -wave,
+        "body_acceleration": 10.0 * wave,
+        "airborne": (TIMES > 0.05) & (TIMES < 0.1),
+        "contact_force": 1000.0 * wave,
+    }
+
+
+def test_three_panels_with_units():
+    figure = time_histories(histories(), title="A bump")
+    labels = [axes.get_ylabel() for axes in figure.axes]
+    assert labels == [
+        "displacement [cm]",
+        "velocity [m/s]",
+        "acceleration [m/s\N{SUPERSCRIPT TWO}]",
+    ]
+    assert figure.axes[-1].get_xlabel() == "time [ms]"
+    assert figure.get_suptitle() == "A bump"
+    lines = {line.get_gid(): line for axes in figure.axes for line in axes.lines}
+    assert set(histories()) - {"time", "airborne", "contact_force"} <= set(lines)
+    assert "contact_force" not in lines
+    x, y = lines["road_elevation"].get_data()
+    assert np.allclose(x, 1e3 * TIMES)
+    assert np.allclose(y, 5.0 * np.sin(40.0 * TIMES))
+    assert np.allclose(lines["body_velocity"].get_ydata(), np.sin(40.0 * TIMES))
+    for axes in figure.axes:
+        (span,) = [patch for patch in axes.patches if patch.get_gid() == "airborne"]
+        assert span.get_x() == pytest.approx(55.0)
+        assert span.get_x() + span.get_width() == pytest.approx(100.0)
+        legend = [text.get_text() for text in axes.get_legend().get_texts()]
+        assert len(set(legend)) == len(legend) > 0
+
+
+def test_spans_at_both_ends():
+    assert airborne_spans([0.0, 1.0, 2.0, 3.0], [1, 0, 0, 1]) == [(0.0, 1.0), (3.0, 3.0)]
+    assert airborne_spans([0.0, 1.0, 2.0], [True, True, True]) == [(0.0, 2.0)]
+    assert airborne_spans([0.0, 1.0], [False, False]) == []
+
+
+def test_a_panel_without_columns_is_left_out():
+    columns = {name: c for name, c in histories().items() if "acceleration" not in name}
+    assert len(time_histories(columns).axes) == 2
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ({"body_displacement": [0.0, 1.0]}, "a column 'time' is needed; given: body_displacement"),
+        (
+            {"time": [0.0, 1.0], "body_displacement": [0.0]},
+            r"'body_displacement' has the shape \(1,\)",
+        ),
+        ({"time": [0.0], "body_displacement": [0.0]}, "at least two instants"),
+        (
+            {"time": [0.0, 1.0], "speed": [0.0, 1.0]},
+            "none of the columns can be drawn: time, speed",
+        ),
+    ],
+)
+def test_histories_that_cannot_be_drawn_are_refused(columns, message):
+    with pytest.raises(ValueError, match=message):
+        time_histories(columns)
+
+
+# Writing.
+
+
+@pytest.mark.parametrize(
+    ("suffix", "beginning"), [(".png", b"\x89PNG"), (".svg", b"<?xml"), (".PDF", b"%PDF")]
+)
+def test_written_in_the_format_of_the_suffix_and_always_the_same(tmp_path, suffix, beginning):
+    figure = time_histories(histories())
+    one, other = save(figure, tmp_path / f"a{suffix}"), save(figure, str(tmp_path / f"b{suffix}"))
+    assert one.read_bytes().startswith(beginning)
+    assert one.read_bytes() == other.read_bytes()
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"a{suffix}", f"b{suffix}"]
+
+
+def test_an_unknown_suffix_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"a\.gif: figures are written as \.png, \.svg, \.pdf"):
+        save(Figure(), tmp_path / "a.gif")
+    with pytest.raises(FileNotFoundError, match=r"the folder .* does not exist"):
+        save(Figure(), tmp_path / "none" / "a.png")
+
+
+def test_what_is_there_stays_when_writing_fails(tmp_path, monkeypatch):
+    target = tmp_path / "a.png"
+    target.write_bytes(b"before")
+
+    def fail(self, *args, **kwargs):
+        raise OSError("disk full")
+
+    monkeypatch.setattr(Figure, "savefig", fail)
+    with pytest.raises(OSError, match="disk full"):
+        save(Figure(), target)
+    assert target.read_bytes() == b"before"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_pyplot_and_its_global_state_stay_out():
+    code = "import sys, phaseplane.figures; print('matplotlib.pyplot' in sys.modules)"
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PYTHONPATH": ":".join(sys.path)},
+    )
+    assert found.stdout.strip() == "False"
+
+
+# Letters.
+
+
+@pytest.mark.parametrize(
+    ("label", "wanted"),
+    [
+        ("A1*", "$A_{1}^{*}$"),
+        ("P2'", r"$P_{2}^{\prime}$"),
+        ("P'*", r"$P^{\prime*}$"),
+        ("Dm1", "$D_{m1}$"),
+        ("y1'/Ω1", r"$\bar{y}_1 = \dot{y}_1/\Omega_1$"),
+        ("y = -2 cm", "\N{MINUS SIGN}2 cm"),
+        ("dtau", r"$\Delta\tau$"),
+        ("II", "II"),
+    ],
+)
+def test_letters_are_typeset(label, wanted):
+    assert typeset(label) == wanted
+
+
+def test_letters_avoid_each_other_and_stay_in_view():
+    view = Box(0j, 1 + 1j)
+    letters = [(0.95 + 0.95j, "AA"), (0.93 + 0.95j, "BB"), (0.9 + 0.9j, "CC")]
+    centres = place(letters, 0.05, view, [])
+    boxes = [text_box(c, text, 0.05) for c, (_, text) in zip(centres, letters, strict=True)]
+    assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
+    assert all(view.contains(box) for box in boxes)
+    for (point, _), centre in zip(letters, centres, strict=True):
+        assert abs(point - centre) < 0.25
+
+
+def test_length_of_a_line_in_a_box():
+    box = Box(1 + 1j, 0.5 + 0.25j)
+    assert box.inside(0 + 1j, 3 + 1j) == pytest.approx(1.0)
+    assert box.inside(0 + 2j, 3 + 2j) == 0.0
+    assert box.inside(1 + 1j, 1 + 5j) == pytest.approx(0.25)

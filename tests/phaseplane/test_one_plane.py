@@ -1,0 +1,199 @@
+"""The construction of one degree of freedom: points, readings, auxiliary curves, bad input."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from itertools import pairwise
+from math import inf, nan, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from phaseplane.constructions import OneDofPlane, Window, delta, march, overlay
+from suspension import roads
+from suspension.characteristics import cubic, damper, linear
+
+MASS, RATE = 300.0, 15000.0
+
+
+def car(**changes) -> OneDofPlane:
+    data = {
+        "mass": MASS,
+        "spring": cubic(RATE, 2.0e6),
+        "damper": damper(2000.0, 500.0),
+        "road": roads.bump(0.05, 4.0, 10.0),
+    }
+    return OneDofPlane(**(data | changes))
+
+
+def motion(road: roads.Signal, times: np.ndarray, initial=(0.0, 0.0)) -> np.ndarray:
+    """x and x' by scipy, straight from M x'' + Phi + F = 0 (AP57 eq. 2), piece by piece."""
+
+    def slope(t, z):
+        y, v = z[0] - road.value(t), z[1] - road.rate(t)
+        phi = v * (2000.0 if v > 0.0 else 500.0)
+        return z[1], -(phi + RATE * y + 2.0e6 * y**3) / MASS
+
+    state, found = np.array(initial), []
+    cuts = [0.0, *(t for t in road.joints if 0.0 < t < times[-1]), times[-1]]
+    for start, end in pairwise(cuts):
+        part = times[(times >= start) & (times < end)]
+        wanted = np.append(part, end)
+        solution = solve_ivp(
+            slope, (start, end), state, t_eval=wanted, rtol=1e-10, atol=1e-12, max_step=0.01
+        )
+        state = solution.y[:, -1]
+        found.append(solution.y[:, :-1])
+    return np.hstack([*found, state[:, None]])
+
+
+@given(
+    y=st.floats(-0.1, 0.1),
+    rate=st.floats(-2.0, 2.0),
+    scale=st.floats(0.1, 10.0),
+    start=st.floats(0.0, 0.4),
+    duration=st.floats(1e-4, 0.02),
+)
+def test_the_foot_of_the_normal_is_minus_delta(y, rate, scale, start, duration):
+    one = car(scale=scale, initial_deflection=y, initial_rate=rate)
+    points = one.points("contact", one.initial, Window(start, duration))
+    road = one.road
+    mean = (road.rate(start + duration) - road.rate(start)) / duration
+    phi = rate * (2000.0 if rate > 0.0 else 500.0)
+    delta_ = (phi + 2.0e6 * y**3) / RATE + mean * MASS / RATE
+    assert points["D"].imag == 0.0
+    assert points["D"].real == pytest.approx(-scale * delta_, rel=1e-12, abs=1e-13 * scale)
+    assert points["P"] == pytest.approx(scale * complex(y, rate / sqrt(RATE / MASS)))
+    assert points["A"].imag == points["P"].imag
+    assert points["A*"].real == points["A"].real
+
+
+def test_the_construction_draws_the_motion_over_an_obstacle():
+    road = roads.obstacle(0.06, 2.0, 8.0, start=0.05)
+    drawing = march(car(road=road), delta, step=0.001, duration=1.0)
+    times = np.array([frame.time for frame in drawing])
+    x, v = motion(road, np.append(times, 1.0))[:, :-1]
+    read = {
+        name: np.array([f.readings[name] for f in drawing]) for name in drawing.frames[0].readings
+    }
+    assert np.max(np.abs(read["body_displacement"] - x)) < 1e-5
+    assert np.max(np.abs(read["body_velocity"] - v)) < 1e-3
+    force = read["suspension_deflection"] * RATE + 2.0e6 * read["suspension_deflection"] ** 3
+    rate = read["suspension_deflection_rate"]
+    force += rate * np.where(rate > 0.0, 2000.0, 500.0)
+    assert np.allclose(MASS * read["body_acceleration"], -force, rtol=0.0, atol=1e-8)
+
+
+def test_free_vibration_keeps_time():
+    one = OneDofPlane(MASS, linear(RATE), linear(0.0), initial_deflection=0.03)
+    period = 2.0 * pi * sqrt(MASS / RATE)
+    last = march(one, step=period / 40, steps=40).frames[-1]
+    assert last.points["P'"] == pytest.approx(0.03 + 0j, abs=1e-14)
+
+
+def test_the_auxiliary_curve_of_a_damper_alone_is_one_and_bends_at_its_corners():
+    one = car(spring=linear(RATE), damper=damper(2000.0, 500.0, 300.0, 0.0, 100.0))
+    drawing = march(one, step=0.01, duration=1.0)
+    (curve,) = drawing.curves[:1]
+    assert [c.role for c in drawing.curves].count("auxiliary") == 1
+    assert curve.label == ""
+    omega = sqrt(RATE / MASS)
+    for rate in (0.0, 0.15):
+        corner = complex(-2000.0 * rate / RATE, rate / omega)
+        assert min(abs(z - corner) for z in curve.vertices) < 1e-12
+    for frame in drawing:
+        a = frame.points["A"]
+        chord = min(abs(z - a) for z in curve.vertices)
+        assert chord < 0.02 * abs(curve.vertices[-1] - curve.vertices[0])
+
+
+def test_a_spring_that_bends_gives_a_family_of_curves_through_round_deflections():
+    drawing = march(car(), step=0.01, duration=1.0)
+    family = [curve for curve in drawing.curves if curve.role == "auxiliary"]
+    assert len(family) > 3
+    for curve in family:
+        y = float(curve.label.removeprefix("y = ").removesuffix(" cm")) / 100.0
+        on_axis = min(curve.vertices, key=lambda z: abs(z.imag))
+        assert on_axis.real == pytest.approx(-2.0e6 * y**3 / RATE, abs=1e-12)
+
+
+def test_the_turn_angle_stands_on_its_arm_and_gives_the_length_of_the_step():
+    drawing = march(car(), step=0.005, duration=0.2)
+    for frame in drawing:
+        normal = abs(frame.points["P"] - frame.points["D"])
+        vertex, on_arm, on_other = (frame.points[n] for n in ("W", "N", "N'"))
+        assert on_arm - vertex == pytest.approx(normal)
+        turn = np.angle((on_other - vertex) / (on_arm - vertex)) if normal > 1e-9 else 0.0
+        if normal > 1e-9:
+            assert turn == pytest.approx(0.005 * sqrt(RATE / MASS))
+
+
+def test_laid_over_its_own_motion_it_does_not_drift():
+    drawing = march(car(), step=0.005, duration=0.5)
+    rows = [
+        (f.time, f.readings["suspension_deflection"], f.readings["suspension_deflection_rate"])
+        for f in drawing
+    ]
+    laid = overlay(car(), *zip(*rows, strict=True))
+    assert len(laid.frames) == len(rows) - 1
+    assert max(f.readings["suspension_deflection_drift"] for f in laid) < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mass": -1.0}, r"mass = -1\.0: must be finite and greater than 0"),
+        ({"mass": nan}, "mass = nan"),
+        ({"scale": 0.0}, r"scale = 0\.0"),
+        ({"initial_deflection": inf}, "initial_deflection = inf"),
+        ({"spring": linear(0.0)}, "rate at zero deflection is 0 N/m"),
+        ({"damper": lambda rate, y: 5.0 + rate}, "damper has the force 5 N at rest"),
+        ({"damper": 3.0}, "damper = 3.0: must be a Characteristic or a function"),
+        ({"spring": lambda y: y}, "must be a Characteristic"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        car(**changes)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"step": 0.0, "duration": 1.0}, "step = 0.0 s: it must be positive"),
+        ({"step": nan, "duration": 1.0}, "step = nan"),
+        ({"step": 0.3, "duration": 1.0}, r"would turn the normal .* 2\.12 rad.*0\.2221 s.*try"),
+        ({"step": 0.01, "duration": -1.0}, "duration = -1.0 s"),
+        ({"step": 0.01, "steps": 0}, "steps = 0"),
+        ({"step": 0.01}, "either the duration or the number"),
+        ({"step": 0.01, "steps": 1, "duration": 1.0}, "either the duration or the number"),
+    ],
+)
+def test_a_march_that_leads_nowhere_is_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        march(car(), **arguments)
+
+
+def test_a_construction_that_leaves_the_sheet_says_when():
+    stiff = car(spring=cubic(RATE, 1e12), initial_deflection=0.1)
+    with pytest.raises(ArithmeticError, match=r"leaves the sheet after .* s; try a step shorter"):
+        march(stiff, step=0.02, duration=2.0)
+
+
+def test_importing_the_constructions_is_light():
+    code = (
+        "import sys, phaseplane.constructions; "
+        "print([m for m in ('numpy', 'scipy', 'matplotlib', 'rerun') if m in sys.modules])"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={"PYTHONPATH": ":".join(sys.path)},
+    )
+    assert found.stdout.strip() == "[]"
