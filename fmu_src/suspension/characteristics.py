@@ -14,7 +14,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf, isfinite
+from math import inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,15 +75,22 @@ class Characteristic:
     @property
     def potentials(self) -> tuple[float, ...]:
         """For each piece the constant that makes `potential` continuous and zero at 0."""
-        constants = [0.0]
-        for left, right in pairwise(self.pieces):
+        zero = bisect_right(self.corners, 0.0)  # outwards from here, so that no digits are lost
+        constants = [0.0] * len(self.pieces)
+        constants[zero] = -self.pieces[zero].antiderivative(0.0)
+        for k in range(zero, len(self.pieces) - 1):
+            left, right = self.pieces[k], self.pieces[k + 1]
             joint = right.start
-            constants.append(
-                constants[-1] + left.antiderivative(joint) - right.antiderivative(joint)
+            constants[k + 1] = (
+                constants[k] + left.antiderivative(joint) - right.antiderivative(joint)
             )
-        zero = bisect_right(self.corners, 0.0)
-        shift = constants[zero] + self.pieces[zero].antiderivative(0.0)
-        return tuple(constant - shift for constant in constants)
+        for k in range(zero, 0, -1):
+            left, right = self.pieces[k - 1], self.pieces[k]
+            joint = right.start
+            constants[k - 1] = (
+                constants[k] + right.antiderivative(joint) - left.antiderivative(joint)
+            )
+        return tuple(constants)
 
     @property
     def is_zero(self) -> bool:
@@ -95,7 +102,7 @@ class Characteristic:
         pieces = []
         for start in (-inf, *sorted({*self.corners, *other.corners})):
             pair = (self._piece(start), other._piece(start))
-            origin = start if isfinite(start) else pair[0].origin
+            origin = min((piece.origin for piece in pair), key=abs)
             shifted = (_moved(piece, origin) for piece in pair)
             coefficients = tuple(a + b for a, b in zip(*shifted, strict=True))
             pieces.append(Piece(start, origin, coefficients))
@@ -130,7 +137,9 @@ def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) 
     x0, f0 = corners[0]
     pieces = [Piece(-inf, x0, (f0, first, 0.0, 0.0))]
     for (x, f), (x_next, f_next) in pairwise(corners):
-        pieces.append(Piece(x, x, (f, (f_next - f) / (x_next - x), 0.0, 0.0)))
+        # counted from the end nearer to zero: exact there, and no digits lost to far corners
+        origin, force = min((x, f), (x_next, f_next), key=lambda corner: abs(corner[0]))
+        pieces.append(Piece(x, origin, (force, (f_next - f) / (x_next - x), 0.0, 0.0)))
     x_end, f_end = corners[-1]
     pieces.append(Piece(x_end, x_end, (f_end, last, 0.0, 0.0)))
     return Characteristic(_without_straight_joints(pieces))

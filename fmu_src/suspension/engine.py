@@ -48,15 +48,19 @@ def _cython_directives() -> Iterator[None]:
 
 
 def _import_kernel(folders: list[Path]) -> ModuleType:
+    """The kernel's integrator, from the first of the folders that has it; or the one loaded before."""
     name = kernel_name()
-    for module in [m for m in sys.modules if m.startswith(f"{name}.")]:
-        if getattr(sys.modules[name], "__path__", None) != [str(f) for f in folders]:
+    if name not in sys.modules:
+        package = ModuleType(name)
+        package.__path__ = [str(folder) for folder in folders]
+        sys.modules[name] = package
+    try:
+        with _cython_directives():
+            return import_module(f"{name}.integrator")
+    except ImportError:
+        for module in [m for m in sys.modules if m == name or m.startswith(f"{name}.")]:
             del sys.modules[module]
-    package = ModuleType(name)
-    package.__path__ = [str(folder) for folder in folders]
-    sys.modules.setdefault(name, package).__path__ = package.__path__
-    with _cython_directives():
-        return import_module(f"{name}.integrator")
+        raise
 
 
 def _choose() -> tuple[ModuleType, str]:

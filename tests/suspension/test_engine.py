@@ -1,0 +1,114 @@
+"""The compiled and the uncompiled kernel, and what importing the package costs."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import suspension
+from suspension import engine
+
+PACKAGE = Path(suspension.__file__).parent
+RUN = """
+import json, sys
+from suspension import engine
+from suspension.session import simulate
+columns = simulate(
+    "QuarterCar",
+    {"bump_stop.stiffness": 3e5, "bump_stop.gap": 0.02, "damper.rebound_limit": 500.0, **OPTIONS},
+    [0.01 * k for k in range(101)],
+    ["body_displacement", "wheel_velocity", "contact_force", "energy_residual"],
+)
+print(json.dumps({"compiled": engine.compiled, "why": engine.why_uncompiled, "columns": columns}))
+"""
+
+
+def run(folder: Path, options: dict[str, object]) -> dict[str, object]:
+    """Simulate in another process with the package found in `folder`."""
+    done = subprocess.run(
+        [sys.executable, "-c", RUN.replace("OPTIONS", repr(options))],
+        env={**os.environ, "PYTHONPATH": str(folder)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(done.stdout)
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """The package without anything compiled."""
+    shutil.copytree(
+        PACKAGE,
+        tmp_path / "suspension",
+        ignore=shutil.ignore_patterns("suspension_kernel_*", "__pycache__"),
+    )
+    return tmp_path
+
+
+@pytest.mark.skipif(not engine.compiled, reason="nothing compiled to compare with")
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"solver.method": "tangent", "solver.step": 2e-4},
+        {"solver.method": "mean", "solver.step": 2e-4, "spring.cubic": 1e6},
+        {"spring.cubic": 1e6, "lift_off": False},
+    ],
+)
+def test_compiled_and_uncompiled_agree_to_the_bit(copy: Path, options: dict[str, object]) -> None:
+    uncompiled, compiled = run(copy, options), run(PACKAGE.parent, options)
+    assert not uncompiled["compiled"]
+    assert compiled["compiled"]
+    assert uncompiled["columns"] == compiled["columns"]
+
+
+@pytest.mark.skipif(not engine.compiled, reason="nothing compiled that could be stale")
+def test_a_compiled_file_of_other_sources_is_not_used(copy: Path) -> None:
+    name = engine.kernel_name()
+    shutil.copytree(PACKAGE / "kernel" / name, copy / "suspension" / "kernel" / name)
+    assert run(copy, {})["compiled"]
+    source = copy / "suspension" / "kernel" / "network.py"
+    source.write_text(source.read_text() + "\n# edited\n")
+    stale = run(copy, {})
+    assert not stale["compiled"]
+    assert "no compiled files for these sources" in str(stale["why"])
+
+
+@pytest.mark.skipif(not engine.compiled, reason="nothing compiled that could be broken")
+def test_a_broken_compiled_file_is_passed_over_and_said(copy: Path) -> None:
+    name = engine.kernel_name()
+    folder = copy / "suspension" / "kernel" / name
+    shutil.copytree(PACKAGE / "kernel" / name, folder)
+    for path in folder.glob("network.*"):
+        path.write_bytes(b"not a library")
+    broken = run(copy, {})
+    assert not broken["compiled"]
+    assert "cannot be loaded" in str(broken["why"])
+
+
+def test_importing_needs_the_standard_library_alone() -> None:
+    code = (
+        "import sys; import suspension, suspension.session; "
+        "print([m for m in sys.modules if m.split('.')[0] not in sys.stdlib_module_names "
+        "and not m.startswith(('suspension', '__', 'cython_runtime', '_cython_'))])"
+    )
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-I",
+            "-S",
+            "-c",
+            f"import sys; sys.path[:0] = [{str(PACKAGE.parent)!r}]; {code}",
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.strip() == "[]"

@@ -1,0 +1,197 @@
+"""A model being stepped: communication steps, sampled inputs, rollback, failures."""
+
+from __future__ import annotations
+
+from math import isnan
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from suspension.roads import bump
+from suspension.session import Session, SimulationError, simulate
+from suspension.variables import ParameterError, variables
+
+MOTION = ("body_displacement", "wheel_displacement", "wheel_velocity", "contact_force")
+OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]
+
+
+def at(session: Session) -> list[object]:
+    return [session.value(name) for name in OUTPUTS]
+
+
+def test_every_output_has_the_type_of_its_declaration() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.05)
+    for v in variables("QuarterCar"):
+        assert type(session.value(v.name)) is type(v.start), v.name
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(1e-5, 0.03), min_size=1, max_size=40))
+def test_results_do_not_depend_on_the_communication_steps(lengths: list[float]) -> None:
+    instants = np.cumsum(lengths)
+    many = Session("QuarterCar", {})
+    for t in instants:
+        many.advance(float(t))
+    one = Session("QuarterCar", {})
+    one.advance(float(instants[-1]))
+    assert at(many) == at(one)
+
+
+def test_forces_and_accelerations_obey_the_equations_of_motion() -> None:
+    session = Session("QuarterCar", {"bump_stop.stiffness": 1e5, "bump_stop.gap": 0.01})
+    p = session.parameters
+    for t in np.linspace(0.0, 0.3, 31):
+        session.advance(float(t))
+        suspension = sum(
+            float(session.value(f"{name}_force")) for name in ("spring", "damper", "bump_stop")
+        )  # AP57 eq. 14
+        body = float(p["sprung_mass"]) * float(session.value("body_acceleration"))
+        wheel = float(p["unsprung_mass"]) * float(session.value("wheel_acceleration"))
+        tyre = float(session.value("tyre_force"))
+        assert body + suspension == pytest.approx(0.0, abs=1e-9)
+        assert wheel - suspension + tyre == pytest.approx(0.0, abs=1e-9)
+        load = (float(p["sprung_mass"]) + float(p["unsprung_mass"])) * 9.80665
+        assert session.value("contact_force") == pytest.approx(load - tyre, abs=1e-9)
+
+
+def test_contact_is_counted_by_located_instants() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.05)
+    assert session.value("airborne") is True
+    assert session.value("airborne_time") == pytest.approx(0.05 - 0.0306624689, abs=1e-9)
+    assert session.value("contact_force") == 0.0
+    session.advance(1.0)
+    assert session.value("airborne") is False
+    assert session.value("lift_off_count") == 1
+    assert session.value("last_lift_off") == pytest.approx(0.0306624689, abs=1e-9)
+    assert session.value("last_touchdown") == pytest.approx(0.0656005836, abs=1e-9)
+    assert [text.split(" at ")[0] for _, text in session.messages] == ["lift-off", "touchdown"]
+
+
+@pytest.mark.parametrize("given_velocity", [True, False])
+def test_a_sampled_road_converges_at_second_order(given_velocity: bool) -> None:
+    road = bump(0.05, 1.0, 20.0)
+    times = [1e-3 * k for k in range(201)]
+    truth = simulate("QuarterCar", {"solver.tolerance": 1e-11}, times, MOTION[:2])
+
+    def error(samples: int) -> float:
+        session = Session("QuarterCar", {"road.shape": "input", "solver.tolerance": 1e-9})
+        worst = 0.0
+        for k in range(200 * samples):
+            t = 1e-3 * k / samples
+            session.set_input("road_elevation", road.value(t))
+            if given_velocity:
+                session.set_input("road_velocity", road.rate(t))
+            session.advance(1e-3 * (k + 1) / samples)
+            if (k + 1) % samples == 0:
+                worst = max(
+                    worst,
+                    *(
+                        abs(float(session.value(n)) - float(truth[n][(k + 1) // samples]))
+                        for n in MOTION[:2]
+                    ),
+                )
+        return worst
+
+    counts = np.array([1, 2, 4, 8, 16])
+    errors = [error(int(n)) for n in counts]
+    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] > 1.8
+    assert errors[-1] < 1e-6
+
+
+def test_a_road_that_starts_elsewhere_gives_no_kick() -> None:
+    session = Session("QuarterCar", {"road.shape": "input"})
+    session.set_input("road_elevation", 0.01)
+    session.advance(0.0)
+    assert session.value("wheel_velocity") == 0.0
+
+
+@pytest.mark.parametrize("instant", [0.02, 0.045, 0.3])
+def test_a_force_acts_from_the_instant_it_is_given(instant: float) -> None:
+    """The integrator had gone ahead; the result must be that of steps ending on the instant."""
+    plain, careful = Session("QuarterCar", {}), Session("QuarterCar", {})
+    careful.set_input("body_force", 1e-300)  # from now on it stops on every communication point
+    for session in (plain, careful):
+        session.advance(instant)
+        session.set_input("body_force", 500.0)
+        session.advance(0.5)
+    for name in MOTION:
+        assert plain.value(name) == pytest.approx(careful.value(name), rel=1e-5, abs=1e-7)
+    assert plain.value("lift_off_count") == careful.value("lift_off_count")
+    free = Session("QuarterCar", {})
+    free.advance(0.5)
+    assert (
+        abs(float(plain.value("body_displacement")) - float(free.value("body_displacement"))) > 1e-3
+    )
+
+
+@pytest.mark.parametrize("instant", [0.0, 0.045, 0.4])
+def test_rollback_continues_to_the_bit_in_another_session_too(instant: float) -> None:
+    session = Session("QuarterCar", {})
+    session.advance(instant)
+    kept, there = session.snapshot(), at(session)
+    session.advance(0.0437 + instant)
+    ahead = at(session)
+    other = Session("QuarterCar", {})
+    for one in (session, other):
+        one.restore(kept)
+        assert at(one) == there
+        one.advance(0.0437 + instant)
+        assert at(one) == ahead
+
+
+def test_a_state_of_another_car_is_refused() -> None:
+    with pytest.raises(ValueError, match="other parameters"):
+        Session("QuarterCar", {}).restore(Session("QuarterCar", {"sprung_mass": 200.0}).snapshot())
+
+
+def test_a_failed_run_says_when_and_gives_no_numbers() -> None:
+    session = Session("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3})
+    with pytest.raises(SimulationError, match=r" at 0\.0\d+ s, in step \d+"):
+        session.advance(1.0)
+    assert session.value("ok") is False
+    assert isnan(float(session.value("body_displacement")))
+    assert isnan(float(session.value("contact_force")))
+    with pytest.raises(SimulationError, match="failed before"):
+        session.advance(1.1)
+
+
+def test_wrong_calls_are_refused() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.1)
+    with pytest.raises(SimulationError, match="back"):
+        session.advance(0.05)
+    with pytest.raises(SimulationError, match="nan"):
+        session.advance(float("nan"))
+    with pytest.raises(ParameterError, match="must be finite"):
+        session.set_input("body_force", float("nan"))
+    with pytest.raises(ParameterError, match="did you mean 'body_force'"):
+        session.set_input("body_forc", 1.0)
+    with pytest.raises(ParameterError, match="did you mean 'contact_force'"):
+        session.value("contact_forse")
+
+
+def test_the_tolerance_of_the_host_counts_where_none_is_set() -> None:
+    coarse = Session("QuarterCar", {}, tolerance=1e-2)
+    own = Session("QuarterCar", {"solver.tolerance": 1e-9}, tolerance=1e-2)
+    for session in (coarse, own):
+        session.advance(1.0)
+    assert own.value("step_count") > 1.3 * coarse.value("step_count")  # type: ignore[operator]
+
+
+def test_without_gravity_the_wheel_never_leaves() -> None:
+    session = Session("QuarterCar", {"gravity": 0.0})
+    session.advance(1.0)
+    assert session.value("lift_off_count") == 0
+
+
+def test_a_start_later_than_zero_only_shifts_time() -> None:
+    early = Session("QuarterCar", {"road.start": 0.5})
+    late = Session("QuarterCar", {"road.start": 3.0}, start_time=2.5)
+    early.advance(0.75)
+    late.advance(3.25)
+    for name in MOTION:
+        assert late.value(name) == pytest.approx(early.value(name), rel=1e-6, abs=1e-9)
