@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf
 
@@ -150,8 +150,10 @@ def _without_straight_joints(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
     kept: list[Piece] = []
     for piece in pieces:
         if kept and kept[-1].coefficients[1] == piece.coefficients[1]:
-            continue
-        kept.append(piece)
+            near = min(kept[-1], piece, key=lambda one: abs(one.origin))
+            kept[-1] = replace(near, start=kept[-1].start)
+        else:
+            kept.append(piece)
     return tuple(kept)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from math import cos, inf, log2, nan, pi, sin
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.integrate import quad, solve_ivp
 
 from phaseplane.constructions import (
     RULES,
+    OneDofPlane,
     QuarterCarPlanes,
     Window,
     delta,
@@ -397,6 +398,26 @@ def test_a_wheel_that_only_just_loses_the_road_does_not_hang_the_march():
             assert len(made) == 40 + len(events) or len(made) == 40
             assert all(f.duration > 0.0 for f in made)
             assert made[-1].time + made[-1].duration == pytest.approx(0.1, abs=1e-12)
+
+
+class Touching(OneDofPlane):
+    """Changes its mode at 10 ms, where the margin of the new mode is a rounding error and falls."""
+
+    def margin(self, mode, states, time):
+        if mode == "flight":
+            return 1e-18 - 1e-3 * (time - 0.01)
+        return 0.01 - time if time < 0.013 else 1.0
+
+    def succeeding(self, mode):
+        return ("flight", "lift_off") if mode == "contact" else ("contact", "touchdown")
+
+
+def test_a_limit_that_is_only_touched_does_not_stop_the_march():
+    one = Touching(1.0, linear(100.0), linear(0.0), initial_deflection=0.1)
+    made = list(islice(frames(one, step=0.004, duration=0.02), 10))
+    ends = [f.time + f.duration for f in made]
+    assert ends == pytest.approx([0.004, 0.008, 0.01, 0.012, 0.016, 0.02])
+    assert [f.event for f in made] == ["", "", "", "lift_off", "touchdown", ""]
 
 
 def test_without_lift_off_the_wheel_sticks_to_the_road():

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import quarter_car_reference as reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from tests.reference import quarter_car_reference as reference
-from tests.reference.quarter_car_reference import (
+from quarter_car_reference import (
     BLOW_OFF_TABLE,
     DEFAULTS,
     KGF,

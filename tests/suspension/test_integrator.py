@@ -6,6 +6,7 @@ from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
+import quarter_car_reference as reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from suspension import characteristics
 from suspension.engine import FAILURES, KINDS, Integrator
 from suspension.models import Element, Load, System, build
 from suspension.roads import constant, sine
-from tests.reference import quarter_car_reference as reference
 
 STOPS = {
     "damper.rebound_limit": 588.399,
