@@ -30,6 +30,15 @@ class Element:
     spring, damper : force over deflection (N, m) and over its rate (N, m/s)
     road : name of the signal u under the element, or empty
     limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26)
+    yield_force : the force at which a linear spring begins to flow, N (H83 example 40)
+    hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
+        the two lines of flow keeps its height
+    permanent_set : the deflection at which such a spring is free of force at the start, m
+
+    Raises
+    ------
+    ValueError : an element that yields and has anything but a linear spring and damper, a limit, or
+        a hardening that is not below its spring rate.
     """
 
     name: str
@@ -38,6 +47,23 @@ class Element:
     damper: Characteristic = _NOTHING
     road: str = ""
     limit: float = inf
+    yield_force: float = inf
+    hardening: float = 0.0
+    permanent_set: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.yield_force == inf:
+            return
+        rate = self.spring.tangent(0.0)
+        if len(self.spring.pieces) > 1 or self.spring.force(1.0) != rate or rate <= 0.0:
+            raise ValueError(f"{self.name}: only a linear spring can yield")
+        if self.damper.corners or self.limit < inf:
+            raise ValueError(f"{self.name}: what yields has a linear damper and no limit")
+        if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
+            raise ValueError(
+                f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
+                f"{self.hardening:g} at least 0 and below the spring rate {rate:g}"
+            )
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ cdef class Integrator:
     cdef Stepper stepper
     cdef Crossing crossing
     cdef int n
-    cdef bint controlled
+    cdef bint controlled, landing
     cdef double fixed_step
     # its state
     cdef readonly double time, step_start, step_end, residual_end

@@ -45,13 +45,24 @@ class Integrator:
     tolerance : largest error wanted in displacement, relative to the largest displacement
     start : s
     order : of `extrapolated`; 0 lets the tolerance choose
+    landing : whether steps end on switches; without it, as in a calculation by hand, an element
+        changes its branch at the end of the step in which it passed its corner
 
     Raises
     ------
     ValueError : unknown method, or a mass matrix that is not positive definite.
     """
 
-    def __init__(self, system, method="extrapolated", step=0.0, tolerance=1e-6, start=0.0, order=0):
+    def __init__(
+        self,
+        system,
+        method="extrapolated",
+        step=0.0,
+        tolerance=1e-6,
+        start=0.0,
+        order=0,
+        landing=True,
+    ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
         if method != "extrapolated":
@@ -65,6 +76,7 @@ class Integrator:
         self.crossing = Crossing()
         self.n = n = self.net.n
         self.fixed_step = step
+        self.landing = landing
         self.controlled = method == "extrapolated" and step == 0.0
         self.qa, self.va, self.aa, self.ja = vectors(4, n)  # at the start of the last step
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at its end, before any switch there
@@ -87,6 +99,7 @@ class Integrator:
     def _begin(self):
         """Branches, accelerations and energy of the present state, which both ends of the step show."""
         s, net = self.stepper, self.net
+        net.settle(self.time, s.q, s.v)
         net.locate_branches(self.time, s.q, s.v)
         s.refresh(self.time)
         for i in range(self.n):
@@ -173,7 +186,7 @@ class Integrator:
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
             target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            while target <= self.time:
+            while target <= self.time + 1e-9 * self.fixed_step:
                 self.grid_index += 1
                 target = self.grid_start + (self.grid_index + 1) * self.fixed_step
             return target - self.time
@@ -210,7 +223,7 @@ class Integrator:
             if self.controlled and self.stepper.error > 1.0:
                 h *= self._factor_for_error()
                 continue
-            at = self._first_switch(h)
+            at = self._first_switch(h) if self.landing else 2.0
             if at == 0.0 and flips < 8:
                 # the branch is left at once: it was the wrong side of its bound
                 flips += 1
@@ -234,7 +247,9 @@ class Integrator:
             self._switch(self.switch_element, self.switch_kind, self.switch_side)
         if to_end and end == joint:
             self.net.enter_segments(self.time)
-        if landed or to_end or not self.stepper.affine:
+        if not self.landing:
+            self.net.follow(self.time, self.stepper.q, self.stepper.v)
+        if landed or to_end or not (self.landing and self.stepper.affine):
             self.stepper.refresh(self.time)
         for i in range(self.n):
             if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
@@ -303,7 +318,7 @@ class Integrator:
             if self.net.spring_count[e] > 1:
                 self.crossing.hermite7(self.row_start, self.row_end, at, h)
                 self._search(e, _SPRING, 7)
-            if self.net.damper_count[e] > 1:
+            if self.net.damper_count[e] > 1 or self.net.yields[e]:
                 self.crossing.hermite5(
                     self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
                     self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
@@ -429,6 +444,18 @@ class Integrator:
         late = self.step_end - t if self.step_limited[e] else 0.0
         return self.limited_time[e] - late
 
+    def permanent_set(self, e):
+        """Deflection at which element e, which yields, would be free of force now, m."""
+        d = sum(
+            self.net.row_direction[self.net.element_row[e] * self.n + i] * self.stepper.q[i]
+            for i in range(self.n)
+        )
+        s = self.net.row_signal[self.net.element_row[e]]
+        if s >= 0:
+            self.net.signal(s, self.time)
+            d -= self.net.road[4 * s]
+        return self.net.permanent_set(e, d)
+
     def stable_step(self):
         """Largest stable step for the present tangent: 2 sqrt 3 / omega_max; 0 where none is needed.
 
@@ -458,7 +485,7 @@ class Integrator:
         s, net = self.stepper, self.net
         return (
             self.qa, self.va, self.aa, self.ja, self.qb, self.vb, self.ab, self.jb,
-            s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment,
+            s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.spring_piece, net.damper_piece, net.limited, net.departing, net.signal_now,
             net.limited_count,
         )  # fmt: skip

@@ -2,7 +2,7 @@ cimport cython
 from libc.math cimport cos, fabs, sin
 from .linear cimport decompose, solve
 
-cdef int _SPRING, _DAMPER, _CONTACT, _PIECE, _SEGMENT
+cdef int _SPRING, _DAMPER, _CONTACT, _PIECE, _SEGMENT, _ELASTIC
 cdef double _ROAD_PHASE
 
 cdef class Network:
@@ -10,7 +10,8 @@ cdef class Network:
     cdef readonly int n, rows, elements, signals, loads, works
     cdef double[::1] mass, mass_factor, segment, row_direction, limit, piece, load_direction
     cdef int[::1] signal_first, signal_count, row_signal, element_row, load_signal
-    cdef int[::1] spring_first, spring_count, damper_first, damper_count
+    cdef int[::1] spring_first, spring_count, damper_first, damper_count, yields
+    cdef double[::1] spring_rate, initial_set
     # its branches
     cdef int[::1] signal_now, spring_piece, damper_piece, limited, limited_count, departing
     cdef double exchange
@@ -18,6 +19,8 @@ cdef class Network:
     cdef double[::1] road, row_d, row_v, row_f, row_k, row_c, scratch
     cdef double force0, force1, force2
 
+    @cython.locals(e=int, side=int, d=double)
+    cdef void settle(self, double t, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(s=int)
     cdef void enter_segments(self, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
@@ -66,6 +69,12 @@ cdef class Network:
     cdef void unlimited_force(self, int e, double[::1] row, int at) noexcept nogil
     @cython.locals(first=int, count=int, now=int)
     cdef double bound(self, int e, int kind, int side) noexcept nogil
+    cdef double permanent_set(self, int e, double d) noexcept nogil
+    @cython.locals(at=int, above=int, rate=double, flow=double)
+    cdef void _set_at(self, int e, double permanent_set) noexcept nogil
+    cdef void _unload(self, int e, double d) noexcept nogil
+    @cython.locals(e=int, d=double, w=double)
+    cdef void follow(self, double t, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(new=int)
     cdef int enter(self, int e, int kind, int side, double t,
                    double[::1] q, double[::1] v) noexcept nogil
@@ -85,3 +94,5 @@ cdef class Network:
     cdef void powers(self, double[::1] v, double[::1] out) noexcept nogil
     @cython.locals(n=int, i=int, k=int, e=int, energy=double, d=double)
     cdef double energy(self, double[::1] v) noexcept nogil
+    @cython.locals(rate=double, flow=double, p=double)
+    cdef double _yielding_energy(self, int e, double d) noexcept nogil

@@ -1,7 +1,9 @@
 """A system flattened into numbers: its signals, its elements in their branches, its energies.
 
 Each element is in one *branch*: a piece of its spring, a piece of its damper, and for a tyre on the
-road or off it. Rows are the distinct directions b with the road under them; deflection, rate and
+road or off it. The spring of an element that yields has three pieces, the two lines on which it flows
+and the elastic one between them, which moves with the permanent set; flow ends where the rate turns.
+Rows are the distinct directions b with the road under them; deflection, rate and
 their derivatives are worked out once per row.
 """
 
@@ -20,6 +22,7 @@ if not cython.compiled:
 _SPRING, _DAMPER, _CONTACT = 0, 1, 2
 KINDS = ("spring", "damper", "contact")
 
+_ELASTIC = 1  # the middle one of the three pieces of an element that yields
 _PIECE, _SEGMENT = 7, 10  # numbers stored for one piece of a law, one segment of a signal
 _ROAD_PHASE = 1.5  # of a road's sinusoid per macro step
 
@@ -66,6 +69,20 @@ class Network:
         if decompose(self.mass_factor, 0, n) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
+    def settle(self, t, q, v):
+        """Give elements that yield their set at the start; one that stands beyond has flowed there."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                self.spring_piece[e] = _ELASTIC
+                self._set_at(e, self.initial_set[e])
+                for side in range(-1, 2, 2):
+                    if (d - self.bound(e, _SPRING, side)) * side > 0.0:
+                        self.spring_piece[e] = _ELASTIC + side
+                        self._unload(e, d)
+
     def _read_signals(self, system):
         first, count, segments = [], [], []
         for signal in system.signals.values():
@@ -95,6 +112,10 @@ class Network:
                 (element.damper, damper_first, damper_count),
             ):
                 firsts.append(len(pieces) // _PIECE)
+                if law is element.spring and element.yield_force < 1e300:
+                    pieces += _flow_pieces(element)
+                    counts.append(3)
+                    continue
                 counts.append(len(law.pieces))
                 for piece, potential in zip(law.pieces, law.potentials, strict=True):
                     pieces += (piece.start, piece.origin, *piece.coefficients, potential)
@@ -105,6 +126,9 @@ class Network:
         self.row_direction = doubles(x for row in rows for x in row[0])
         self.row_signal = integers(row[1] for row in rows)
         self.element_row, self.limit = integers(element_row), doubles(limits)
+        self.yields = integers(element.yield_force < 1e300 for element in system.elements)
+        self.initial_set = doubles(element.permanent_set for element in system.elements)
+        self.spring_rate = doubles(element.spring.tangent(0.0) for element in system.elements)
         self.spring_first, self.spring_count = integers(spring_first), integers(spring_count)
         self.damper_first, self.damper_count = integers(damper_first), integers(damper_count)
         self.piece = doubles(pieces)
@@ -387,6 +411,11 @@ class Network:
             if self.limited[e]:
                 return self.limit[e] if side < 0 else 1e300
             return self.limit[e] if side > 0 else -1e300
+        if self.yields[e] and (kind == _DAMPER or self.spring_piece[e] != _ELASTIC):
+            # flow upwards ends when the rate falls to zero, flow downwards when it rises to it
+            if kind == _DAMPER and self.spring_piece[e] == _ELASTIC - side:
+                return 0.0
+            return side * 1e300
         if kind == _SPRING:
             first, count, now = self.spring_first[e], self.spring_count[e], self.spring_piece[e]
         else:
@@ -395,8 +424,49 @@ class Network:
             return self.piece[(first + now) * _PIECE] if now > 0 else -1e300
         return self.piece[(first + now + 1) * _PIECE] if now + 1 < count else 1e300
 
+    def permanent_set(self, e, d):
+        """Where the spring of an element that yields would be free of force, from its force at d."""
+        return d - self.law(self.spring_first[e] + self.spring_piece[e], d) / self.spring_rate[e]
+
+    def _set_at(self, e, permanent_set):
+        """Move the elastic piece: its zero, and its ends on the two lines of flow."""
+        at = (self.spring_first[e] + _ELASTIC) * _PIECE
+        above = at + _PIECE
+        rate = self.spring_rate[e]
+        flow = self.piece[above + 3]
+        self.piece[at + 1] = permanent_set
+        self.piece[at] = (rate * permanent_set - self.piece[above + 2]) / (rate - flow)
+        self.piece[above] = (rate * permanent_set + self.piece[above + 2]) / (rate - flow)
+
+    def _unload(self, e, d):
+        """Flow ends at deflection d: elastic again, with the set that is left behind."""
+        self._set_at(e, self.permanent_set(e, d))
+        self.spring_piece[e] = _ELASTIC
+
+    def follow(self, t, q, v):
+        """Branches for the next step from the state at the end of the last one, without landing."""
+        self.locate_branches(t, q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                w = self.row_v[self.element_row[e]]
+                if self.spring_piece[e] != _ELASTIC:
+                    if w * (self.spring_piece[e] - _ELASTIC) < 0.0:
+                        self._unload(e, d)
+                elif d > self.bound(e, _SPRING, 1):
+                    self.spring_piece[e] = _ELASTIC + 1
+                elif d < self.bound(e, _SPRING, -1):
+                    self.spring_piece[e] = _ELASTIC - 1
+
     def enter(self, e, kind, side, t, q, v):
         """Element e goes over to its neighbouring branch; returns the number of the branch entered."""
+        if self.yields[e] and kind == _DAMPER:
+            self.all_signals(t)
+            self.row_states(q, v)
+            self._unload(e, self.row_d[self.element_row[e]])
+            self.departing[3 * e + kind] = 0
+            self.departing[3 * e + _SPRING] = -side
+            return _ELASTIC
         if kind == _SPRING:
             self.spring_piece[e] += side
             new = self.spring_piece[e]
@@ -438,14 +508,15 @@ class Network:
         self.row_states(q, v)
         for e in range(self.elements):
             r = self.element_row[e]
-            k = 0
-            first = self.spring_first[e]
-            while (
-                k + 1 < self.spring_count[e]
-                and self.piece[(first + k + 1) * _PIECE] <= self.row_d[r]
-            ):
-                k += 1
-            self.spring_piece[e] = k
+            if not self.yields[e]:  # a yielding one knows its branch from its history
+                k = 0
+                first = self.spring_first[e]
+                while (
+                    k + 1 < self.spring_count[e]
+                    and self.piece[(first + k + 1) * _PIECE] <= self.row_d[r]
+                ):
+                    k += 1
+                self.spring_piece[e] = k
             k = 0
             first = self.damper_first[e]
             while (
@@ -504,6 +575,11 @@ class Network:
             else:
                 pd = self.damper_first[e] + self.damper_piece[e]
                 out[e] = self.law(pd, self.row_v[r]) * self.row_v[r]
+                if self.yields[e] and self.spring_piece[e] != _ELASTIC:
+                    # yield force times the rate of the set
+                    out[e] += self.piece[(self.spring_first[e] + 2) * _PIECE + 2] * fabs(
+                        self.row_v[r]
+                    )
         for r in range(self.rows):
             s = self.row_signal[r]
             out[self.elements + r] = -self.row_f[r] * self.road[4 * s + 1] if s >= 0 else 0.0
@@ -524,6 +600,30 @@ class Network:
             d = self.row_d[self.element_row[e]]
             if self.limited[e]:
                 energy += self.free_potential(e, d)
+            elif self.yields[e]:
+                energy += self._yielding_energy(e, d)
             else:
                 energy += self.potential(self.spring_first[e] + self.spring_piece[e], d)
         return energy
+
+    def _yielding_energy(self, e, d):
+        """f^2 / 2k of the spring, and what hardening (kinematic) stores in the permanent set."""
+        rate = self.spring_rate[e]
+        flow = self.piece[(self.spring_first[e] + 2) * _PIECE + 3]
+        p = self.permanent_set(e, d)
+        return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
+
+
+def _flow_pieces(element):
+    """The three pieces of an element that yields: flow down, elastic, flow up.
+
+    The lines of flow are fixed: -+ yield force (1 - flow / rate) + flow d.
+    """
+    rate, flow, free = element.spring.tangent(0.0), element.hardening, element.permanent_set
+    line = element.yield_force * (1.0 - flow / rate)
+    low, high = ((rate * free + side * line) / (rate - flow) for side in (-1.0, 1.0))
+    return [
+        -float("inf"), 0.0, -line, flow, 0.0, 0.0, 0.0,
+        low, free, 0.0, rate, 0.0, 0.0, 0.0,
+        high, 0.0, line, flow, 0.0, 0.0, 0.0,
+    ]  # fmt: skip

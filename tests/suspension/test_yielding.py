@@ -1,0 +1,240 @@
+"""Springs that yield: H83 example 40 (= CP75), closed forms, the energy they take, their memory."""
+
+from __future__ import annotations
+
+from math import cos, inf, pi, sin, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from suspension import characteristics, roads
+from suspension.engine import Integrator
+from suspension.models import Element, Load, System
+
+# CP75's loads, which reproduce what H83 says of its example 40: N at 0, 0.1, ..., 0.8 s
+LOADS = [0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0]
+
+
+def frame(
+    yield_force: float = 6.0,
+    hardening: float = 0.0,
+    *,
+    damping: float = 200.0,
+    loads: list[float] = LOADS,
+    permanent_set: float = 0.0,
+) -> System:
+    """H83 example 40: 100 kg, 200 N s/m, 5000 N/m, ideally elastic-plastic from 6 N on."""
+    return System(
+        coordinates=("u",),
+        mass=((100.0,),),
+        elements=(
+            Element(
+                "frame", (1.0,), characteristics.linear(5000.0), characteristics.linear(damping),
+                yield_force=yield_force, hardening=hardening, permanent_set=permanent_set,
+            ),
+        ),
+        signals={"force": roads.table([(0.1 * k, f) for k, f in enumerate(loads)])},
+        loads=(Load((1.0,), "force"),),
+        scales=(1e-3,),
+    )  # fmt: skip
+
+
+def millimetres(integrator: Integrator) -> list[float]:
+    """Displacements at 0, 0.1, ..., 0.8 s."""
+    found = []
+    for k in range(9):
+        assert integrator.advance(0.1 * k) == 0
+        integrator.sample(0.1 * k)
+        found.append(1e3 * integrator.sample_q[0])
+    return found
+
+
+def test_hand_calculation_of_example_40() -> None:
+    found = millimetres(Integrator(frame(), "tangent", step=0.1, landing=False))
+    assert found == pytest.approx(
+        [0, 0.0704, 0.4936, 1.2563, 2.0016, 2.5205, 2.6874, 2.4763, 1.9676], abs=5e-5
+    )
+
+
+def test_hand_calculation_with_the_spring_kept_elastic() -> None:
+    found = millimetres(Integrator(frame(inf), "tangent", step=0.1, landing=False))
+    assert found == pytest.approx(
+        [0, 0.0704, 0.4936, 1.2563, 1.9368, 2.1065, 1.6250, 0.7073, -0.2697], abs=5e-5
+    )
+
+
+@pytest.mark.parametrize("options", [{"tolerance": 1e-10}, {"method": "equilibrium", "step": 1e-4}])
+def test_converged_solution_of_example_40(options: dict[str, object]) -> None:
+    integrator = Integrator(frame(), **options)
+    assert millimetres(integrator) == pytest.approx(
+        [0, 0.0774, 0.5182, 1.2919, 2.0387, 2.5564, 2.7212, 2.5024, 1.9828], abs=5e-5
+    )
+    assert [round(event[0], 5) for event in integrator.log] == [0.28866, 0.59273]
+    assert 1e3 * integrator.permanent_set(0) == pytest.approx(1.5223, abs=5e-5)
+
+
+@pytest.mark.parametrize("hardening", [0.0, 500.0, 4000.0])
+def test_against_scipy_with_the_set_as_a_third_state(hardening: float) -> None:
+    """x, v and the set p as states, restarted at every switch; nothing shared with the package."""
+    k, limit, mass, damping = 5000.0, 3.0, 100.0, 50.0
+    loads = [0.0, 40.0, -60.0, 50.0, -20.0, 0.0]
+
+    def force(t: float) -> float:
+        return float(np.interp(t, 0.1 * np.arange(len(loads)), loads))
+
+    back = k * hardening / (k - hardening)
+    instants = np.linspace(0.0, 1.5, 61)
+    t, y, mode = 0.0, [0.0, 0.0, 0.0], 0
+    found = {0.0: 0.0}
+    while t < 1.5:
+        end = min(1.5, 0.1 * (np.floor(round(t / 0.1, 9)) + 1) if t < 0.5 - 1e-9 else 1.5)
+
+        def rates(s: float, x: np.ndarray, mode: int = mode) -> list[float]:
+            flow = (1.0 - hardening / k) * x[1] if mode else 0.0
+            return [x[1], (force(s) - damping * x[1] - k * (x[0] - x[2])) / mass, flow]
+
+        def leaves(s: float, x: np.ndarray, mode: int = mode) -> float:
+            if mode:
+                return mode * x[1]
+            return limit - abs(k * (x[0] - x[2]) - back * x[2])
+
+        leaves.terminal, leaves.direction = True, -1  # type: ignore[attr-defined]
+        part = solve_ivp(
+            rates, (t, end), y, "DOP853", events=leaves, rtol=1e-12, atol=1e-15, dense_output=True
+        )
+        for s in instants[(instants > t) & (instants <= part.t[-1] + 1e-12)]:
+            found[float(s)] = float(part.sol(min(s, part.t[-1]))[0])
+        t, y = part.t[-1], part.y[:, -1]
+        if part.status == 1:
+            mode = 0 if mode else int(np.sign(k * (y[0] - y[2]) - back * y[2]))
+    system = frame(limit, hardening, damping=damping, loads=loads)
+    integrator = Integrator(system, tolerance=1e-10)
+    for s in instants:
+        integrator.advance(s)
+        integrator.sample(s)
+        assert integrator.sample_q[0] == pytest.approx(found[float(s)], abs=1e-10)
+    assert len(integrator.log) >= 4
+    assert abs(integrator.residual_end) < 1e-9
+
+
+def test_impact_on_an_ideally_plastic_spring() -> None:
+    """Undamped: a quarter wave up to the yield point, then constant deceleration, then elastic again."""
+    k, mass, limit, speed = 5000.0, 100.0, 6.0, 0.05
+    omega = sqrt(k / mass)
+    at_yield = np.arcsin(limit / k * omega / speed) / omega
+    slower = speed * cos(omega * at_yield)
+    turns = at_yield + slower * mass / limit
+    furthest = limit / k + 0.5 * mass * slower**2 / limit
+    integrator = Integrator(frame(damping=0.0, loads=[0.0]), tolerance=1e-11)
+    integrator.set_state([0.0], [speed])
+    assert integrator.advance(turns + pi / omega) == 0
+    assert [event[0] for event in integrator.log[:2]] == pytest.approx([at_yield, turns], abs=1e-10)
+    assert integrator.permanent_set(0) == pytest.approx(furthest - limit / k, abs=1e-12)
+    integrator.sample(turns + pi / omega)
+    # it swings back about the set by the elastic part, limit / k, to the other side
+    assert integrator.sample_q[0] == pytest.approx(furthest - 2 * limit / k, abs=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(0.5, 20.0), st.floats(0.0, 0.95), st.floats(0.0, 300.0),
+    st.lists(st.floats(-30.0, 30.0), min_size=2, max_size=8),
+)  # fmt: skip
+def test_flow_only_takes_energy_and_the_ledger_closes(
+    yield_force: float, hardening: float, damping: float, loads: list[float]
+) -> None:
+    system = frame(yield_force, 5000.0 * hardening, damping=damping, loads=[0.0, *loads, 0.0])
+    integrator = Integrator(system, tolerance=1e-9)
+    assert integrator.advance(2.0) == 0
+    work = max(abs(f) for f in loads) * 0.1 + 1e-6
+    assert abs(integrator.residual_end) < 1e-5 * work
+
+
+def test_a_given_set_only_shifts_the_motion() -> None:
+    plain, shifted = Integrator(frame()), Integrator(frame(permanent_set=0.01))
+    shifted.set_state([0.01], [0.0])
+    for t in np.linspace(0.05, 0.8, 16):
+        plain.advance(t)
+        shifted.advance(t)
+        plain.sample(t)
+        shifted.sample(t)
+        assert shifted.sample_q[0] - 0.01 == pytest.approx(plain.sample_q[0], abs=2e-8)
+
+
+def test_a_start_beyond_the_yield_limit_has_flowed_there() -> None:
+    integrator = Integrator(frame(loads=[0.0]))
+    integrator.set_state([0.01], [0.0])
+    assert integrator.permanent_set(0) == pytest.approx(0.01 - 6.0 / 5000.0)
+    integrator.advance(5.0)
+    integrator.sample(5.0)
+    assert integrator.sample_q[0] == pytest.approx(0.01 - 6.0 / 5000.0, abs=1e-4)
+
+
+def test_memory_is_put_back_to_the_bit() -> None:
+    integrator = Integrator(frame())
+    integrator.advance(0.4)  # in the middle of flow
+    kept = integrator.snapshot()
+    integrator.advance(0.9)
+    ahead, left = integrator.snapshot(), integrator.permanent_set(0)
+    integrator.restore(kept)
+    integrator.advance(0.9)
+    assert integrator.snapshot() == ahead
+    assert integrator.permanent_set(0) == left
+
+
+def test_mirrored_loads_give_the_mirrored_motion() -> None:
+    one = Integrator(frame(hardening=300.0))
+    other = Integrator(frame(hardening=300.0, loads=[-f for f in LOADS]))
+    assert millimetres(one) == [-u for u in millimetres(other)]
+
+
+@pytest.mark.parametrize(
+    ("given_", "complaint"),
+    [
+        ({"yield_force": 0.0}, "must be positive"),
+        ({"yield_force": 1.0, "hardening": 5000.0}, "below the spring rate"),
+        ({"yield_force": 1.0, "spring": characteristics.cubic(1.0, 1.0)}, "only a linear spring"),
+        ({"yield_force": 1.0, "damper": characteristics.damper(1.0, 2.0)}, "linear damper"),
+        ({"yield_force": 1.0, "limit": 5.0}, "no limit"),
+    ],
+)
+def test_what_cannot_yield_is_refused(given_: dict[str, object], complaint: str) -> None:
+    with pytest.raises(ValueError, match=complaint):
+        Element("frame", (1.0,), **{"spring": characteristics.linear(5000.0), **given_})  # type: ignore[arg-type]
+
+
+def test_half_a_sine_of_force_on_an_elastic_spring() -> None:
+    """Closed form while the force acts and free vibration after it."""
+    k, mass, peak, duration = 5000.0, 100.0, 4.0, 0.3
+    omega, drive = sqrt(k / mass), pi / duration
+    half_sine = roads.Signal(
+        (
+            roads.Segment(-inf),
+            roads.Segment(0.0, 0.0, amplitude=peak, phase=(-pi / 2, drive, 0.0)),
+            roads.Segment(duration),
+        ),
+        peak,
+    )
+    system = System(
+        ("u",), ((mass,),), (Element("spring", (1.0,), characteristics.linear(k)),),
+        {"force": half_sine}, (Load((1.0,), "force"),), (1e-3,),
+    )  # fmt: skip
+    factor = peak / (k * (1 - (drive / omega) ** 2))
+
+    def forced(t: float) -> tuple[float, float]:
+        return (
+            factor * (sin(drive * t) - drive / omega * sin(omega * t)),
+            factor * drive * (cos(drive * t) - cos(omega * t)),
+        )
+
+    integrator = Integrator(system, tolerance=1e-11)
+    for t in np.linspace(0.0, 1.0, 21):
+        integrator.advance(t)
+        integrator.sample(t)
+        u, v = forced(min(t, duration))
+        late = max(0.0, t - duration)
+        exact = u * cos(omega * late) + v / omega * sin(omega * late)
+        assert integrator.sample_q[0] == pytest.approx(exact, abs=1e-12)
