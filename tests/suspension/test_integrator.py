@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sin, sqrt
+from math import cos, exp, inf, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from suspension import characteristics
 from suspension.engine import FAILURES, KINDS, Integrator
 from suspension.models import Element, Load, System, build
-from suspension.roads import constant, sine
+from suspension.roads import Segment, Signal, constant, sine
 
 STOPS = {
     "damper.rebound_limit": 588.399,
@@ -408,6 +408,36 @@ def test_unusable_systems_are_refused() -> None:
         Integrator(oscillator(1.0, 1.0, 0.0), "euler")
     with pytest.raises(ValueError, match="1 displacements"):
         Integrator(oscillator(1.0, 1.0, 0.0)).set_state([0.0, 1.0], [0.0])
+
+
+def test_a_kerb_without_a_ramp_gives_the_step_response() -> None:
+    """x'' + 2 d x' + w^2 x = 2 d u' + w^2 u for a unit step u: x(0) = 0, x'(0+) = 2 d."""
+    mass, stiffness, damping, height, instant = 2.0, 800.0, 16.0, 0.03, 0.1
+    step = Signal((Segment(-inf), Segment(instant, 0.0, (height, 0.0, 0.0, 0.0))), height)
+    system = System(
+        ("x",),
+        ((mass,),),
+        (
+            Element(
+                "s", (1.0,), characteristics.linear(stiffness),
+                characteristics.linear(damping), road="road",
+            ),
+        ),
+        {"road": step},
+        scales=(height,),
+    )  # fmt: skip
+    decay, natural = damping / (2 * mass), sqrt(stiffness / mass)
+    omega = sqrt(natural**2 - decay**2)
+    integrator = Integrator(system, tolerance=1e-11)
+    for t in np.linspace(0.0, 1.0, 21):
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        late = max(0.0, t - instant)
+        exact = height * (
+            1 - exp(-decay * late) * (cos(omega * late) - decay / omega * sin(omega * late))
+        )
+        assert integrator.sample_q[0] == pytest.approx(exact if late else 0.0, abs=1e-12)
+    assert abs(integrator.residual_end) < 1e-9
 
 
 def test_steady_state_over_a_sine_is_the_transfer_function() -> None:

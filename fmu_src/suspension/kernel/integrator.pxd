@@ -40,6 +40,8 @@ cdef class Integrator:
     @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int,
                    h=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil
+    @cython.locals(before=double)
+    cdef void _pass_joint(self) noexcept nogil
     @cython.locals(factor=double)
     cdef double _factor_for_error(self) noexcept nogil
     @cython.locals(i=int)

@@ -93,7 +93,7 @@ class Integrator:
         self.proposal = 0.0
         self.residual_start = self.residual_end = 0.0
         self.stepper.reach = self.first_reach = max(system.scales)
-        self.net.enter_segments(start)
+        self.net.enter_segments(start, vectors(1, n)[0])  # what lies before the start gives no jump
         self._begin()
 
     def _begin(self):
@@ -246,7 +246,7 @@ class Integrator:
         if landed:
             self._switch(self.switch_element, self.switch_kind, self.switch_side)
         if to_end and end == joint:
-            self.net.enter_segments(self.time)
+            self._pass_joint()
         if not self.landing:
             self.net.follow(self.time, self.stepper.q, self.stepper.v)
         if landed or to_end or not (self.landing and self.stepper.affine):
@@ -255,6 +255,13 @@ class Integrator:
             if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
                 return _DIVERGED
         return _REACHED
+
+    def _pass_joint(self):
+        """Signals enter their next segments; what a jump of a road does is work of that road."""
+        before = self.net.energy(self.stepper.v)
+        if self.net.enter_segments(self.time, self.stepper.v):
+            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+            self.stepper.work[self.net.elements] += self.net.energy(self.stepper.v) - before
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""

@@ -21,8 +21,8 @@ cdef class Network:
 
     @cython.locals(e=int, side=int, d=double)
     cdef void settle(self, double t, double[::1] q, double[::1] v) noexcept nogil
-    @cython.locals(s=int)
-    cdef void enter_segments(self, double t) noexcept nogil
+    @cython.locals(s=int, now=int, jumped=int, before=double, jump=double)
+    cdef int enter_segments(self, double t, double[::1] v) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double[::1] coefficients) noexcept nogil
     @cython.locals(at=int, g="double[::1]", x=double, value=double, rate=double,

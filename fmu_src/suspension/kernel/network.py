@@ -137,14 +137,29 @@ class Network:
 
     # -- signals -----------------------------------------------------------------------------------
 
-    def enter_segments(self, t):
-        """Let every signal go on to the segment that holds from t on; never backwards."""
+    def enter_segments(self, t, v):
+        """Let every signal go on to the segment that holds from t on; never backwards.
+
+        A jump of a road (a kerb without a ramp) acts on v through its dampers; 1 if there was one.
+        """
+        jumped = 0
         for s in range(self.signals):
+            now = self.signal_now[s]
+            self.signal(s, t)
+            before = self.road[4 * s]
             while (
                 self.signal_now[s] + 1 < self.signal_count[s]
                 and self.segment[(self.signal_first[s] + self.signal_now[s] + 1) * _SEGMENT] <= t
             ):
                 self.signal_now[s] += 1
+            if self.signal_now[s] != now:
+                self.signal(s, t)
+                jump = self.road[4 * s] - before
+                # pieces that join do so to rounding
+                if fabs(jump) > 1e-12 * (fabs(self.road[4 * s]) + fabs(before)) + 1e-15:
+                    self.impulse(s, jump, v)
+                    jumped = 1
+        return jumped
 
     def replace_signal(self, s, t, coefficients):
         """Make a one-segment signal a cubic of t - now; returns the jump of its value."""
