@@ -34,6 +34,8 @@ class Element:
     hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
         the two lines of flow keeps its height
     permanent_set : the deflection at which such a spring is free of force at the start, m
+    friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
+        long as no more is needed
 
     Raises
     ------
@@ -50,8 +52,13 @@ class Element:
     yield_force: float = inf
     hardening: float = 0.0
     permanent_set: float = 0.0
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
+        if not 0.0 <= self.friction < inf:
+            raise ValueError(
+                f"{self.name}: friction = {self.friction:g} must be at least 0 and finite"
+            )
         if self.yield_force == inf:
             return
         rate = self.spring.tangent(0.0)

@@ -10,6 +10,8 @@ cdef class Crossing:
     @cython.locals(b="double[::1]", d1=double, d2=double)
     cdef void hermite5(self, double x0, double dx0, double ddx0,
                        double x1, double dx1, double ddx1, double h) noexcept nogil
+    @cython.locals(b="double[::1]")
+    cdef void hermite3(self, double x0, double dx0, double x1, double dx1, double h) noexcept nogil
     @cython.locals(c="double[::1]", m=int, i=int, _k=int)
     cdef double exit(self, double bound, int side, int degree, int departing) noexcept nogil
     @cython.locals(c="double[::1]", depth=int, at=int, top=int, changes=int, negative=int, i=int,

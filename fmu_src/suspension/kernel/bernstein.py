@@ -56,6 +56,14 @@ class Crossing:
         b[4] = x1 - d1
         b[3] = x1 - 2.0 * d1 + d2
 
+    def hermite3(self, x0, dx0, x1, dx1, h):
+        """The cubic through value and derivative at both ends."""
+        b = self.bezier
+        b[0] = x0
+        b[1] = x0 + h * dx0 / 3.0
+        b[2] = x1 - h * dx1 / 3.0
+        b[3] = x1
+
     def exit(self, bound, side, degree, departing):
         """First fraction of the step at which the polynomial passes the bound outwards, or 2.
 

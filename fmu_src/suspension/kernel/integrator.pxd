@@ -5,7 +5,7 @@ from .network cimport Network
 from .stepper cimport Stepper
 
 cdef int _REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL
-cdef int _SPRING, _DAMPER, _CONTACT, _EVENT_CAPACITY
+cdef int _SPRING, _DAMPER, _CONTACT, _FRICTION, _EVENT_CAPACITY
 cdef double _GROWTH, _SAFE_PHASE
 
 cdef class Integrator:
@@ -51,9 +51,10 @@ cdef class Integrator:
     @cython.locals(e=int, at=int, f0=double, f1=double,
                    f2=double)
     cdef double _first_switch(self, double h) noexcept nogil
+    cdef void _friction_polynomial(self, int e, int at, double h) noexcept nogil
     @cython.locals(side=int, bound=double, at=double)
     cdef void _search(self, int e, int kind, int degree) noexcept nogil
-    @cython.locals(e=int, kind=int, at=int, _iteration=int, status=int,
+    @cython.locals(e=int, kind=int, at=int, order=int, _iteration=int, status=int,
                    bound=double, step=double, best=double, miss=double, change=double, new=double,
                    value=double, rate=double)
     cdef int _land(self, double h) noexcept nogil

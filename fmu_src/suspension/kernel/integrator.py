@@ -26,7 +26,7 @@ FAILURES = {
     5: "the step is too long: its matrix is not positive definite",
 }
 
-_SPRING, _DAMPER, _CONTACT = 0, 1, 2  # as in network.KINDS
+_SPRING, _DAMPER, _CONTACT, _FRICTION = 0, 1, 2, 3  # as in network.KINDS
 _EVENT_CAPACITY = 256
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
@@ -288,6 +288,7 @@ class Integrator:
                 self.limited_time[i] += h
         for i in range(self.net.works):
             self.stepper.work[i] = self.stepper.trial_work[i]
+        self.stepper.keep_multipliers()
         self.step_start = self.time
         self.time = t
         self.step_end = t
@@ -331,6 +332,8 @@ class Integrator:
                     self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
                 )  # fmt: skip
                 self._search(e, _DAMPER, 5)
+            if self.net.friction[e] > 0.0:
+                self._friction_polynomial(e, at, h)
             if self.net.limit[e] < 1e300:
                 self.net.unlimited_force(e, self.row_start, at)
                 f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
@@ -341,6 +344,21 @@ class Integrator:
                 self._search(e, _CONTACT, 5)
         return self.switch_at
 
+    def _friction_polynomial(self, e, at, h):
+        """Slipping: the rate, until it is zero. Sticking: the force it takes, until it is too large."""
+        if self.net.slip[e] != 0:
+            self.crossing.hermite5(
+                self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
+                self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
+            )  # fmt: skip
+            self._search(e, _FRICTION, 5)
+        else:
+            self.crossing.hermite3(
+                self.stepper.multiplier[e], self.stepper.multiplier_rate[e],
+                self.net.multiplier[e], self.net.multiplier_rate[e], h,
+            )  # fmt: skip
+            self._search(e, _FRICTION, 3)
+
     def _search(self, e, kind, degree):
         """Compare the polynomial at hand with both bounds of the branch; keep the first exit."""
         self.crossing.extent(degree)
@@ -350,7 +368,7 @@ class Integrator:
                 side > 0 and self.crossing.high > bound
             ):
                 at = self.crossing.exit(
-                    bound, side, degree, self.net.departing[3 * e + kind] == side
+                    bound, side, degree, self.net.departing[4 * e + kind] == side
                 )
                 if at < self.switch_at:
                     self.switch_at = at
@@ -376,8 +394,11 @@ class Integrator:
             if kind == _CONTACT:
                 self.net.unlimited_force(e, self.row_end, at)
                 value, rate = self.net.force0, self.net.force1
+            elif kind == _FRICTION and self.net.slip[e] == 0:
+                value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
             else:
-                value, rate = self.row_end[at + kind], self.row_end[at + kind + 1]
+                order = 0 if kind == _SPRING else 1
+                value, rate = self.row_end[at + order], self.row_end[at + order + 1]
             miss = value - bound
             if miss == 0.0 or rate == 0.0 or fabs(miss) >= best:
                 break
@@ -398,7 +419,12 @@ class Integrator:
             self.event_time[k] = self.time
             self.event_what[4 * k] = e
             self.event_what[4 * k + 1] = kind
-            self.event_what[4 * k + 2] = 1 - new if kind == _CONTACT else new - side
+            if kind == _CONTACT:
+                self.event_what[4 * k + 2] = 1 - new
+            elif kind == _FRICTION and new != 0:
+                self.event_what[4 * k + 2] = 0
+            else:
+                self.event_what[4 * k + 2] = new - side
             self.event_what[4 * k + 3] = new
             self.event_count += 1
 
@@ -494,7 +520,7 @@ class Integrator:
             self.qa, self.va, self.aa, self.ja, self.qb, self.vb, self.ab, self.jb,
             s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.spring_piece, net.damper_piece, net.limited, net.departing, net.signal_now,
-            net.limited_count,
+            net.limited_count, net.slip, s.multiplier, s.multiplier_rate,
         )  # fmt: skip
 
     def snapshot(self):
@@ -529,11 +555,13 @@ class Integrator:
             at += len(view)
         self.event_count = 0
         self.log = []
-        # tangents follow from the state; its accelerations are kept to the bit
-        accelerations = bytes(s.a), bytes(s.j)
+        # tangents follow from the state; accelerations and multipliers are kept to the bit
+        net.list_stuck()
+        derived = [s.a, s.j, s.multiplier, s.multiplier_rate]
+        kept = [bytes(part) for part in derived]
         s.refresh(self.time)
-        for part, kept in zip((s.a, s.j), accelerations, strict=True):
-            memoryview(part).cast("B")[:] = kept
+        for part, content in zip(derived, kept, strict=True):
+            memoryview(part).cast("B")[:] = content
 
 
 def _eigenvalues(matrix):

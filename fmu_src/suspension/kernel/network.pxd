@@ -2,8 +2,8 @@ cimport cython
 from libc.math cimport cos, fabs, sin
 from .linear cimport decompose, solve
 
-cdef int _SPRING, _DAMPER, _CONTACT, _PIECE, _SEGMENT, _ELASTIC
-cdef double _ROAD_PHASE
+cdef int _SPRING, _DAMPER, _CONTACT, _FRICTION, _PIECE, _SEGMENT, _ELASTIC
+cdef double _CREEP, _ROAD_PHASE
 
 cdef class Network:
     # the system
@@ -11,12 +11,15 @@ cdef class Network:
     cdef double[::1] mass, mass_factor, segment, row_direction, limit, piece, load_direction
     cdef int[::1] signal_first, signal_count, row_signal, element_row, load_signal
     cdef int[::1] spring_first, spring_count, damper_first, damper_count, yields
-    cdef double[::1] spring_rate, initial_set
+    cdef double[::1] spring_rate, initial_set, friction, zero
     # its branches
     cdef int[::1] signal_now, spring_piece, damper_piece, limited, limited_count, departing
+    cdef int[::1] slip, stuck_element
+    cdef int stuck
     cdef double exchange
     # what the last evaluation left
     cdef double[::1] road, row_d, row_v, row_f, row_k, row_c, scratch
+    cdef double[::1] multiplier, multiplier_rate, spread, reaction, coupling
     cdef double force0, force1, force2
 
     @cython.locals(e=int, side=int, d=double)
@@ -57,6 +60,13 @@ cdef class Network:
     @cython.locals(e=int, at=int)
     cdef int is_affine(self) noexcept nogil
     cdef void accelerate(self, double[::1] out) noexcept nogil
+    @cython.locals(n=int, m=int, p=int, r=int, i=int, s=int, k=int, g=double)
+    cdef int stick(self, double[::1] factor, int at, double[::1] x, double[::1] base, int order,
+                   double[::1] multiplier) noexcept nogil
+    @cython.locals(p=int, e=int)
+    cdef void hold(self, double[::1] multiplier) noexcept nogil
+    @cython.locals(e=int)
+    cdef void list_stuck(self) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, dv=double, da=double, rate=double)
     cdef void jerk(self, double[::1] v, double[::1] a, double[::1] out) noexcept nogil
     @cython.locals(n=int, i=int, k=int, trace=double)
@@ -90,7 +100,7 @@ cdef class Network:
     @cython.locals(n=int, r=int, i=int)
     cdef void impulse(self, int signal, double jump, double[::1] v) noexcept nogil
 
-    @cython.locals(n=int, i=int, e=int, m=int, r=int, s=int, pd=int, w=double)
+    @cython.locals(n=int, i=int, e=int, m=int, r=int, s=int, pd=int, at=int, w=double)
     cdef void powers(self, double[::1] v, double[::1] out) noexcept nogil
     @cython.locals(n=int, i=int, k=int, e=int, energy=double, d=double)
     cdef double energy(self, double[::1] v) noexcept nogil

@@ -3,6 +3,8 @@
 Each element is in one *branch*: a piece of its spring, a piece of its damper, and for a tyre on the
 road or off it. The spring of an element that yields has three pieces, the two lines on which it flows
 and the elastic one between them, which moves with the permanent set; flow ends where the rate turns.
+Dry friction slips one way or the other, or it sticks: then the row keeps its rate as a constraint, and
+the force that this takes, its multiplier, says when it slips again.
 Rows are the distinct directions b with the road under them; deflection, rate and
 their derivatives are worked out once per row.
 """
@@ -18,12 +20,13 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-# What a switch concerns: the element's spring, its damper, its contact.
-_SPRING, _DAMPER, _CONTACT = 0, 1, 2
-KINDS = ("spring", "damper", "contact")
+# What a switch concerns: the element's spring, its damper, its contact, its dry friction.
+_SPRING, _DAMPER, _CONTACT, _FRICTION = 0, 1, 2, 3
+KINDS = ("spring", "damper", "contact", "friction")
 
 _ELASTIC = 1  # the middle one of the three pieces of an element that yields
 _PIECE, _SEGMENT = 7, 10  # numbers stored for one piece of a law, one segment of a signal
+_CREEP = 1e-12  # m/s below which what sticks goes on sticking when signals change
 _ROAD_PHASE = 1.5  # of a road's sinusoid per macro step
 
 
@@ -58,7 +61,14 @@ class Network:
         n, rows, elements = self.n, self.rows, self.elements
         self.spring_piece, self.damper_piece = integers([0] * elements), integers([0] * elements)
         self.limited, self.limited_count = integers([0] * elements), integers([0] * elements)
-        self.departing = integers([0] * 3 * elements)
+        self.departing = integers([0] * 4 * elements)
+        self.slip = integers([0] * elements)  # -1, 1, or 0 where friction sticks
+        self.stuck = 0
+        self.stuck_element = integers([0] * elements)
+        self.multiplier, self.multiplier_rate = vectors(2, elements)
+        self.spread, self.reaction = doubles([0.0] * elements * n), doubles([0.0] * elements)
+        self.coupling = doubles([0.0] * elements * elements)
+        self.zero = doubles([0.0] * n)
         # works: dissipated by each element, brought in by each row's road, by each load
         self.works = elements + rows + self.loads
         self.exchange = 0.0
@@ -127,6 +137,14 @@ class Network:
         self.row_signal = integers(row[1] for row in rows)
         self.element_row, self.limit = integers(element_row), doubles(limits)
         self.yields = integers(element.yield_force < 1e300 for element in system.elements)
+        self.friction = doubles(element.friction for element in system.elements)
+        rubbing = [
+            row
+            for row, element in zip(element_row, system.elements, strict=True)
+            if element.friction
+        ]
+        if len(set(rubbing)) < len(rubbing):
+            raise ValueError("two elements with friction act along one direction; make them one")
         self.initial_set = doubles(element.permanent_set for element in system.elements)
         self.spring_rate = doubles(element.spring.tangent(0.0) for element in system.elements)
         self.spring_first, self.spring_count = integers(spring_first), integers(spring_count)
@@ -284,6 +302,8 @@ class Network:
                 self.row_f[r] += self.law(ps, self.row_d[r]) + self.law(pd, self.row_v[r])
                 self.row_k[r] += self.law_slope(ps, self.row_d[r])
                 self.row_c[r] += self.law_slope(pd, self.row_v[r])
+            if self.friction[e] > 0.0:
+                self.row_f[r] += self.slip[e] * self.friction[e]
 
     def assemble(self, stiffness, damping):
         """K = sum b k b', B = sum b c b'."""
@@ -326,6 +346,7 @@ class Network:
                 rest = self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
                 at = (self.damper_first[e] + self.damper_piece[e]) * _PIECE
                 rest += self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+            rest += self.slip[e] * self.friction[e]
             for i in range(n):
                 out[i] -= self.row_direction[self.element_row[e] * n + i] * rest
 
@@ -344,6 +365,55 @@ class Network:
         """Acceleration from the equation of motion, with `row_f` and the signals in `road`."""
         self.net_force(out)
         solve(self.mass_factor, 0, self.n, out)
+        if self.stuck:
+            self.stick(self.mass_factor, 0, out, self.zero, 2, self.multiplier)
+
+    def stick(self, factor, at, x, base, order, multiplier):
+        """Correct the solution x of `factor` so that stuck rows follow their roads.
+
+        Wanted is b' (base + x) = the road's derivative of that order; x changes along the solutions
+        for b, and what they are multiplied by is the force that sticking takes. 1 if rows that stick
+        contradict each other.
+        """
+        n, m = self.n, self.stuck
+        for p in range(m):
+            r = self.element_row[self.stuck_element[p]]
+            for i in range(n):
+                self.scratch[i] = self.row_direction[r * n + i]
+            solve(factor, at, n, self.scratch)
+            s = self.row_signal[r]
+            self.reaction[p] = self.road[4 * s + order] if s >= 0 else 0.0
+            for i in range(n):
+                self.spread[p * n + i] = self.scratch[i]
+                self.reaction[p] -= self.row_direction[r * n + i] * (base[i] + x[i])
+        for p in range(m):
+            r = self.element_row[self.stuck_element[p]]
+            for k in range(m):
+                g = 0.0
+                for i in range(n):
+                    g += self.row_direction[r * n + i] * self.spread[k * n + i]
+                self.coupling[p * m + k] = g
+        if decompose(self.coupling, 0, m) != 0:
+            return 1
+        solve(self.coupling, 0, m, self.reaction)
+        for p in range(m):
+            multiplier[self.stuck_element[p]] = -self.reaction[p]
+            for i in range(n):
+                x[i] += self.spread[p * n + i] * self.reaction[p]
+        return 0
+
+    def hold(self, multiplier):
+        """Add to the rows what sticking takes, for the works."""
+        for p in range(self.stuck):
+            e = self.stuck_element[p]
+            self.row_f[self.element_row[e]] += multiplier[e]
+
+    def list_stuck(self):
+        self.stuck = 0
+        for e in range(self.elements):
+            if self.friction[e] > 0.0 and self.slip[e] == 0:
+                self.stuck_element[self.stuck] = e
+                self.stuck += 1
 
     def jerk(self, v, a, out):
         """Third derivatives from the differentiated equation of motion, with `row_k`, `row_c`, `road`."""
@@ -368,6 +438,8 @@ class Network:
             for i in range(n):
                 out[i] -= self.row_direction[r * n + i] * rate
         solve(self.mass_factor, 0, n, out)
+        if self.stuck:
+            self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
 
     def fastest_mode(self, stiffness):
         """An upper bound of the square of the highest angular frequency: the trace of M^-1 K."""
@@ -426,6 +498,10 @@ class Network:
             if self.limited[e]:
                 return self.limit[e] if side < 0 else 1e300
             return self.limit[e] if side > 0 else -1e300
+        if kind == _FRICTION:
+            if self.slip[e] == 0:
+                return side * self.friction[e]
+            return 0.0 if self.slip[e] == -side else side * 1e300
         if self.yields[e] and (kind == _DAMPER or self.spring_piece[e] != _ELASTIC):
             # flow upwards ends when the rate falls to zero, flow downwards when it rises to it
             if kind == _DAMPER and self.spring_piece[e] == _ELASTIC - side:
@@ -475,12 +551,18 @@ class Network:
 
     def enter(self, e, kind, side, t, q, v):
         """Element e goes over to its neighbouring branch; returns the number of the branch entered."""
+        if kind == _FRICTION:
+            # slipping that comes to rest sticks, be it for no time at all
+            self.slip[e] = side if self.slip[e] == 0 else 0
+            self.list_stuck()
+            self.departing[4 * e + kind] = -side if self.slip[e] != 0 else 0
+            return self.slip[e]
         if self.yields[e] and kind == _DAMPER:
             self.all_signals(t)
             self.row_states(q, v)
             self._unload(e, self.row_d[self.element_row[e]])
-            self.departing[3 * e + kind] = 0
-            self.departing[3 * e + _SPRING] = -side
+            self.departing[4 * e + kind] = 0
+            self.departing[4 * e + _SPRING] = -side
             return _ELASTIC
         if kind == _SPRING:
             self.spring_piece[e] += side
@@ -493,7 +575,7 @@ class Network:
             self.limited[e] = new
             self.limited_count[e] += new
             self._book_exchange(e, new, t, q, v)
-        self.departing[3 * e + kind] = -side
+        self.departing[4 * e + kind] = -side
         return new
 
     def _book_exchange(self, e, off, t, q, v):
@@ -548,24 +630,27 @@ class Network:
                 if off and not self.limited[e]:
                     self.limited_count[e] += 1
                 self.limited[e] = off
+            if self.friction[e] > 0.0 and (self.slip[e] != 0 or fabs(self.row_v[r]) > _CREEP):
+                self.slip[e] = 1 if self.row_v[r] > 0.0 else (-1 if self.row_v[r] < 0.0 else 0)
+        self.list_stuck()
         self.mark_bounds()
 
     def mark_bounds(self):
         """Note which variables stand exactly on a bound of their branch, as at rest."""
         for e in range(self.elements):
             r = self.element_row[e]
-            for kind in range(3):
+            for kind in range(4):
                 x = 1e300  # contact is never marked: where it starts it is inside
                 if kind == _SPRING:
                     x = self.row_d[r]
-                elif kind == _DAMPER:
+                elif kind == _DAMPER or (kind == _FRICTION and self.slip[e] != 0):
                     x = self.row_v[r]
                 mark = 0
                 if x < 1e300 and x == self.bound(e, kind, -1):
                     mark = -1
                 elif x < 1e300 and x == self.bound(e, kind, 1):
                     mark = 1
-                self.departing[3 * e + kind] = mark
+                self.departing[4 * e + kind] = mark
 
     def impulse(self, signal, jump, v):
         """A jump of a road's elevation acts through its dampers: v += M^-1 b c jump."""
@@ -592,9 +677,9 @@ class Network:
                 out[e] = self.law(pd, self.row_v[r]) * self.row_v[r]
                 if self.yields[e] and self.spring_piece[e] != _ELASTIC:
                     # yield force times the rate of the set
-                    out[e] += self.piece[(self.spring_first[e] + 2) * _PIECE + 2] * fabs(
-                        self.row_v[r]
-                    )
+                    at = (self.spring_first[e] + 2) * _PIECE
+                    out[e] += self.piece[at + 2] * fabs(self.row_v[r])
+            out[e] += self.slip[e] * self.friction[e] * self.row_v[r]
         for r in range(self.rows):
             s = self.row_signal[r]
             out[self.elements + r] = -self.row_f[r] * self.road[4 * s + 1] if s >= 0 else 0.0

@@ -10,6 +10,7 @@ cdef class Stepper:
     cdef Network net
     cdef int n, method, columns, fractions, stamp, affine
     cdef double tolerance, reach, omega_squared, error, time
+    cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb, work, trial_work
     # workspace
     cdef double[::1] power, power_before, stiffness, damping, stiffness2, damping2
@@ -18,11 +19,13 @@ cdef class Stepper:
     cdef int[::1] factor_stamp, fraction_index
 
     cdef void refresh(self, double t) noexcept nogil
+    @cython.locals(e=int)
+    cdef void keep_multipliers(self) noexcept nogil
     @cython.locals(i=int, size=int, at=int)
     cdef int _factor_step_matrix(self, int column, double h) noexcept nogil
     @cython.locals(n=int, i=int, k=int, at=int, f=double)
     cdef int _substep_affine(self, int column, double h, int fraction) noexcept nogil
-    @cython.locals(s=int, at=int)
+    @cython.locals(s=int, at=int, order=int)
     cdef void _take_signals(self, int fraction) noexcept nogil
     @cython.locals(n=int, i=int, k=int, _iteration=int, before=double, size=double,
                    largest=double)
@@ -35,7 +38,7 @@ cdef class Stepper:
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
                    p=double, f=double)
     cdef void _excitation_increment(self, int fraction) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, m=int, r=int, s=int, at=int, p=double,
+    @cython.locals(n=int, i=int, k=int, m=int, r=int, s=int, at=int, order=int, p=double,
                    f=double)
     cdef void _prepare_signals(self, double h) noexcept nogil
     @cython.locals(n=int, i=int, k=int, m=int, width=int, at=int, fraction=int,

@@ -54,6 +54,7 @@ class Stepper:
         self.work, self.trial_work = vectors(2, network.works)
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
         self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
+        self.multiplier, self.multiplier_rate = vectors(2, network.elements)
         self._allocate()
 
     def _allocate(self):
@@ -74,7 +75,7 @@ class Stepper:
             for m in range(1, self.columns + 1)
             for i in range(4)
         )
-        self.signal_table = doubles([0.0] * (2 * max(self.net.signals, 1) * self.fractions))
+        self.signal_table = doubles([0.0] * (3 * max(self.net.signals, 1) * self.fractions))
         self.load_table = doubles([0.0] * (n * self.fractions))
 
     def refresh(self, t):
@@ -89,7 +90,14 @@ class Stepper:
         # in a linear branch p - sum b f = (constant + signals) - B v - K q
         self.net.constant_force(self.constant)
         self.net.jerk(self.v, self.a, self.j)
+        self.keep_multipliers()
         self.omega_squared = self.net.fastest_mode(self.stiffness)
+
+    def keep_multipliers(self):
+        """What sticking takes now; attempts overwrite the network's own."""
+        for e in range(self.net.elements):
+            self.multiplier[e] = self.net.multiplier[e]
+            self.multiplier_rate[e] = self.net.multiplier_rate[e]
 
     # -- one step of the incremental method --------------------------------------------------------
 
@@ -120,16 +128,22 @@ class Stepper:
                 f -= self.damping[i * n + k] * self.pv[k] + self.stiffness[i * n + k] * self.pq[k]
             self.ca[i] = f
         solve(self.factor, column * n * n, n, self.ca)
+        if self.net.stuck:
+            self._take_signals(fraction)
+            if self.net.stick(
+                self.factor, column * n * n, self.ca, self.net.zero, 2, self.net.multiplier
+            ):
+                return _NOT_POSITIVE
         for i in range(n):
             self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
             self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
         return 0
 
     def _take_signals(self, fraction):
-        at = 2 * self.net.signals * fraction
+        at = 3 * self.net.signals * fraction
         for s in range(self.net.signals):
-            self.net.road[4 * s] = self.signal_table[at + 2 * s]
-            self.net.road[4 * s + 1] = self.signal_table[at + 2 * s + 1]
+            for order in range(3):
+                self.net.road[4 * s + order] = self.signal_table[at + 3 * s + order]
 
     def _substep_equilibrium(self, h, fraction):
         """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium."""
@@ -152,6 +166,10 @@ class Stepper:
                 for k in range(n):
                     self.rhs[i] -= self.net.mass[i * n + k] * self.ca[k]
             if self._solve_step_matrix(h) != 0:
+                return _NOT_POSITIVE
+            if self.net.stuck and self.net.stick(
+                self.factor, 0, self.rhs, self.ca, 2, self.net.multiplier
+            ):
                 return _NOT_POSITIVE
             for i in range(n):
                 self.ca[i] += self.rhs[i]
@@ -271,10 +289,10 @@ class Stepper:
         n = self.n
         for k in range(self.fractions):
             self.net.all_signals(self.time + self.fraction[k] * h)
-            at = 2 * self.net.signals * k
+            at = 3 * self.net.signals * k
             for s in range(self.net.signals):
-                self.signal_table[at + 2 * s] = self.net.road[4 * s]
-                self.signal_table[at + 2 * s + 1] = self.net.road[4 * s + 1]
+                for order in range(3):
+                    self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
             if self.affine:
                 for i in range(n):
                     self.load_table[k * n + i] = self.constant[i]
@@ -315,7 +333,7 @@ class Stepper:
             fraction = self.fraction_index[4 * column + k]
             if self.affine:
                 status = self._substep_affine(column, step, fraction)
-            elif self.method >= 2:
+            elif self.method >= 2 and not self.net.stuck:
                 status = self._substep_increments(step, fraction)
             else:
                 status = self._substep_equilibrium(step, fraction)
@@ -324,6 +342,7 @@ class Stepper:
             self._take_signals(fraction)
             self.net.row_states(self.cq, self.cv)
             self.net.row_forces()
+            self.net.hold(self.net.multiplier)
             self.net.powers(self.cv, self.power)
             weight = step if k + 1 < m else 0.5 * step
             for i in range(self.net.works):
@@ -344,6 +363,7 @@ class Stepper:
         self.net.all_signals(t)
         self.net.row_states(self.q, self.v)
         self.net.row_forces()
+        self.net.hold(self.multiplier)
         self.net.powers(self.v, self.power_before)
         self._prepare_signals(h)
         self.error = 0.0

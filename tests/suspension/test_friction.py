@@ -1,0 +1,209 @@
+"""Dry friction that sticks and slips: closed forms, an independent reference, energy, several at once."""
+
+from __future__ import annotations
+
+from math import cos, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from suspension import characteristics, roads
+from suspension.engine import KINDS, Integrator
+from suspension.models import Element, Load, System
+
+MASS, RATE, FRICTION = 2.0, 800.0, 1.0
+OMEGA = sqrt(RATE / MASS)
+
+
+def slider(friction: float = FRICTION, force: roads.Signal | None = None) -> System:
+    """A mass on a spring that rubs."""
+    return System(
+        ("x",),
+        ((MASS,),),
+        (Element("leaf", (1.0,), characteristics.linear(RATE), friction=friction),),
+        {"force": force or roads.constant()},
+        (Load((1.0,), "force"),),
+        (1e-2,),
+    )
+
+
+def position(integrator: Integrator, t: float) -> float:
+    assert integrator.advance(t) == 0
+    integrator.sample(t)
+    return float(integrator.sample_q[0])
+
+
+@pytest.mark.parametrize("options", [{"tolerance": 1e-9}, {"method": "equilibrium", "step": 1e-4}])
+def test_coulomb_decay(options: dict[str, object]) -> None:
+    """The amplitude falls by 4 F / k a period, on straight lines, and then it sticks for good."""
+    integrator = Integrator(slider(), **options)
+    start = 0.0213
+    integrator.set_state([start], [0.0])
+    loss = 2 * FRICTION / RATE  # in half a period
+    swings = 9  # until the spring pulls with less than the friction
+    for k in range(swings + 1):
+        expected = (-1) ** k * (start - k * loss)
+        assert position(integrator, k * pi / OMEGA) == pytest.approx(expected, abs=1e-8)
+    last = (-1) ** swings * (start - swings * loss)
+    assert abs(last) < FRICTION / RATE
+    assert position(integrator, 100.0) == pytest.approx(last, abs=1e-8)
+    lost = 0.5 * RATE * (start**2 - last**2)
+    assert lost == pytest.approx(
+        FRICTION * sum(2 * start - (2 * k + 1) * loss for k in range(swings))
+    )
+    assert abs(integrator.residual_end) < 1e-6 * lost
+
+
+def test_a_force_below_the_friction_moves_nothing_at_all() -> None:
+    force = roads.Signal(
+        (roads.Segment(-np.inf, 0.0, amplitude=0.99, phase=(0.0, 30.0, 0.0)),), 1.0
+    )
+    integrator = Integrator(slider(force=force))
+    for t in (0.1, 1.0, 10.0):
+        assert abs(position(integrator, t)) < 1e-15  # rounding, where the spring gives 1 mm
+    assert integrator.log == []
+
+
+def test_it_breaks_loose_when_the_force_reaches_the_friction() -> None:
+    ramp = roads.table([(0.0, 0.0), (1.0, 2.0)])
+    integrator = Integrator(slider(force=ramp), tolerance=1e-10)
+    assert position(integrator, 0.5) == 0.0
+    late = 0.6 - FRICTION / 2.0
+    # m x'' + k x = 2 (t - 0.5)
+    exact = 2.0 / RATE * (late - np.sin(OMEGA * late) / OMEGA)
+    assert position(integrator, 0.6) == pytest.approx(exact, abs=1e-11)
+    t, _, kind, before, after = integrator.log[0]
+    assert (KINDS[kind], before, after) == ("friction", 0, 1)
+    assert t == pytest.approx(0.5, abs=1e-12)
+
+
+def test_against_scipy_restarted_at_every_switch() -> None:
+    """Stick and slip under a sine; the reference shares nothing with the package."""
+    peak, drive, damping = 3.0, 9.0, 4.0
+    force = roads.Signal(
+        (roads.Segment(-np.inf, 0.0, amplitude=peak, phase=(-pi / 2, drive, 0.0)),), peak
+    )
+    system = System(
+        ("x",),
+        ((MASS,),),
+        (
+            Element(
+                "leaf", (1.0,), characteristics.linear(RATE), characteristics.linear(damping),
+                friction=2.0,
+            ),
+        ),
+        {"force": force},
+        (Load((1.0,), "force"),),
+        (1e-2,),
+    )  # fmt: skip
+
+    def pull(t: float, x: float) -> float:
+        return peak * float(np.sin(drive * t)) - RATE * x
+
+    instants = np.linspace(0.0, 3.0, 121)
+    t, y, slip = 0.0, np.zeros(2), 0
+    found = {0.0: 0.0}
+    while t < 3.0:
+
+        def rates(s: float, z: np.ndarray, slip: int = slip) -> list[float]:
+            if slip == 0:
+                return [0.0, 0.0]
+            return [z[1], (pull(s, z[0]) - damping * z[1] - slip * 2.0) / MASS]
+
+        def leaves(s: float, z: np.ndarray, slip: int = slip) -> float:
+            return 2.0 - abs(pull(s, z[0])) if slip == 0 else slip * z[1]
+
+        leaves.terminal, leaves.direction = True, -1  # type: ignore[attr-defined]
+        part = solve_ivp(
+            rates, (t, 3.0), y, "DOP853", events=leaves, rtol=1e-12, atol=1e-15,
+            dense_output=True, max_step=0.005,
+        )  # fmt: skip
+        for s in instants[(instants > t) & (instants <= part.t[-1] + 1e-12)]:
+            found[float(s)] = float(part.sol(min(s, part.t[-1]))[0])
+        t, y = part.t[-1], part.y[:, -1].copy()
+        if part.status == 1:
+            needed = pull(t, y[0])
+            y[1] = 0.0
+            slip = int(np.sign(needed)) if abs(needed) >= 2.0 - 1e-9 else 0
+    integrator = Integrator(system, tolerance=1e-10)
+    for s in instants:
+        assert position(integrator, float(s)) == pytest.approx(found[float(s)], abs=2e-10)
+    assert len(integrator.log) > 20
+    assert abs(integrator.residual_end) < 1e-8
+
+
+def test_two_that_stick_at_once_move_as_one_body() -> None:
+    """Two masses stuck together and one of them to a moving road: rigid motion with the road."""
+    system = System(
+        ("a", "b"),
+        ((1.0, 0.0), (0.0, 3.0)),
+        (
+            Element("between", (1.0, -1.0), friction=1e6),
+            Element("floor", (0.0, 1.0), friction=1e6, road="road"),
+        ),
+        {"road": roads.sine(0.02, 1.0, 1.0)},
+        scales=(0.01, 0.01),
+    )
+    integrator = Integrator(system, tolerance=1e-10)
+    speed = 0.01 * 2 * pi
+    integrator.set_state([0.0, 0.0], [speed, speed])
+    for t in (0.1, 0.37, 1.2):
+        assert position(integrator, t) == pytest.approx(0.01 * np.sin(2 * pi * t), abs=1e-9)
+        assert integrator.sample_q[1] == pytest.approx(integrator.sample_q[0], abs=1e-14)
+    assert abs(integrator.residual_end) < 1e-8
+
+
+def test_no_friction_is_no_friction() -> None:
+    integrator = Integrator(slider(friction=0.0), tolerance=1e-10)
+    integrator.set_state([0.01], [0.0])
+    assert position(integrator, 1.0) == pytest.approx(0.01 * cos(OMEGA), abs=1e-11)
+    assert integrator.log == []
+
+
+@pytest.mark.parametrize("mass", [1e-6, 1e-3, 1e3, 1e6])
+def test_any_mass_ratio_sticks_and_slips_alike(mass: float) -> None:
+    """Scaled by the mass, the motion is the same: no regularisation sets a scale of its own."""
+    factor = mass / MASS
+    system = System(
+        ("x",), ((mass,),),
+        (Element("leaf", (1.0,), characteristics.linear(factor * RATE), friction=factor),),
+        scales=(1e-2,),
+    )  # fmt: skip
+    integrator, plain = Integrator(system), Integrator(slider())
+    for one in (integrator, plain):
+        one.set_state([0.0213], [0.0])
+    for t in (0.1, 0.5, 3.0):
+        assert position(integrator, t) == pytest.approx(position(plain, t), rel=1e-9)
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.floats(0.01, 5.0), st.floats(-0.05, 0.05), st.floats(-1.0, 1.0),
+    st.lists(st.floats(-8.0, 8.0), min_size=1, max_size=6),
+)  # fmt: skip
+def test_the_ledger_closes_and_memory_is_exact(
+    friction: float, displacement: float, velocity: float, loads: list[float]
+) -> None:
+    force = roads.table([(0.2 * k, f) for k, f in enumerate([0.0, *loads])])
+    integrator = Integrator(slider(friction, force), tolerance=1e-8)
+    integrator.set_state([displacement], [velocity])
+    assert integrator.advance(0.7) == 0
+    kept = integrator.snapshot()
+    assert integrator.advance(2.0) == 0
+    ahead = integrator.snapshot()
+    integrator.restore(kept)
+    assert integrator.advance(2.0) == 0
+    assert integrator.snapshot() == ahead
+    energy = RATE * displacement**2 + MASS * velocity**2 + sum(f * f for f in loads) / RATE + 1e-6
+    assert abs(integrator.residual_end) < 1e-5 * energy
+
+
+def test_contradicting_friction_is_refused() -> None:
+    twice = Element("leaf", (1.0,), characteristics.linear(1.0), friction=1.0)
+    with pytest.raises(ValueError, match="make them one"):
+        Integrator(System(("x",), ((1.0,),), (twice, twice), scales=(1.0,)))
+    with pytest.raises(ValueError, match="at least 0"):
+        Element("leaf", (1.0,), friction=-1.0)
