@@ -14,7 +14,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf
+from math import inf, isfinite
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,13 +194,81 @@ def table(points: Sequence[tuple[float, float]]) -> Characteristic:
     ------
     ValueError : fewer than two points, or x not ascending.
     """
+    slopes = _slopes(points)
+    return polyline(points, slopes[0], slopes[-1])
+
+
+def monotone_table(points: Sequence[tuple[float, float]]) -> Characteristic:
+    """Smooth curve through measured points that rises and falls only where they do.
+
+    Cubic pieces with continuous slope: at an inner point the weighted harmonic mean of its
+    neighbours' slopes, zero where these differ in sign (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat.
+    Comput. 5, 1984); at an end the slope of the parabola through three points, limited alike.
+    Beyond the ends these slopes go on.
+
+    Parameters
+    ----------
+    points : at least two (x, F) pairs with ascending x
+
+    Raises
+    ------
+    ValueError : fewer than two points, x not ascending, or a number that is not finite.
+    """
+    for x, f in points:
+        if not (isfinite(x) and isfinite(f)):
+            raise ValueError(f"table points must be finite numbers, ({x:g}, {f:g}) given")
+    tangents = _monotone_tangents([b[0] - a[0] for a, b in pairwise(points)], _slopes(points))
+    (x0, f0), (x_end, f_end) = points[0], points[-1]
+    pieces = [Piece(-inf, x0, (f0, tangents[0], 0.0, 0.0))]
+    for (a, b), (ta, tb) in zip(pairwise(points), pairwise(tangents), strict=True):
+        width = b[0] - a[0]
+        slope = (b[1] - a[1]) / width
+        c3 = ((ta - slope) + (tb - slope)) / width / width
+        # counted from the end nearer to zero, as in `polyline`
+        if abs(a[0]) <= abs(b[0]):
+            c2 = (2.0 * (slope - ta) + (slope - tb)) / width
+            pieces.append(Piece(a[0], a[0], (a[1], ta, c2, c3)))
+        else:
+            c2 = (2.0 * (tb - slope) + (ta - slope)) / width
+            pieces.append(Piece(a[0], b[0], (b[1], tb, c2, c3)))
+    pieces.append(Piece(x_end, x_end, (f_end, tangents[-1], 0.0, 0.0)))
+    return Characteristic(tuple(pieces))
+
+
+def _slopes(points: Sequence[tuple[float, float]]) -> list[float]:
+    """Slopes of the straight lines between the points of a table, checked."""
     if len(points) < 2:
         raise ValueError(f"a table needs at least two points, {len(points)} given")
     for (x, _), (x_next, _) in pairwise(points):
         if not x < x_next:
             raise ValueError(f"table abscissae must ascend, but {x_next:g} follows {x:g}")
-    slopes = [(f_next - f) / (x_next - x) for (x, f), (x_next, f_next) in pairwise(points)]
-    return polyline(points, slopes[0], slopes[-1])
+    return [(f_next - f) / (x_next - x) for (x, f), (x_next, f_next) in pairwise(points)]
+
+
+def _monotone_tangents(widths: Sequence[float], slopes: Sequence[float]) -> list[float]:
+    """Slopes at the points, given the widths and slopes of the stretches between them."""
+    if len(slopes) == 1:
+        return [slopes[0], slopes[0]]
+    inner = [0.0] * (len(slopes) - 1)
+    for i, ((w, w_next), (s, s_next)) in enumerate(
+        zip(pairwise(widths), pairwise(slopes), strict=True)
+    ):
+        if min(s, s_next) > 0.0 or max(s, s_next) < 0.0:
+            near, far = w + 2.0 * w_next, 2.0 * w + w_next
+            inner[i] = (near + far) / (near / s + far / s_next)
+    first = _end_tangent(*widths[:2], *slopes[:2])
+    last = _end_tangent(*widths[:-3:-1], *slopes[:-3:-1])
+    return [first, *inner, last]
+
+
+def _end_tangent(width: float, width_next: float, slope: float, slope_next: float) -> float:
+    """Slope at an end, from the two stretches beside it, outermost first."""
+    parabola = slope + (slope - slope_next) * width / (width + width_next)
+    if slope == 0.0 or parabola == 0.0 or (parabola > 0.0) != (slope > 0.0):
+        return 0.0
+    if (slope > 0.0) != (slope_next > 0.0) and abs(parabola) > 3.0 * abs(slope):
+        return 3.0 * slope
+    return parabola
 
 
 def bump_stop(gap: float, stiffness: float) -> Characteristic:

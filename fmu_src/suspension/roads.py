@@ -1,148 +1,46 @@
-"""Roads and loads as functions of time, with their derivatives and the instants where these jump.
+"""Roads under a wheel as functions of time: the named shapes, and chains of them.
 
-A signal is a chain of segments, each a cubic polynomial plus one cosine whose phase may be
-quadratic in time. Bumps, obstacles, sines, sweeps, tables and forces are all of that kind, so the
-integrator evaluates every one of them by one formula and lands on every joint.
+Measured and random profiles come from `profiles`; what all of them are made of stands in `signals`.
+Everything a road or a load needs can be had from here.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
-from math import cos, inf, pi, sin
+from dataclasses import replace
+from math import inf, pi
 
-_GAUSS = (  # five nodes on (0, 1) and their weights
-    (0.04691007703066802, 0.11846344252809454),
-    (0.23076534494715845, 0.23931433524968324),
-    (0.5, 0.28444444444444444),
-    (0.76923465505284155, 0.23931433524968324),
-    (0.95308992296933199, 0.11846344252809454),
+from .profiles import (
+    REFERENCE_FREQUENCY,
+    class_roughness,
+    random_profile,
+    read_points,
+    spline,
+    table,
 )
+from .signals import Segment, Signal, constant, passing_time, straight_lines
 
-
-@dataclass(frozen=True, slots=True)
-class Segment:
-    """From `start`: c0 + c1 s + c2 s^2 + c3 s^3 + amplitude cos(p0 + p1 s + p2 s^2); s = t - origin."""
-
-    start: float
-    origin: float = 0.0
-    coefficients: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    amplitude: float = 0.0
-    phase: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def derivatives(self, t: float) -> tuple[float, float, float, float]:
-        """Value and the first three time derivatives at t."""
-        s = t - self.origin
-        c0, c1, c2, c3 = self.coefficients
-        value = c0 + s * (c1 + s * (c2 + s * c3))
-        rate = c1 + s * (2.0 * c2 + s * 3.0 * c3)
-        acceleration = 2.0 * c2 + 6.0 * c3 * s
-        jerk = 6.0 * c3
-        if self.amplitude != 0.0:
-            p0, p1, p2 = self.phase
-            angle = p0 + s * (p1 + s * p2)
-            speed = p1 + 2.0 * p2 * s
-            c, d = self.amplitude * cos(angle), self.amplitude * sin(angle)
-            value += c
-            rate -= d * speed
-            acceleration -= c * speed * speed + d * 2.0 * p2
-            jerk += d * speed * speed * speed - 6.0 * p2 * speed * c
-        return value, rate, acceleration, jerk
-
-    def integral(self, t0: float, t1: float) -> float:
-        """Integral of the value from t0 to t1."""
-        s0, s1 = t0 - self.origin, t1 - self.origin
-        width = s1 - s0
-        middle = 0.5 * (s0 + s1)
-        c0, c1, c2, c3 = self.coefficients
-        square = width * width / 12.0
-        total = width * (
-            c0 + middle * (c1 + middle * (c2 + middle * c3)) + square * (c2 + 3.0 * middle * c3)
-        )
-        if self.amplitude == 0.0:
-            return total
-        p0, p1, p2 = self.phase
-        if p2 == 0.0:
-            half = 0.5 * p1 * width
-            sinc = sin(half) / half if half != 0.0 else 1.0
-            return total + self.amplitude * width * cos(p0 + p1 * middle) * sinc
-        # A phase quadratic in time gives Fresnel integrals: by Gauss, in panels of half a radian.
-        turn = max(abs(p1 + 2.0 * p2 * s0), abs(p1 + 2.0 * p2 * s1)) * abs(width)
-        panels = int(2.0 * turn) + 1
-        part = width / panels
-        sums = sum(
-            weight * cos(p0 + s * (p1 + s * p2))
-            for i in range(panels)
-            for node, weight in _GAUSS
-            for s in (s0 + part * (i + node),)
-        )
-        return total + self.amplitude * part * sums
-
-
-@dataclass(frozen=True, slots=True)
-class Signal:
-    """A function of time made of segments in ascending order.
-
-    Parameters
-    ----------
-    segments : at least one; the first starts at minus infinity
-    scale : a typical magnitude, in the signal's unit, for error control (0 if nothing is known)
-    """
-
-    segments: tuple[Segment, ...]
-    scale: float = 0.0
-
-    @property
-    def joints(self) -> tuple[float, ...]:
-        """The instants at which two segments meet, s, ascending."""
-        return tuple(segment.start for segment in self.segments[1:])
-
-    def derivatives(self, t: float) -> tuple[float, float, float, float]:
-        """Value and the first three derivatives at t (to the right of a joint)."""
-        return self.segments[bisect_right(self.joints, t)].derivatives(t)
-
-    def value(self, t: float) -> float:
-        """Elevation in m (or force in N) at t."""
-        return self.derivatives(t)[0]
-
-    def rate(self, t: float) -> float:
-        """First derivative at t."""
-        return self.derivatives(t)[1]
-
-    def acceleration(self, t: float) -> float:
-        """Second derivative at t."""
-        return self.derivatives(t)[2]
-
-    def integral(self, t0: float, t1: float) -> float:
-        """Integral of the value from t0 to t1, joint by joint."""
-        if t1 < t0:
-            return -self.integral(t1, t0)
-        joints = self.joints
-        first, last = bisect_right(joints, t0), bisect_right(joints, t1)
-        cuts = (t0, *joints[first:last], t1)
-        return sum(
-            segment.integral(a, b)
-            for segment, a, b in zip(
-                self.segments[first : last + 1], cuts[:-1], cuts[1:], strict=True
-            )
-        )
-
-    def delayed(self, delay: float) -> Signal:
-        """The same signal, `delay` seconds later: the rear axle meets the front axle's road."""
-        return replace(
-            self,
-            segments=tuple(
-                replace(segment, start=segment.start + delay, origin=segment.origin + delay)
-                for segment in self.segments
-            ),
-        )
-
-
-def constant(value: float = 0.0) -> Signal:
-    """A signal that never changes: the flat road, the absent force."""
-    return Signal((Segment(-inf, 0.0, (value, 0.0, 0.0, 0.0)),), abs(value))
+__all__ = [
+    "REFERENCE_FREQUENCY",
+    "Segment",
+    "Signal",
+    "bump",
+    "class_roughness",
+    "constant",
+    "obstacle",
+    "plank",
+    "pothole",
+    "ramp",
+    "random_profile",
+    "read_points",
+    "sequence",
+    "sine",
+    "spline",
+    "step",
+    "sweep",
+    "table",
+    "wave_length_sweep",
+]
 
 
 def bump(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
@@ -153,8 +51,12 @@ def bump(height: float, length: float, speed: float, start: float = 0.0) -> Sign
     height, length : m; length > 0
     speed : m/s, > 0
     start : instant at which the wheel reaches it, s
+
+    Raises
+    ------
+    ValueError : a length or speed that is not positive.
     """
-    duration = length / speed
+    duration = passing_time(length, speed)
     half = 0.5 * height
     hump = Segment(start, start, (half, 0.0, 0.0, 0.0), -half, (0.0, 2.0 * pi / duration, 0.0))
     return Signal((Segment(-inf), hump, Segment(start + duration)), abs(height))
@@ -168,8 +70,12 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
     height, length : m; T = length / speed is the time it takes to pass
     speed : m/s, > 0
     start : instant at which the wheel reaches it, s
+
+    Raises
+    ------
+    ValueError : a length or speed that is not positive.
     """
-    duration = length / speed
+    duration = passing_time(length, speed)
     z = 16.0 * height / duration**2
     quarter = 0.25 * duration
     flank = 0.5 * z * quarter**2
@@ -186,7 +92,13 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
 
 
 def sine(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
-    """Endless sine of wave length `length` and double amplitude `height`, rising from zero at `start`."""
+    """Endless sine of wave length `length` and double amplitude `height`, rising from zero at `start`.
+
+    Raises
+    ------
+    ValueError : a length or speed that is not positive.
+    """
+    passing_time(length, speed)
     wave = Segment(
         start,
         start,
@@ -197,23 +109,203 @@ def sine(height: float, length: float, speed: float, start: float = 0.0) -> Sign
     return Signal((Segment(-inf), wave), 0.5 * abs(height))
 
 
-def table(points: Sequence[tuple[float, float]], speed: float = 1.0, start: float = 0.0) -> Signal:
-    """Straight lines through (position, value) points, met at `speed`; constant before and after.
+def sweep(
+    height: float,
+    first_frequency: float,
+    last_frequency: float,
+    duration: float,
+    start: float = 0.0,
+) -> Signal:
+    """Sine whose frequency changes linearly in time: (height/2) sin(2 pi (f0 t + (f1 - f0) t^2 / 2T)).
 
-    With speed 1 the positions are times: a force table.
+    It rises from zero; afterwards the elevation stays where it is, which is at zero if
+    (f0 + f1) T is a whole number.
+
+    Parameters
+    ----------
+    height : double amplitude, m
+    first_frequency, last_frequency : f0 and f1, Hz; >= 0
+    duration : T, s; > 0
+    start : instant at which it begins, s
 
     Raises
     ------
-    ValueError : no point at all, or positions that do not ascend.
+    ValueError : a negative frequency, or a duration that is not positive.
     """
-    if not points:
-        raise ValueError("a road table needs at least one point")
-    instants = [(start + x / speed, value) for x, value in points]
-    segments = [Segment(-inf, 0.0, (instants[0][1], 0.0, 0.0, 0.0))]
-    for (t, value), (t_next, value_next) in pairwise(instants):
-        if not t < t_next:
-            raise ValueError("table abscissae must ascend")
-        segments.append(Segment(t, t, (value, (value_next - value) / (t_next - t), 0.0, 0.0)))
-    t_end, last = instants[-1]
-    segments.append(Segment(t_end, t_end, (last, 0.0, 0.0, 0.0)))
-    return Signal(tuple(segments), max(abs(value) for _, value in points))
+    for frequency in (first_frequency, last_frequency):
+        if not 0.0 <= frequency < inf:
+            raise ValueError(f"a frequency must not be negative, {frequency:g} Hz given")
+    if not 0.0 < duration < inf:
+        raise ValueError(f"the duration of a sweep must be positive, {duration:g} s given")
+    drift = pi * (last_frequency - first_frequency) / duration
+    phase = (-0.5 * pi, 2.0 * pi * first_frequency, drift)
+    wave = Segment(start, start, (0.0, 0.0, 0.0, 0.0), 0.5 * height, phase)
+    end = start + duration
+    after = Segment(end, end, (wave.derivatives(end)[0], 0.0, 0.0, 0.0))
+    return Signal((Segment(-inf), wave, after), 0.5 * abs(height))
+
+
+def wave_length_sweep(
+    height: float,
+    first_length: float,
+    last_length: float,
+    length: float,
+    speed: float,
+    start: float = 0.0,
+) -> Signal:
+    """Waves between two lengths, their number per metre changing linearly along the road.
+
+    Parameters
+    ----------
+    height : double amplitude, m
+    first_length, last_length : wave lengths at both ends, m; > 0
+    length : of the whole road, m; > 0
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+
+    Raises
+    ------
+    ValueError : a length or speed that is not positive.
+    """
+    first, last = (1.0 / passing_time(wave, speed) for wave in (first_length, last_length))
+    return sweep(height, first, last, passing_time(length, speed), start)
+
+
+def ramp(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
+    """Straight ramp to another level, as a curb; of no length it is a step.
+
+    Parameters
+    ----------
+    height : of the new level above the old one, m; negative leads down
+    length : of the ramp, m; >= 0
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+
+    Raises
+    ------
+    ValueError : a negative length, or a speed that is not positive.
+    """
+    duration = passing_time(length, speed, or_zero=True)
+    return straight_lines([(start, 0.0), (start + duration, height)], abs(height))
+
+
+def step(height: float, start: float = 0.0) -> Signal:
+    """Jump to another level at `start`."""
+    return ramp(height, 0.0, 1.0, start)
+
+
+def plank(
+    height: float,
+    length: float,
+    speed: float,
+    start: float = 0.0,
+    up_length: float = 0.0,
+    down_length: float = 0.0,
+) -> Signal:
+    """Plank across the road: up, flat top, down; without ramps the elevation jumps.
+
+    Parameters
+    ----------
+    height, length : of the plank, ramps included, m; length > 0
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+    up_length, down_length : of the two ramps, m; together no longer than the plank
+
+    Raises
+    ------
+    ValueError : lengths or a speed that are not positive, or ramps longer than the plank.
+    """
+    passing_time(length, speed)
+    top = length - up_length - down_length
+    if abs(top) <= 1e-12 * length:
+        top = 0.0  # the ramps meet, and no sliver of rounding is left between them
+    if top < 0.0:
+        raise ValueError(
+            f"ramps of {up_length:g} m and {down_length:g} m do not fit on {length:g} m"
+        )
+    corners, t = [(start, 0.0)], start
+    for part, level in ((up_length, height), (top, height), (down_length, 0.0)):
+        t += passing_time(part, speed, or_zero=True)
+        corners.append((t, level))
+    return straight_lines(corners, abs(height))
+
+
+def pothole(
+    depth: float,
+    length: float,
+    speed: float,
+    start: float = 0.0,
+    down_length: float = 0.0,
+    up_length: float = 0.0,
+) -> Signal:
+    """Hole in the road: a plank of negative height.
+
+    Parameters
+    ----------
+    depth, length : of the hole, ramps included, m; length > 0
+    speed : m/s, > 0
+    start : instant at which the wheel reaches it, s
+    down_length, up_length : of the two ramps, m; together no longer than the hole
+
+    Raises
+    ------
+    ValueError : as for `plank`.
+    """
+    return plank(-depth, length, speed, start, down_length, up_length)
+
+
+def sequence(
+    parts: Sequence[Signal],
+    gaps: float | Sequence[float] = 0.0,
+    speed: float = 1.0,
+    start: float = 0.0,
+) -> Signal:
+    """Roads one after the other, each at the level at which the one before ended.
+
+    Where a part lies by itself does not matter: it is moved to its place.
+
+    Parameters
+    ----------
+    parts : at least one; level before its first joint and, but for the last part, after its last
+    gaps : level road between the parts, m; one number for all, or one for each pair of neighbours
+    speed : m/s, > 0, the same that the parts were made for
+    start : instant at which the wheel reaches the first part, s
+
+    Raises
+    ------
+    ValueError : no parts, a part without beginning or end, or a gap that is negative or missing.
+    """
+    if not parts:
+        raise ValueError("a sequence needs at least one road")
+    pairs = len(parts) - 1
+    distances = [gaps] * pairs if isinstance(gaps, (int, float)) else list(gaps)
+    if len(distances) != pairs:
+        raise ValueError(
+            f"{len(parts)} roads have {pairs} gaps between them, {len(distances)} given"
+        )
+    waits = [0.0, *(passing_time(gap, speed, or_zero=True) for gap in distances)]
+    chain = [Segment(-inf, 0.0, parts[0].segments[0].coefficients)]
+    scale, end = 0.0, start
+    for number, (part, wait) in enumerate(zip(parts, waits, strict=True), start=1):
+        first, last = part.segments[0], part.segments[-1]
+        if not part.joints or not first.level or not (last.level or number == len(parts)):
+            raise ValueError(
+                f"road {number} of the sequence has no beginning or end: only the last may go on "
+                "for ever, and every one must start from level road"
+            )
+        ends_at = chain[-1].coefficients[0]
+        begin = end + wait
+        if number > 1 and not begin > end:
+            chain.pop()  # no level road between the two
+        rise = ends_at - first.coefficients[0]
+        delay = begin - part.joints[0]
+        chain += (_raised(segment, rise) for segment in part.delayed(delay).segments[1:])
+        scale = max(scale, abs(rise) + part.scale)
+        end = chain[-1].start
+    return Signal(tuple(chain), scale)
+
+
+def _raised(segment: Segment, rise: float) -> Segment:
+    """The same segment at another level."""
+    c0, c1, c2, c3 = segment.coefficients
+    return replace(segment, coefficients=(c0 + rise, c1, c2, c3))

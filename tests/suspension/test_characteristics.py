@@ -4,24 +4,34 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.interpolate import PchipInterpolator
 
 from suspension import characteristics as law
 
 RATES = st.floats(1.0, 1e6)
 LIMITS = st.floats(1.0, 1e5)
+TABLES = (
+    st.lists(st.tuples(st.integers(-20, 20), st.floats(-1e4, 1e4)), min_size=2, max_size=8)
+    .map(lambda points: sorted(dict(points).items()))
+    .filter(lambda points: len(points) > 1)
+)
+POINTS = (
+    st.lists(st.tuples(st.integers(-90, 90), st.integers(-400, 400)), min_size=2, max_size=10)
+    .map(lambda points: [(1e-3 * x, 25.0 * f) for x, f in sorted(dict(points).items())])
+    .filter(lambda points: len(points) > 1)
+)
 LAWS = st.one_of(
     st.builds(law.linear, RATES),
     st.builds(law.cubic, RATES, st.floats(-1e6, 1e6)),
     st.builds(law.damper, RATES, RATES, LIMITS, LIMITS, st.floats(0.0, 1e3)),
     st.builds(law.bump_stop, st.floats(0.0, 0.1), RATES),
     st.builds(law.rebound_stop, st.floats(0.0, 0.1), RATES),
-    st.lists(st.tuples(st.integers(-20, 20), st.floats(-1e4, 1e4)), min_size=2, max_size=8)
-    .map(lambda points: sorted(dict(points).items()))
-    .filter(lambda points: len(points) > 1)
-    .map(law.table),
+    TABLES.map(law.table),
+    TABLES.map(law.monotone_table),
 )
 
 
@@ -116,5 +126,47 @@ def test_mirrored_table_gives_mirrored_force() -> None:
     [([(0.0, 0.0)], "at least two points"), ([(0.0, 0.0), (0.0, 1.0)], "must ascend")],
 )
 def test_an_unusable_table_is_refused(points: list[tuple[float, float]], complaint: str) -> None:
-    with pytest.raises(ValueError, match=complaint):
-        law.table(points)
+    for make in (law.table, law.monotone_table):
+        with pytest.raises(ValueError, match=complaint):
+            make(points)
+
+
+def test_a_monotone_table_wants_finite_numbers() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        law.monotone_table([(0.0, 0.0), (1.0, float("nan"))])
+
+
+@given(POINTS)
+def test_monotone_table_is_the_pchip_of_scipy(points: list[tuple[float, float]]) -> None:
+    curve = law.monotone_table(points)
+    x, f = np.array(points).T
+    truth = PchipInterpolator(x, f)
+    for at in np.linspace(x[0], x[-1], 31)[1:-1]:
+        assert curve.force(at) == pytest.approx(float(truth(at)), abs=1e-12 * 1e4)
+        if min(abs(x - at)) > 1e-9:
+            steepest = np.abs(np.diff(f) / np.diff(x)).max() + 1.0
+            assert curve.tangent(at) == pytest.approx(float(truth(at, 1)), abs=1e-11 * steepest)
+
+
+@given(POINTS)
+def test_monotone_table_rises_and_falls_only_where_its_points_do(
+    points: list[tuple[float, float]],
+) -> None:
+    curve = law.monotone_table(points)
+    for (x, f), (x_next, f_next) in pairwise(points):
+        forces = [curve.force(at) for at in np.linspace(x, x_next, 40, endpoint=False)] + [f_next]
+        rises = np.diff(forces) * (1.0 if f_next >= f else -1.0)
+        assert rises.min() >= -1e-11 * 1e4
+        assert forces[0] == pytest.approx(f, abs=1e-8)
+
+
+@given(POINTS)
+def test_monotone_table_goes_on_straight_and_never_kinks(points: list[tuple[float, float]]) -> None:
+    curve = law.monotone_table(points)
+    steepest = max(abs((g - f) / (y - x)) for (x, f), (y, g) in pairwise(points))
+    rounding = 1e-11 * (3.0 * steepest + 1.0)
+    for left, right in pairwise(curve.pieces):
+        assert left.tangent(right.start) == pytest.approx(right.tangent(right.start), abs=rounding)
+    for (x, f), beyond in ((points[0], -0.2), (points[-1], 0.2)):
+        straight = f + beyond * curve.tangent(x)
+        assert curve.force(x + beyond) == pytest.approx(straight, abs=rounding)

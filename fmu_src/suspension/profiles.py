@@ -1,0 +1,336 @@
+"""Roads and loads given by points: tables, splines, measured files, and random ISO 8608 profiles."""
+
+from __future__ import annotations
+
+import csv
+from cmath import exp
+from collections.abc import Sequence
+from itertools import pairwise
+from math import ceil, cos, inf, isfinite, pi, sqrt
+from os import PathLike
+from pathlib import Path
+from random import Random
+from typing import Literal
+
+from .signals import Segment, Signal, passing_time, straight_lines
+from .units import UNITS, UnitError, nearest, to_si
+
+Points = Sequence[tuple[float, float]]
+
+REFERENCE_FREQUENCY = 0.1  # cycles/m: the spatial frequency n0 at which ISO 8608 names its classes
+_CLASSES = "ABCDEFGH"
+_MOST_SAMPLES = 2**20
+
+
+def table(points: Points, speed: float = 1.0, start: float = 0.0) -> Signal:
+    """Straight lines through (position, value) points, met at `speed`; constant before and after.
+
+    With speed 1 the positions are times: a force table.
+
+    Raises
+    ------
+    ValueError : no point at all, positions that do not ascend, or a number that is not finite.
+    """
+    return straight_lines(_instants("table", points, speed, start), _largest(points))
+
+
+def spline(
+    points: Points,
+    speed: float = 1.0,
+    start: float = 0.0,
+    ends: Literal["natural", "level"] = "natural",
+) -> Signal:
+    """Cubic spline through (position, value) points, met at `speed`; constant before and after.
+
+    Value, slope and curvature are continuous between the first and the last point.
+
+    Parameters
+    ----------
+    points : at least one (m, m) pair with ascending positions; with speed 1 (s, N), say
+    speed : m/s, > 0
+    start : instant at which the wheel reaches position 0, s
+    ends : `natural` has no curvature at the ends, and kinks where it meets the level road;
+        `level` has no slope there, so that it does not
+
+    Raises
+    ------
+    ValueError : no point at all, positions that do not ascend, or a number that is not finite.
+    """
+    if ends not in ("natural", "level"):
+        raise ValueError(f"ends are 'natural' or 'level', {ends!r} given")
+    instants = _instants("spline", points, speed, start)
+    widths = [t_next - t for (t, _), (t_next, _) in pairwise(instants)]
+    slopes = [
+        (value_next - value) / width
+        for ((_, value), (_, value_next)), width in zip(pairwise(instants), widths, strict=True)
+    ]
+    bends = _second_derivatives(widths, slopes, level=ends == "level")
+    segments = [Segment(-inf, 0.0, (instants[0][1], 0.0, 0.0, 0.0))]
+    for (t, value), width, slope, (bend, bend_next) in zip(
+        instants[:-1], widths, slopes, pairwise(bends), strict=True
+    ):
+        rate = slope - width * (2.0 * bend + bend_next) / 6.0
+        change = (bend_next - bend) / (6.0 * width)
+        segments.append(Segment(t, t, (value, rate, 0.5 * bend, change)))
+    t_end, last = instants[-1]
+    segments.append(Segment(t_end, t_end, (last, 0.0, 0.0, 0.0)))
+    return Signal(tuple(segments), _largest(points))
+
+
+def _second_derivatives(
+    widths: Sequence[float], slopes: Sequence[float], *, level: bool
+) -> list[float]:
+    """Second derivatives of the cubic spline at its points, by elimination of the tridiagonal rows.
+
+    Inside, w0 b0 + 2 (w0 + w1) b1 + w1 b2 = 6 (s1 - s0) makes the slopes meet; a level end is the
+    same row with nothing beyond it.
+    """
+    if not widths:
+        return [0.0]
+    inner = range(1, len(widths))
+    below = [0.0, *widths] if level else [0.0, *widths[:-1], 0.0]
+    above = [*widths, 0.0] if level else [0.0, *widths[1:], 0.0]
+    diagonal = [1.0, *(2.0 * (widths[i - 1] + widths[i]) for i in inner), 1.0]
+    right = [0.0, *(6.0 * (slopes[i] - slopes[i - 1]) for i in inner), 0.0]
+    if level:
+        diagonal[0], diagonal[-1] = 2.0 * widths[0], 2.0 * widths[-1]
+        right[0], right[-1] = 6.0 * slopes[0], -6.0 * slopes[-1]
+    for i in range(1, len(right)):
+        factor = below[i] / diagonal[i - 1]
+        diagonal[i] -= factor * above[i - 1]
+        right[i] -= factor * right[i - 1]
+    bends = [0.0] * (len(right) + 1)
+    for i in reversed(range(len(right))):
+        bends[i] = (right[i] - above[i] * bends[i + 1]) / diagonal[i]
+    return bends[:-1]
+
+
+def _instants(kind: str, points: Points, speed: float, start: float) -> list[tuple[float, float]]:
+    """The points with the instants at which the wheel meets them, checked."""
+    if not points:
+        raise ValueError(f"a road {kind} needs at least one point")
+    passing_time(1.0, speed)
+    for x, value in points:
+        if not (isfinite(x) and isfinite(value)):
+            raise ValueError(f"{kind} points must be finite numbers, ({x:g}, {value:g}) given")
+    instants = [(start + x / speed, value) for x, value in points]
+    for i, ((t, _), (t_next, _)) in enumerate(pairwise(instants)):
+        if not t < t_next:
+            x, x_next = points[i][0], points[i + 1][0]
+            raise ValueError(f"{kind} abscissae must ascend, but {x_next:g} follows {x:g}")
+    return instants
+
+
+def _largest(points: Points) -> float:
+    return max(abs(value) for _, value in points)
+
+
+def read_points(
+    path: str | PathLike[str],
+    position: str,
+    value: str,
+    position_unit: str,
+    value_unit: str,
+    delimiter: str = ",",
+) -> list[tuple[float, float]]:
+    """Two columns of a CSV file with a heading, in SI units: points for `table` or `spline`.
+
+    Parameters
+    ----------
+    path : of the file, UTF-8
+    position, value : headings of the two columns
+    position_unit : of the first, a length or a time (`m`, `mm`, `s`, ...)
+    value_unit : of the second, a length or a force (`m`, `mm`, `N`, `kN`, ...)
+    delimiter : what separates the columns
+
+    Returns
+    -------
+    (m or s, m or N) pairs, positions ascending
+
+    Raises
+    ------
+    ValueError : a column or unit that is not there, a cell that is no finite number, positions that
+        do not ascend, or no row at all; file and line are named.
+    OSError : the file cannot be read.
+    """
+    scales = (_size(position_unit, ("m", "s")), _size(value_unit, ("m", "N")))
+    name = Path(path).name
+    points: list[tuple[float, float]] = []
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        try:
+            rows = csv.reader(file, delimiter=delimiter)
+            heading = [cell.strip() for cell in next(rows, [])]
+            places = [_column(name, heading, column) for column in (position, value)]
+            for row in rows:
+                if not any(cell.strip() for cell in row):
+                    continue
+                where = f"{name}, line {rows.line_num}"
+                x, y = (
+                    _number(where, heading[place], row[place] if place < len(row) else "") * scale
+                    for place, scale in zip(places, scales, strict=True)
+                )
+                if points and not points[-1][0] < x:
+                    raise ValueError(f"{where}: {position!r} must ascend from row to row")
+                points.append((x, y))
+        except (UnicodeDecodeError, csv.Error) as error:
+            raise ValueError(f"{name} is not a CSV file in UTF-8: {error}") from None
+    if not points:
+        raise ValueError(f"{name} has no rows below its heading")
+    return points
+
+
+def _size(unit: str, kinds: tuple[str, ...]) -> float:
+    """What one of `unit` is in the SI unit of its kind."""
+    for kind in kinds:
+        try:
+            return to_si(f"1 {unit}", kind)
+        except UnitError:
+            continue
+    allowed = ", ".join(name for kind in kinds for name in (kind, *UNITS[kind].display))
+    raise ValueError(f"unit {unit!r} does not fit here; allowed: {allowed}")
+
+
+def _column(file: str, heading: Sequence[str], name: str) -> int:
+    found = [place for place, cell in enumerate(heading) if cell == name]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise ValueError(f"{file}: {len(found)} columns are called {name!r}")
+    columns = ", ".join(map(repr, heading)) or "none"
+    raise ValueError(f"{file} has no column {name!r}{nearest(name, heading)} (columns: {columns})")
+
+
+def _number(where: str, column: str, cell: str) -> float:
+    try:
+        number = float(cell)
+    except ValueError:
+        number = inf
+    if not isfinite(number):
+        raise ValueError(
+            f"{where}: {column!r} must be a finite number such as -1.5, {cell!r} found"
+        )
+    return number
+
+
+def class_roughness(road_class: str) -> float:
+    """Gd(n0) at the middle of a road class (ISO 8608): 16e-6 m3 for A, four times as much for each next.
+
+    Parameters
+    ----------
+    road_class : `A` (very good) to `H`
+
+    Raises
+    ------
+    ValueError : no such class.
+    """
+    if len(road_class) != 1 or road_class not in _CLASSES:
+        raise ValueError(f"road classes are {', '.join(_CLASSES)}; {road_class!r} given")
+    return 16e-6 * 4.0 ** _CLASSES.index(road_class)
+
+
+def random_profile(
+    roughness: str | float,
+    length: float,
+    speed: float,
+    seed: int,
+    start: float = 0.0,
+    band: tuple[float, float] = (0.01, 4.0),
+    spacing: float | None = None,
+    fade: float | None = None,
+) -> Signal:
+    """Random road with the spectral density Gd(n) = Gd(n0) (n/n0)^-2, n0 = 0.1 cycles/m (ISO 8608).
+
+    Harmonics with amplitudes sqrt(2 Gd(n) dn) and random phases are sampled, and the samples joined
+    by a cubic spline. A raised cosine leads from the level road into the profile and out of it.
+    The same arguments give the same road everywhere, but for rounding.
+
+    Parameters
+    ----------
+    roughness : class `A` to `H`, or Gd(n0) itself, m3
+    length : m, > 0
+    speed : m/s, > 0
+    seed : whole number, not negative; another one gives another road
+    start : instant at which the wheel reaches it, s
+    band : lowest and highest spatial frequency, cycles/m
+    spacing : of the samples, m; at most a quarter of the shortest wave, by default an eighth
+    fade : length over which the profile comes and goes, m; by default a tenth of its length
+
+    Raises
+    ------
+    ValueError : no such class, a number out of its range, or a band without any harmonic.
+    """
+    density = class_roughness(roughness) if isinstance(roughness, str) else roughness
+    if not 0.0 < density < inf:
+        raise ValueError(f"Gd(n0) must be positive, {density:g} m3 given")
+    if not isinstance(seed, int) or seed < 0:
+        raise ValueError(f"a seed is a whole number that is not negative, {seed!r} given")
+    passing_time(length, speed)
+    lowest, highest = band
+    if not 0.0 < lowest < highest < inf:
+        raise ValueError(
+            f"a band is two ascending positive frequencies, {lowest:g}, {highest:g} given"
+        )
+    widest = 0.25 / highest
+    spacing = 0.5 * widest if spacing is None else spacing
+    if not 0.0 < spacing <= widest:
+        raise ValueError(
+            f"samples {spacing:g} m apart do not show waves of {1.0 / highest:g} m; at most {widest:g} m"
+        )
+    fade = 0.1 * length if fade is None else fade
+    if not 0.0 < fade <= 0.5 * length:
+        raise ValueError(f"fade must be positive and at most half the length, {fade:g} m given")
+    if length / spacing > _MOST_SAMPLES - 1:
+        raise ValueError(
+            f"{length:g} m every {spacing:g} m are more than {_MOST_SAMPLES} samples; "
+            "take a wider spacing, or a shorter road"
+        )
+    count = max(ceil(length / spacing), 2)
+    spacing = length / count
+    elevations = _harmonics(density, count, spacing, band, Random(seed))
+    points = [
+        (i * spacing, elevation * _raised_cosine(i * spacing, length, fade))
+        for i, elevation in enumerate(elevations)
+    ]
+    points[0], points[-1] = (0.0, 0.0), (length, 0.0)
+    return spline(points, speed, start, ends="level")
+
+
+def _harmonics(
+    density: float, count: int, spacing: float, band: tuple[float, float], random: Random
+) -> list[float]:
+    """Elevations at count + 1 samples: sum of sqrt(2 Gd(n) dn) cos(2 pi n x + phase), n = k dn.
+
+    The period 1/dn is the power of two samples that holds them all, so that nothing repeats and the
+    sum is a fast Fourier transform.
+    """
+    size = 2 ** count.bit_length()
+    dn = 1.0 / (size * spacing)
+    first, last = ceil(band[0] / dn), int(band[1] / dn)
+    if first > last:
+        raise ValueError(
+            f"no harmonic of a road of {count * spacing:g} m lies between {band[0]:g} and "
+            f"{band[1]:g} cycles/m; take a wider band, or a longer road"
+        )
+    spectrum = [0j] * size
+    for k in range(first, last + 1):
+        amplitude = sqrt(2.0 * density * dn) * REFERENCE_FREQUENCY / (k * dn)
+        spectrum[k] = amplitude * exp(2j * pi * random.random())
+    return [sample.real for sample in _fourier_sum(spectrum)[: count + 1]]
+
+
+def _fourier_sum(spectrum: list[complex]) -> list[complex]:
+    """Sum over k of spectrum[k] exp(2 pi i j k / N) for all j; N a power of two (Cooley, Tukey 1965)."""
+    size = len(spectrum)
+    if size == 1:
+        return spectrum
+    even, odd = _fourier_sum(spectrum[::2]), _fourier_sum(spectrum[1::2])
+    turned = [exp(2j * pi * j / size) * x for j, x in enumerate(odd)]
+    return [a + b for a, b in zip(even, turned, strict=True)] + [
+        a - b for a, b in zip(even, turned, strict=True)
+    ]
+
+
+def _raised_cosine(x: float, length: float, fade: float) -> float:
+    """1 inside, falling smoothly to 0 at both ends."""
+    distance = min(x, length - x)
+    return 1.0 if distance >= fade else 0.5 - 0.5 * cos(pi * distance / fade)
