@@ -182,7 +182,8 @@ def _driven(
         if usable:
             instance.freeInstance()
     uncompiled = any("uncompiled" in message for _, _, message in log.lines)
-    return _Drive(_columns(table), run_time, failure or log.complaint(), uncompiled)
+    failure = failure or log.complaint()
+    return _Drive(_columns(table, failure), run_time, failure, uncompiled)
 
 
 def _read_in(scene: Scene) -> list[str]:
@@ -191,7 +192,7 @@ def _read_in(scene: Scene) -> list[str]:
     return [name for name in scene.fmu.outputs() if name in wanted]
 
 
-def _columns(table: npt.NDArray[np.void]) -> Columns:
+def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
     """The columns of FMPy's table, up to where the FMU was well.
 
     Raises
@@ -207,7 +208,8 @@ def _columns(table: npt.NDArray[np.void]) -> Columns:
     rows = len(well) if well.all() else int(well.argmin())
     if rows == 0:
         unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
-        raise RunError(f"no run: not a number at the start: {', '.join(unfit) or 'ok is false'}")
+        why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
+        raise RunError(f"no run: {why}")
     return {name: column[:rows].copy() for name, column in columns.items()}
 
 

@@ -130,8 +130,10 @@ def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> Non
 
 def test_an_fmu_that_refuses_its_parameters_tells_why(fmu: Path) -> None:
     """What a model description cannot say, a packed FMU checks itself."""
-    with pytest.raises(RunError, match=r"did not start: .*spring\.table") as caught:
-        run(scene_of(fmu, "spring.table=0:1, 1:2"))
+    scene = scene_of(fmu, "spring.table=0:1, 1:2")
+    # from Python 3.12 on it can only tell with its first step
+    with pytest.raises(RunError, match=r"(did not start|no run): .*spring\.table") as caught:
+        run(scene)
     assert str(caught.value).isprintable()
 
 

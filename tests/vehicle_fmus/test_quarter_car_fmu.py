@@ -288,13 +288,20 @@ def test_bad_parameters_are_refused(
     quarter_car_fmu: Path, given: dict[str, Any], words: tuple[str, ...]
 ) -> None:
     log: list[str] = []
-    with pytest.raises(FMICallException, match="ExitInitializationMode"):
-        run(
+
+    def simulated() -> Any:
+        return run(
             quarter_car_fmu,
             start_values=given,
             debug_logging=True,
             logger=lambda _env, _name, _status, _category, text: log.append(text.decode()),
         )
+
+    if sys.version_info < (3, 12):
+        with pytest.raises(FMICallException, match="ExitInitializationMode"):
+            simulated()
+    else:  # the wrapper cannot pass an exception on: the first step is discarded
+        assert all(isnan(row[1]) for row in simulated())
     assert all(word in log[0] for word in words), log
 
 
@@ -372,7 +379,7 @@ for k in range(24):
         fmu.exitInitializationMode()
         fmu.doStep(0.0, 0.01)
     except Exception as error:
-        assert k % 2 and "fatal" in str(error), error
+        assert k % 2 and any(word in str(error) for word in ("fatal", "discard")), error
     fmu.freeInstance()
     gc.collect()
 assert len(sys.path) == paths, sys.path

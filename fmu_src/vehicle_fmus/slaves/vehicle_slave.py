@@ -32,6 +32,10 @@ from suspension.variables import Value, Variable, checked_parameters, variables
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
 
+# From Python 3.12 on the wrapper loses what an exception says and may end the host's process: there
+# a refusal is logged when initialisation ends and answered by the first step, which is discarded.
+_RAISES = sys.version_info < (3, 12)
+
 _TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
 _CATEGORIES = {"event": "logEvents", "info": "logAll"}  # errors are logged where they are caught
 
@@ -107,11 +111,15 @@ class VehicleSlave(Fmi2Slave):
 
         Raises
         ------
-        ParameterError : a parameter or input out of its range, or one that cannot be read.
+        ParameterError : a parameter or input out of its range, or one that cannot be read; see
+            `_RAISES`.
         """
         try:
             self._session = self._new_session()
         except Exception as error:
+            if not _RAISES:
+                self._refuse(str(error))
+                return
             self.log(str(error), Fmi2Status.error)
             # on an exception the wrapper gives up what it holds, and once more with the instance
             _hold(self, type(self), self.log_queue)
@@ -127,10 +135,10 @@ class VehicleSlave(Fmi2Slave):
         """Go on by one communication step; False (fmi2Discard) where that cannot be done."""
         session = self._session
         try:
-            if session is None or not self._initialised:
-                raise SimulationError("a step needs an initialised model")
             if self._refusal:
                 raise SimulationError(self._refusal)
+            if session is None or not self._initialised:
+                raise SimulationError("a step needs an initialised model")
             session.advance(current_time + step_size)
         except Exception as error:
             self._report()
