@@ -75,12 +75,15 @@ class Crossing:
         for i in range(degree + 1):
             c[i] = (self.bezier[i] - bound) * -side
         if departing:
-            # p(s)/s in Bernstein form; again while the derivative vanishes too (start at rest)
+            # p(s)/s in Bernstein form; again while the derivative vanishes too, to rounding (a start
+            # at rest, friction that has just broken loose)
             for _k in range(3):
+                largest = 0.0
                 for i in range(m):
                     c[i] = c[i + 1] * m / (i + 1)
+                    largest = max(largest, fabs(c[i]))
                 m -= 1
-                if c[0] != 0.0:
+                if fabs(c[0]) > 1e-12 * largest or largest == 0.0:
                     break
         if c[0] < 0.0:
             return 0.0

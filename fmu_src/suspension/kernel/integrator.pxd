@@ -5,7 +5,7 @@ from .network cimport Network
 from .stepper cimport Stepper
 
 cdef int _REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL
-cdef int _SPRING, _DAMPER, _CONTACT, _FRICTION, _EVENT_CAPACITY
+cdef int _SPRING, _DAMPER, _CONTACT, _FRICTION, _EVENT_CAPACITY, _STALLED
 cdef double _GROWTH, _SAFE_PHASE
 
 cdef class Integrator:
@@ -28,12 +28,12 @@ cdef class Integrator:
     # workspace
     cdef double[::1] row_start, row_end, event_time
     cdef int[::1] event_what
-    cdef int event_count, switch_element, switch_kind, switch_side
+    cdef int stalled, event_count, switch_element, switch_kind, switch_side
     cdef double switch_at, landed
 
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
-    @cython.locals(status=int)
+    @cython.locals(status=int, before=double)
     cdef int _advance(self, double until, bint stop) noexcept nogil
     @cython.locals(target=double, omega=double, road=double, h=double)
     cdef double _proposed_step(self) noexcept nogil

@@ -28,6 +28,7 @@ FAILURES = {
 
 _SPRING, _DAMPER, _CONTACT, _FRICTION = 0, 1, 2, 3  # as in network.KINDS
 _EVENT_CAPACITY = 256
+_STALLED = 100  # steps in which no time passes
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
 
@@ -86,7 +87,7 @@ class Integrator:
         self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.event_count = 0
+        self.event_count = self.stalled = 0
         self.log = []  # switches so far: (time, element, kind, from, to)
         self.time = self.step_start = self.step_end = self.grid_start = start
         self.grid_index = self.step_count = 0
@@ -176,9 +177,17 @@ class Integrator:
         while self.time < until:
             if self.event_count > _EVENT_CAPACITY - 16:
                 return _EVENTS_FULL
+            before = self.time
             status = self._step(until if stop else 1e300)
             if status != 0:
                 return status
+            # switches that follow each other while no time passes would have no end
+            if self.time - before > 1e-13 * (fabs(self.time) + 1e-3):
+                self.stalled = 0
+            else:
+                self.stalled += 1
+                if self.stalled > _STALLED:
+                    return _STEP_TOO_SMALL
         return _REACHED
 
     def _proposed_step(self):
