@@ -396,9 +396,12 @@ class Stepper:
         """Keep the largest error in units of the tolerance, velocities by their own frequency."""
         n = self.n
         if i >= n:
+            # a velocity counts by what it becomes: a displacement through its own frequency, an
+            # acceleration through strong damping
             k = i - n
             omega = sqrt(fabs(self.stiffness[k * n + k]) / self.net.mass[k * n + k])
-            size /= omega if omega > 1.0 else 1.0
+            omega = omega if omega > 1.0 else 1.0
+            size *= max(omega, self.damping[k * n + k] / self.net.mass[k * n + k]) / (omega * omega)
         error = size / (_SHARE * self.tolerance * self.reach)
         self.error = max(self.error, error)
 
