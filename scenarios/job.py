@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from suspension.variables import MODELS, ParameterError, variables
+from suspension.variables import ParameterError, refuse_unknown
 
 from .errors import InputError, RunError, SceneError, one_line
 from .layers import find_scene
@@ -81,16 +81,14 @@ def build_models(models: Sequence[str], folder: Path) -> list[Path]:
     InputError : no such model, or a folder that cannot be written to.
     RunError : an FMU could not be packed.
     """
-    try:
-        for model in models:
-            variables(model)
-    except ParameterError as error:
-        raise InputError(str(error)) from None
-    from vehicle_fmus.build import build  # noqa: PLC0415  (heavy)
+    from vehicle_fmus.build import SCRIPTS, build  # noqa: PLC0415  (heavy)
 
     try:
+        refuse_unknown(models, SCRIPTS, "there is no FMU of")
         folder.mkdir(parents=True, exist_ok=True)
-        return build(list(dict.fromkeys(models)) or list(MODELS), folder)
+        return build(list(dict.fromkeys(models)) or list(SCRIPTS), folder)
+    except ParameterError as error:
+        raise InputError(str(error)) from None
     except OSError as error:
         raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
     except RuntimeError as error:

@@ -1,109 +1,38 @@
-"""The systems, as data: a mass matrix and elements, each acting along one direction.
+"""The systems with names, each as data made from its public parameters (AP57 eqs. 1 to 39).
 
-    M q'' + sum b f(b' q - u, b' q' - u') = p(t),   tangents K = sum k b b', B = sum c b b'
-
-with u the road under the element. A new system is a new `System`; nothing else knows its equations.
+What they are made of stands in `systems` and can be had from here too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import inf
 
 from . import characteristics, roads
 from .characteristics import Characteristic
-from .roads import Signal
+from .signals import Signal
+from .systems import Axle, Element, Load, Motion, System
 from .variables import ParameterError, Value, checked_parameters
 
-_NOTHING = characteristics.linear(0.0)
+__all__ = [
+    "Axle",
+    "Element",
+    "Load",
+    "Motion",
+    "System",
+    "axle_masses",
+    "build",
+    "half_car",
+    "half_car_rigid_tyres",
+    "one_dof",
+    "quarter_car",
+    "road_from",
+    "suspension_elements",
+    "tyre_element",
+]
 
-
-@dataclass(frozen=True, slots=True)
-class Element:
-    """A spring and a damper side by side along one direction of the coordinates.
-
-    Parameters
-    ----------
-    name : what its force is called
-    direction : b, one entry per coordinate; the deflection is b' q - u, extension positive
-    spring, damper : force over deflection (N, m) and over its rate (N, m/s)
-    road : name of the signal u under the element, or empty
-    limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26)
-    yield_force : the force at which a linear spring begins to flow, N (H83 example 40)
-    hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
-        the two lines of flow keeps its height
-    permanent_set : the deflection at which such a spring is free of force at the start, m
-    friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
-        long as no more is needed
-
-    Raises
-    ------
-    ValueError : an element that yields and has anything but a linear spring and damper, a limit, or
-        a hardening that is not below its spring rate.
-    """
-
-    name: str
-    direction: tuple[float, ...]
-    spring: Characteristic = _NOTHING
-    damper: Characteristic = _NOTHING
-    road: str = ""
-    limit: float = inf
-    yield_force: float = inf
-    hardening: float = 0.0
-    permanent_set: float = 0.0
-    friction: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.friction < inf:
-            raise ValueError(
-                f"{self.name}: friction = {self.friction:g} must be at least 0 and finite"
-            )
-        if self.yield_force == inf:
-            return
-        rate = self.spring.tangent(0.0)
-        if len(self.spring.pieces) > 1 or self.spring.force(1.0) != rate or rate <= 0.0:
-            raise ValueError(f"{self.name}: only a linear spring can yield")
-        if self.damper.corners or self.limit < inf:
-            raise ValueError(f"{self.name}: what yields has a linear damper and no limit")
-        if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
-            raise ValueError(
-                f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
-                f"{self.hardening:g} at least 0 and below the spring rate {rate:g}"
-            )
-
-
-@dataclass(frozen=True, slots=True)
-class Load:
-    """A force from outside along one direction: `signal` names its course in time, N."""
-
-    direction: tuple[float, ...]
-    signal: str
-
-
-@dataclass(frozen=True, slots=True)
-class System:
-    """What the integrator steps.
-
-    Parameters
-    ----------
-    coordinates : names, one per degree of freedom
-    mass : symmetric positive definite matrix, kg
-    elements, loads : what acts
-    signals : roads (m) and forces (N) by name
-    scales : a displacement to measure errors by, for each coordinate, m, before anything has moved
-    """
-
-    coordinates: tuple[str, ...]
-    mass: tuple[tuple[float, ...], ...]
-    elements: tuple[Element, ...]
-    signals: Mapping[str, Signal] = field(default_factory=dict)
-    loads: tuple[Load, ...] = ()
-    scales: tuple[float, ...] = ()
-
-    def element(self, name: str) -> int | None:
-        """The number of the element of that name, if the system has it."""
-        return next((i for i, element in enumerate(self.elements) if element.name == name), None)
+_SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a displacement
 
 
 def _points(name: str, text: str) -> list[tuple[float, float]]:
@@ -135,22 +64,31 @@ def _law_from_table(name: str, text: str) -> Characteristic:
 
 
 def suspension_elements(
-    p: Mapping[str, Value], direction: tuple[float, ...], prefix: str = "", road: str = ""
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str = "", road: str = ""
 ) -> tuple[Element, ...]:
-    """Spring, damper and end stops of one axle; those that can never act are left out."""
-    spring_table, damper_table = str(p[f"{prefix}spring.table"]), str(p[f"{prefix}damper.table"])
+    """Spring, damper and end stops of one axle; those that can never act are left out.
+
+    Parameters
+    ----------
+    p : checked parameters
+    direction : b
+    axle : empty, or what the names of its parameters (`front.`) and elements (`front_`) begin with
+    road : name of the signal under them if they stand on the road itself
+    """
+    of, prefix = _prefixes(axle)
+    spring_table, damper_table = str(p[f"{of}spring.table"]), str(p[f"{of}damper.table"])
     number = {k: v for k, v in p.items() if isinstance(v, int | float)}
     spring = (
-        _law_from_table(f"{prefix}spring.table", spring_table)
+        _law_from_table(f"{of}spring.table", spring_table)
         if spring_table
-        else characteristics.cubic(number[f"{prefix}spring.rate"], number[f"{prefix}spring.cubic"])
+        else characteristics.cubic(number[f"{of}spring.rate"], number[f"{of}spring.cubic"])
     )
     damper = (
-        _law_from_table(f"{prefix}damper.table", damper_table)
+        _law_from_table(f"{of}damper.table", damper_table)
         if damper_table
         else characteristics.damper(
             *(
-                number[f"{prefix}damper.{name}"]
+                number[f"{of}damper.{name}"]
                 for name in (
                     "rebound_rate", "bump_rate", "rebound_limit", "bump_limit", "limit_slope"
                 )
@@ -158,7 +96,7 @@ def suspension_elements(
         )
     )  # fmt: skip
     stops = (
-        (name, make(number[f"{prefix}{name}.gap"], number[f"{prefix}{name}.stiffness"]))
+        (name, make(number[f"{of}{name}.gap"], number[f"{of}{name}.stiffness"]))
         for name, make in (
             ("bump_stop", characteristics.bump_stop),
             ("rebound_stop", characteristics.rebound_stop),
@@ -170,6 +108,34 @@ def suspension_elements(
         *(Element(f"{prefix}{name}", direction, spring=stop, road=road) for name, stop in stops),
     )
     return tuple(e for e in elements if not (e.spring.is_zero and e.damper.is_zero))
+
+
+def tyre_element(
+    p: Mapping[str, Value], direction: tuple[float, ...], static_load: float, axle: str = ""
+) -> Element:
+    """The tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
+
+    Parameters
+    ----------
+    p : checked parameters
+    direction : b
+    static_load : N; where it is zero (no gravity) there is no lift-off
+    axle : as for `suspension_elements`
+    """
+    of, prefix = _prefixes(axle)
+    return Element(
+        f"{prefix}tyre",
+        direction,
+        spring=characteristics.linear(float(p[f"{of}tyre.stiffness"])),
+        damper=characteristics.linear(float(p[f"{of}tyre.damping"])),
+        road=f"{prefix}road",
+        limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
+    )
+
+
+def _prefixes(axle: str) -> tuple[str, str]:
+    """What the names of an axle's parameters and of all else of it begin with."""
+    return (f"{axle}.", f"{axle}_") if axle else ("", "")
 
 
 def road_from(p: Mapping[str, Value]) -> Signal:
@@ -191,8 +157,31 @@ def road_from(p: Mapping[str, Value]) -> Signal:
     return make(height, length, speed, start)
 
 
+def one_dof(p: Mapping[str, Value]) -> System:
+    """Body on a suspension that stands on the road itself (AP57 eqs. 2 to 11).
+
+    M x'' + Phi(x' - xi', x - xi) + F(x - xi) = 0
+
+    Parameters
+    ----------
+    p : checked parameters of `OneDof`
+    """
+    road = road_from(p)
+    return System(
+        coordinates=("body",),
+        mass=((float(p["sprung_mass"]),),),
+        elements=suspension_elements(p, (1.0,), road="road"),
+        signals={"road": road, "body_force": roads.constant()},
+        loads=(Load((1.0,), "body_force"),),
+        scales=(road.scale or _SMALL,),
+        axles=(Axle("", (1.0,), "road"),),
+    )
+
+
 def quarter_car(p: Mapping[str, Value]) -> System:
     """Body and wheel with elastic coupling, on a tyre that cannot pull (AP57 eqs. 12 to 14, 26, 29).
+
+    M x1'' + Phi + F = 0;  m x2'' - Phi - F + k2 (x2' - xi') + c2 (x2 - xi) = 0
 
     Parameters
     ----------
@@ -200,28 +189,170 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     """
     body, wheel = float(p["sprung_mass"]), float(p["unsprung_mass"])
     load = (body + wheel) * float(p["gravity"])
-    stiffness = float(p["tyre.stiffness"])
     road = road_from(p)
-    tyre = Element(
-        "tyre",
-        (0.0, 1.0),
-        spring=characteristics.linear(stiffness),
-        damper=characteristics.linear(float(p["tyre.damping"])),
-        road="road",
-        limit=load if p["lift_off"] and load > 0.0 else inf,
-    )
-    scale = road.scale or load / stiffness or 1e-3
+    scale = road.scale or load / float(p["tyre.stiffness"]) or _SMALL
     return System(
         coordinates=("body", "wheel"),
         mass=((body, 0.0), (0.0, wheel)),
-        elements=(*suspension_elements(p, (1.0, -1.0)), tyre),
+        elements=(*suspension_elements(p, (1.0, -1.0)), tyre_element(p, (0.0, 1.0), load)),
         signals={"road": road, "body_force": roads.constant()},
         loads=(Load((1.0, 0.0), "body_force"),),
         scales=(scale, scale),
+        axles=(Axle("", (1.0, -1.0), "road", "tyre", load),),
     )
 
 
-_BUILDERS = {"QuarterCar": quarter_car}
+def axle_masses(
+    sprung_mass: float, pitch_radius_of_gyration: float, cg_to_front: float, cg_to_rear: float
+) -> tuple[float, float, float]:
+    """The body as masses over its two axles: front_mass, rear_mass, coupling_mass (AP57 eqs. 33, 34).
+
+    M1 = (rho^2 + b^2) M / L^2,  M2 = (rho^2 + a^2) M / L^2,  M3 = (a b - rho^2) M / L^2
+
+    Parameters
+    ----------
+    sprung_mass : M, kg
+    pitch_radius_of_gyration : rho, m
+    cg_to_front, cg_to_rear : a and b, m; L = a + b is the wheelbase
+    """
+    a, b, rho2 = cg_to_front, cg_to_rear, pitch_radius_of_gyration**2
+    per_area = sprung_mass / (a + b) ** 2
+    return (rho2 + b * b) * per_area, (rho2 + a * a) * per_area, (a * b - rho2) * per_area
+
+
+@dataclass(frozen=True, slots=True)
+class _Body:
+    """The body of a half car on its road, in the coordinates front_body, rear_body.
+
+    Parameters
+    ----------
+    masses : M1, M2, M3, kg
+    shares : b / L and a / L, of its weight on the axles; also the displacement of its centre of
+        gravity, and what a force there does to the two coordinates
+    wheelbase : L, m
+    signals : both roads, and the force
+    """
+
+    masses: tuple[float, float, float]
+    shares: tuple[float, float]
+    wheelbase: float
+    signals: Mapping[str, Signal]
+
+    @classmethod
+    def of(cls, p: Mapping[str, Value]) -> _Body:
+        front, rear = float(p["cg_to_front"]), float(p["cg_to_rear"])
+        wheelbase = front + rear
+        road = road_from(p)
+        return cls(
+            axle_masses(float(p["sprung_mass"]), float(p["pitch_radius_of_gyration"]), front, rear),
+            (rear / wheelbase, front / wheelbase),
+            wheelbase,
+            {
+                "front_road": road,
+                "rear_road": road.delayed(wheelbase / float(p["speed"])),
+                "body_force": roads.constant(),
+            },
+        )
+
+    def motions(self, wheels: int) -> tuple[Motion, ...]:
+        """Bounce of the centre of gravity, and pitch, in as many coordinates as there are."""
+        rest = (0.0,) * wheels
+        slope = 1.0 / self.wheelbase
+        return (
+            Motion(
+                ("body_displacement", "body_velocity", "body_acceleration"), (*self.shares, *rest)
+            ),
+            Motion(("pitch_angle", "pitch_rate", "pitch_acceleration"), (slope, -slope, *rest)),
+        )
+
+
+def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
+    """Body on two suspensions that stand on the road itself: inertial coupling (AP57 eqs. 33 to 39).
+
+    M1 x1'' + M3 x2'' + Phi1 + F1 = 0;  M3 x1'' + M2 x2'' + Phi2 + F2 = 0,  y_i = x_i - xi_i
+
+    Parameters
+    ----------
+    p : checked parameters of `HalfCarRigidTyres`
+    """
+    body = _Body.of(p)
+    front, rear, coupling = body.masses
+    over_front, over_rear = (1.0, 0.0), (0.0, 1.0)
+    return System(
+        coordinates=("front_body", "rear_body"),
+        mass=((front, coupling), (coupling, rear)),
+        elements=(
+            *suspension_elements(p, over_front, "front", "front_road"),
+            *suspension_elements(p, over_rear, "rear", "rear_road"),
+        ),
+        signals=body.signals,
+        loads=(Load(body.shares, "body_force"),),
+        scales=2 * (body.signals["front_road"].scale or _SMALL,),
+        axles=(
+            Axle("front_", over_front, "front_road"),
+            Axle("rear_", over_rear, "rear_road"),
+        ),
+        motions=body.motions(wheels=0),
+    )
+
+
+def half_car(p: Mapping[str, Value]) -> System:
+    """Body and two wheels with tyres, each of which may leave the road by itself (AP57 eq. 1).
+
+    Each axle as in `quarter_car`, the body as in `half_car_rigid_tyres`; at rest the tyres bear
+    (b M / L + m1) g in front and (a M / L + m2) g behind.
+
+    Parameters
+    ----------
+    p : checked parameters of `HalfCar`
+    """
+    body = _Body.of(p)
+    front, rear, coupling = body.masses
+    wheels = [float(p[f"{axle}.unsprung_mass"]) for axle in ("front", "rear")]
+    front_load, rear_load = (
+        (share * float(p["sprung_mass"]) + wheel) * float(p["gravity"])
+        for share, wheel in zip(body.shares, wheels, strict=True)
+    )
+    front_strut, rear_strut = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)
+    scale = (
+        body.signals["front_road"].scale
+        or max(
+            front_load / float(p["front.tyre.stiffness"]),
+            rear_load / float(p["rear.tyre.stiffness"]),
+        )
+        or _SMALL
+    )
+    return System(
+        coordinates=("front_body", "rear_body", "front_wheel", "rear_wheel"),
+        mass=(
+            (front, coupling, 0.0, 0.0),
+            (coupling, rear, 0.0, 0.0),
+            (0.0, 0.0, wheels[0], 0.0),
+            (0.0, 0.0, 0.0, wheels[1]),
+        ),
+        elements=(
+            *suspension_elements(p, front_strut, "front"),
+            tyre_element(p, (0.0, 0.0, 1.0, 0.0), front_load, "front"),
+            *suspension_elements(p, rear_strut, "rear"),
+            tyre_element(p, (0.0, 0.0, 0.0, 1.0), rear_load, "rear"),
+        ),
+        signals=body.signals,
+        loads=(Load((*body.shares, 0.0, 0.0), "body_force"),),
+        scales=4 * (scale,),
+        axles=(
+            Axle("front_", front_strut, "front_road", "front_tyre", front_load),
+            Axle("rear_", rear_strut, "rear_road", "rear_tyre", rear_load),
+        ),
+        motions=body.motions(wheels=2),
+    )
+
+
+_BUILDERS = {
+    "OneDof": one_dof,
+    "QuarterCar": quarter_car,
+    "HalfCarRigidTyres": half_car_rigid_tyres,
+    "HalfCar": half_car,
+}
 
 
 def build(model: str, parameters: Mapping[str, object]) -> System:
@@ -231,4 +362,5 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
     ------
     ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
     """
-    return _BUILDERS[model](checked_parameters(model, parameters))
+    checked = checked_parameters(model, parameters)
+    return _BUILDERS[model](checked)

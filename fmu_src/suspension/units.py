@@ -9,6 +9,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
+from math import pi
 
 KGF = 9.80665  # N, standard gravity times 1 kg: the force unit of AP57
 
@@ -23,7 +24,7 @@ class Unit:
 
     Parameters
     ----------
-    exponents : powers of the base units, by FMI's names (kg, m, s)
+    exponents : powers of the base units, by FMI's names (kg, m, s, rad)
     display : name of another unit of the same kind -> its size in the SI unit
     """
 
@@ -36,6 +37,9 @@ UNITS: dict[str, Unit] = {
     "m": Unit({"m": 1}, {"mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254}),
     "m/s": Unit({"m": 1, "s": -1}, {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6}),
     "m/s2": Unit({"m": 1, "s": -2}, {"cm/s2": 1e-2}),
+    "rad": Unit({"rad": 1}, {"deg": pi / 180.0, "mrad": 1e-3}),
+    "rad/s": Unit({"rad": 1, "s": -1}, {"deg/s": pi / 180.0}),
+    "rad/s2": Unit({"rad": 1, "s": -2}, {"deg/s2": pi / 180.0}),
     "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
     "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF}),

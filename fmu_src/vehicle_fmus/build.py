@@ -25,7 +25,7 @@ from xml.etree import ElementTree
 import suspension
 from suspension.engine import kernel_name
 from suspension.session import Session
-from suspension.variables import Value, refuse_unknown, variables
+from suspension.variables import Value, refuse_unknown
 
 from . import slaves
 from .manual import DOCUMENTATION, page
@@ -65,8 +65,7 @@ def build(
     RuntimeError : pythonfmu could not build an FMU; the message holds what it said.
     """
     parameters = parameters or {}
-    for model in models:
-        variables(model)
+    refuse_unknown(models, SCRIPTS, "there is no FMU of")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     archives: dict[Path, bytes] = {}
     for model in models:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from suspension.roads import bump
 from suspension.session import Session, SimulationError, simulate
-from suspension.variables import ParameterError, variables
+from suspension.variables import MODELS, ParameterError, variables
 
 MOTION = ("body_displacement", "wheel_displacement", "wheel_velocity", "contact_force")
 OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]
@@ -21,10 +21,11 @@ def at(session: Session) -> list[object]:
     return [session.value(name) for name in OUTPUTS]
 
 
-def test_every_output_has_the_type_of_its_declaration() -> None:
-    session = Session("QuarterCar", {})
+@pytest.mark.parametrize("model", MODELS)
+def test_every_output_has_the_type_of_its_declaration(model: str) -> None:
+    session = Session(model, {})
     session.advance(0.05)
-    for v in variables("QuarterCar"):
+    for v in variables(model):
         assert type(session.value(v.name)) is type(v.start), v.name
 
 

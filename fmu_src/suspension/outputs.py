@@ -1,0 +1,191 @@
+"""What there is to be read of a system: motions, deflections, forces, contact, and how the run goes.
+
+Outputs go by the names of the system's own coordinates, motions and axles, so that no model needs
+code here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from operator import mul
+from typing import Any, Protocol
+
+from .signals import Signal
+from .systems import Axle, Motion, System
+from .variables import Value
+
+Read = Callable[[], Value]
+
+_SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop")
+
+
+@dataclass(slots=True)
+class Contact:
+    """What has become of one tyre's contact with the road up to the present time."""
+
+    airborne: bool = False
+    lift_offs: int = 0
+    last_lift_off: float = -1.0
+    last_touchdown: float = -1.0
+
+    def switch(self, instant: float, airborne: bool) -> None:
+        """Note that the tyre leaves the road or meets it again."""
+        self.airborne = airborne
+        if airborne:
+            self.lift_offs += 1
+            self.last_lift_off = instant
+        else:
+            self.last_touchdown = instant
+
+
+class State:
+    """Motion, deflections and forces of a system at one instant; what is not asked for is not made."""
+
+    def __init__(
+        self, system: System, q: Sequence[float], v: Sequence[float], signals: Mapping[str, Signal],
+        time: float,
+    ) -> None:  # fmt: skip
+        self._system, self.q, self.v, self._sources, self._time = system, q, v, signals, time
+
+    @cached_property
+    def signals(self) -> dict[str, tuple[float, float, float, float]]:
+        """Every signal with its derivatives."""
+        return {name: signal.derivatives(self._time) for name, signal in self._sources.items()}
+
+    @cached_property
+    def deflections(self) -> list[tuple[float, float]]:
+        """Deflection and rate of every element."""
+        return [
+            (
+                _along(e.direction, self.q) - (self.signals[e.road][0] if e.road else 0.0),
+                _along(e.direction, self.v) - (self.signals[e.road][1] if e.road else 0.0),
+            )
+            for e in self._system.elements
+        ]
+
+    @cached_property
+    def forces(self) -> list[float]:
+        """Force of every element."""
+        return [
+            min(e.spring.force(d) + e.damper.force(w), e.limit)
+            for e, (d, w) in zip(self._system.elements, self.deflections, strict=True)
+        ]
+
+    @cached_property
+    def a(self) -> list[float]:
+        """Accelerations, from the equation of motion."""
+        net = [0.0] * len(self.q)
+        for element, force in zip(self._system.elements, self.forces, strict=True):
+            for i, b in enumerate(element.direction):
+                net[i] -= b * force
+        for load in self._system.loads:
+            for i, b in enumerate(load.direction):
+                net[i] += b * self.signals[load.signal][0]
+        return _solved(self._system.mass, net)
+
+
+def _solved(matrix: tuple[tuple[float, ...], ...], right: list[float]) -> list[float]:
+    """Solve a small symmetric positive definite system by elimination."""
+    n = len(right)
+    rows = [[*row, x] for row, x in zip(matrix, right, strict=True)]
+    for k in range(n):
+        for i in range(k + 1, n):
+            if rows[i][k] != 0.0:
+                ratio = rows[i][k] / rows[k][k]
+                rows[i] = [x - ratio * y for x, y in zip(rows[i], rows[k], strict=True)]
+    x = [0.0] * n
+    for k in reversed(range(n)):
+        x[k] = (rows[k][n] - sum(rows[k][j] * x[j] for j in range(k + 1, n))) / rows[k][k]
+    return x
+
+
+def _along(direction: Sequence[float], vector: Sequence[float]) -> float:
+    """b' x."""
+    return sum(map(mul, direction, vector))
+
+
+class Run(Protocol):
+    """What of a session its outputs are read from."""
+
+    time: float
+    ok: bool
+    state: State
+    contacts: dict[str, Contact]  # by the prefix of the axle
+
+
+def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
+    """For every output how to read it at the present time."""
+    read: dict[str, Read] = {
+        "energy_residual": lambda: integrator.residual_at(run.time),
+        "stable_step": integrator.stable_step,
+        "step_count": lambda: integrator.step_count,
+        "ok": lambda: run.ok,
+    }
+    for i, name in enumerate(system.coordinates):
+        read |= _of_coordinate(i, name, run)
+    for motion in system.motions:
+        read |= _of_motion(motion, run)
+    for axle in system.axles:
+        read |= _of_axle(axle, system, run)
+        tyre = system.element(axle.tyre)
+        if tyre is not None:
+            read |= _of_tyre(axle, tyre, integrator, run)
+    return read
+
+
+def _of_coordinate(i: int, name: str, run: Run) -> dict[str, Read]:
+    return {
+        f"{name}_displacement": lambda: run.state.q[i],
+        f"{name}_velocity": lambda: run.state.v[i],
+        f"{name}_acceleration": lambda: run.state.a[i],
+    }
+
+
+def _of_motion(motion: Motion, run: Run) -> dict[str, Read]:
+    b = motion.direction
+    displacement, velocity, acceleration = motion.names
+    return {
+        displacement: lambda: _along(b, run.state.q),
+        velocity: lambda: _along(b, run.state.v),
+        acceleration: lambda: _along(b, run.state.a),
+    }
+
+
+def _of_axle(axle: Axle, system: System, run: Run) -> dict[str, Read]:
+    """Deflection and forces of the suspension, and the road."""
+
+    def deflection(order: int) -> float:
+        moved = _along(axle.suspension, run.state.v if order else run.state.q)
+        return moved if axle.tyre else moved - run.state.signals[axle.road][order]
+
+    def force(name: str) -> Read:
+        e = system.element(f"{axle.prefix}{name}")
+        return (lambda: 0.0) if e is None else (lambda: run.state.forces[e])
+
+    read: dict[str, Read] = {
+        "suspension_deflection": lambda: deflection(0),
+        "suspension_deflection_rate": lambda: deflection(1),
+        "ground_elevation": lambda: run.state.signals[axle.road][0],
+        "ground_velocity": lambda: run.state.signals[axle.road][1],
+        **{f"{name}_force": force(name) for name in _SUSPENSION},
+    }
+    return {f"{axle.prefix}{name}": reader for name, reader in read.items()}
+
+
+def _of_tyre(axle: Axle, e: int, integrator: Any, run: Run) -> dict[str, Read]:
+    """Deflection and force of the tyre, which is element e, and its contact with the road."""
+    key = axle.prefix
+    read: dict[str, Read] = {
+        "tyre_deflection": lambda: run.state.deflections[e][0],
+        "tyre_deflection_rate": lambda: run.state.deflections[e][1],
+        "tyre_force": lambda: run.state.forces[e],
+        "contact_force": lambda: axle.static_load - run.state.forces[e],
+        "airborne": lambda: run.contacts[key].airborne,
+        "lift_off_count": lambda: run.contacts[key].lift_offs,
+        "airborne_time": lambda: integrator.limited_time_at(e, run.time),
+        "last_lift_off": lambda: run.contacts[key].last_lift_off,
+        "last_touchdown": lambda: run.contacts[key].last_touchdown,
+    }
+    return {f"{axle.prefix}{name}": reader for name, reader in read.items()}

@@ -1,0 +1,180 @@
+"""What a system is: a mass matrix and elements, each acting along one direction.
+
+    M q'' + sum b f(b' q - u, b' q' - u') = p(t),   tangents K = sum k b b', B = sum c b b'
+
+with u the road under the element. A new system is a new `System`; nothing else knows its equations.
+How to write one shows the full car in the description of `System`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf
+
+from . import characteristics
+from .characteristics import Characteristic
+from .signals import Signal
+
+_NOTHING = characteristics.linear(0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """A spring and a damper side by side along one direction of the coordinates.
+
+    Parameters
+    ----------
+    name : what its force is called
+    direction : b, one entry per coordinate; the deflection is b' q - u, extension positive
+    spring, damper : force over deflection (N, m) and over its rate (N, m/s)
+    road : name of the signal u under the element, or empty
+    limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26)
+    yield_force : the force at which a linear spring begins to flow, N (H83 example 40)
+    hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
+        the two lines of flow keeps its height
+    permanent_set : the deflection at which such a spring is free of force at the start, m
+    friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
+        long as no more is needed
+
+    Raises
+    ------
+    ValueError : an element that yields and has anything but a linear spring and damper, a limit, or
+        a hardening that is not below its spring rate.
+    """
+
+    name: str
+    direction: tuple[float, ...]
+    spring: Characteristic = _NOTHING
+    damper: Characteristic = _NOTHING
+    road: str = ""
+    limit: float = inf
+    yield_force: float = inf
+    hardening: float = 0.0
+    permanent_set: float = 0.0
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.friction < inf:
+            raise ValueError(
+                f"{self.name}: friction = {self.friction:g} must be at least 0 and finite"
+            )
+        if self.yield_force == inf:
+            return
+        rate = self.spring.tangent(0.0)
+        if len(self.spring.pieces) > 1 or self.spring.force(1.0) != rate or rate <= 0.0:
+            raise ValueError(f"{self.name}: only a linear spring can yield")
+        if self.damper.corners or self.limit < inf:
+            raise ValueError(f"{self.name}: what yields has a linear damper and no limit")
+        if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
+            raise ValueError(
+                f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
+                f"{self.hardening:g} at least 0 and below the spring rate {rate:g}"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """A force from outside along one direction: `signal` names its course in time, N."""
+
+    direction: tuple[float, ...]
+    signal: str
+
+
+@dataclass(frozen=True, slots=True)
+class Axle:
+    """A place at which a system stands on its road, for whoever reads its outputs.
+
+    Parameters
+    ----------
+    prefix : before the names of its elements, inputs and outputs: empty, `front_` or `rear_`
+    suspension : b, the suspension deflection being b' q; without a tyre, b' q less the road
+    road : name of the signal under it; its inputs are named after it
+    tyre : name of the tyre's element, or empty
+    static_load : force of the road on the tyre at rest, N
+    """
+
+    prefix: str
+    suspension: tuple[float, ...]
+    road: str
+    tyre: str = ""
+    static_load: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """A displacement or angle b' q that is not a coordinate, with its rate and acceleration.
+
+    Parameters
+    ----------
+    names : of the three
+    direction : b
+    """
+
+    names: tuple[str, str, str]
+    direction: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """What the integrator steps.
+
+    Parameters
+    ----------
+    coordinates : names, one per degree of freedom
+    mass : symmetric positive definite matrix, kg
+    elements, loads : what acts
+    signals : roads (m) and forces (N) by name
+    scales : a displacement to measure errors by, for each coordinate, m, before anything has moved
+    axles, motions : what there is to be read besides coordinates; the integrator does without
+
+    Examples
+    --------
+    A full car of seven degrees of freedom: heave, pitch, roll and four wheels, each of which may
+    leave the road. The body over a wheel that is x ahead of the centre of gravity and y to its left
+    moves by heave + x pitch + y roll.
+
+    >>> from suspension import characteristics, roads
+    >>> from suspension.engine import Integrator
+    >>> from suspension.systems import Element, System
+    >>> mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0  # kg, kg m2
+    >>> wheels = {"front_left": (1.25, 0.7), "front_right": (1.25, -0.7),
+    ...           "rear_left": (-1.25, 0.7), "rear_right": (-1.25, -0.7)}  # m
+    >>> weight = (mass / 4 + wheel_mass) * 9.80665  # on one tyre, N
+    >>> spring, tyre = characteristics.linear(15e3), characteristics.linear(150e3)
+    >>> damper, tyre_damper = characteristics.damper(2000.0, 500.0), characteristics.linear(1e3)
+    >>> elements, signals = [], {}
+    >>> for k, (name, (x, y)) in enumerate(wheels.items()):
+    ...     on_wheel = tuple(float(i == k) for i in range(4))
+    ...     signals[name] = roads.bump(0.05, 1.0, 20.0, start=(1.25 - x) / 20.0)
+    ...     elements += [
+    ...         Element(f"{name}_strut", (1.0, x, y, *(-w for w in on_wheel)), spring, damper),
+    ...         Element(f"{name}_tyre", (0.0, 0.0, 0.0, *on_wheel), tyre, tyre_damper, name, weight),
+    ...     ]
+    >>> inertia = (mass, pitch_inertia, roll_inertia, *4 * (wheel_mass,))
+    >>> car = System(
+    ...     coordinates=("heave", "pitch", "roll", *wheels),
+    ...     mass=tuple(tuple(m * (i == j) for j in range(7)) for i, m in enumerate(inertia)),
+    ...     elements=tuple(elements),
+    ...     signals=signals,
+    ...     scales=7 * (0.05,),
+    ... )
+    >>> integrator = Integrator(car)
+    >>> integrator.advance(0.2)  # 0: it arrived
+    0
+    >>> integrator.sample(0.2)
+    >>> heave, pitch, roll = integrator.sample_q[:3]
+    """
+
+    coordinates: tuple[str, ...]
+    mass: tuple[tuple[float, ...], ...]
+    elements: tuple[Element, ...]
+    signals: Mapping[str, Signal] = field(default_factory=dict)
+    loads: tuple[Load, ...] = ()
+    scales: tuple[float, ...] = ()
+    axles: tuple[Axle, ...] = ()
+    motions: tuple[Motion, ...] = ()
+
+    def element(self, name: str) -> int | None:
+        """The number of the element of that name, if the system has it."""
+        return next((i for i, element in enumerate(self.elements) if element.name == name), None)
