@@ -1,0 +1,1 @@
+"""Studies of the integrator itself: its error against its run time, its stability."""
