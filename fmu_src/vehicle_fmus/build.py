@@ -34,7 +34,12 @@ from .slaves.vehicle_slave import START_VALUES
 
 SUSPENSION = Path(suspension.__file__).parent
 SLAVES = Path(slaves.__file__).parent
-SCRIPTS = {"QuarterCar": "quarter_car.py"}
+SCRIPTS = {
+    "OneDof": "one_dof.py",
+    "QuarterCar": "quarter_car.py",
+    "HalfCarRigidTyres": "half_car_rigid_tyres.py",
+    "HalfCar": "half_car.py",
+}
 
 _NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
 
@@ -51,7 +56,7 @@ def build(
 
     Parameters
     ----------
-    models : `QuarterCar`
+    models : keys of `SCRIPTS`
     folder : where to; made if it is missing
     parameters : for each model, start values in place of the defaults, as `Session` takes them
 
@@ -157,7 +162,7 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
             members = {name: archive.read(name) for name in archive.namelist()}
     about = _about()
     members |= {
-        "model.png": (DOCUMENTATION / "model.png").read_bytes(),
+        "model.png": (DOCUMENTATION / f"{model}.png").read_bytes(),
         "documentation/index.html": page(model, start, about["generationTool"]).encode(),
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),

@@ -9,6 +9,7 @@ from string import Template
 from suspension.variables import Value, Variable, variables
 
 from .model_description import in_words
+from .pictures import picture
 
 DOCUMENTATION = Path(__file__).parent / "documentation"
 
@@ -26,6 +27,7 @@ def page(model: str, start: dict[str, Value], colophon: str) -> str:
     """
     return Template((DOCUMENTATION / "index.html").read_text("utf-8")).substitute(
         model=model,
+        picture=picture(model),
         equations=(DOCUMENTATION / f"{model}.html").read_text("utf-8"),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),

@@ -1,4 +1,4 @@
-"""The FMU under test, packed once."""
+"""The FMUs under test, packed once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.simulation import instantiate_fmu
 
-from vehicle_fmus.build import build
+from vehicle_fmus.build import SCRIPTS, build
 
 
 class Host:
@@ -61,13 +61,37 @@ class Host:
 
 
 @pytest.fixture(scope="session")
-def quarter_car_fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return build(["QuarterCar"], tmp_path_factory.mktemp("fmus"))[0]
+def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """All FMUs by model."""
+    files = build(list(SCRIPTS), tmp_path_factory.mktemp("fmus"))
+    return dict(zip(SCRIPTS, files, strict=True))
 
 
 @pytest.fixture(scope="session")
-def quarter_car_folder(quarter_car_fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> str:
-    return extract(str(quarter_car_fmu), unzipdir=str(tmp_path_factory.mktemp("extracted")))
+def folders(fmus: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """All FMUs extracted, by model."""
+    base = tmp_path_factory.mktemp("extracted")
+    return {model: extract(str(file), str(base / model)) for model, file in fmus.items()}
+
+
+@pytest.fixture(params=list(SCRIPTS))
+def model(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def vehicle(model: str, folders: dict[str, str]) -> Host:
+    return Host(folders[model])
+
+
+@pytest.fixture(scope="session")
+def quarter_car_fmu(fmus: dict[str, Path]) -> Path:
+    return fmus["QuarterCar"]
+
+
+@pytest.fixture(scope="session")
+def quarter_car_folder(folders: dict[str, str]) -> str:
+    return folders["QuarterCar"]
 
 
 @pytest.fixture

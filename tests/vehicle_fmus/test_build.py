@@ -71,8 +71,8 @@ def test_the_date_comes_from_outside(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert read_model_description(str(fmu)).generationDateAndTime == "1970-01-02T00:00:00Z"
 
 
-def test_what_an_fmu_holds(quarter_car_fmu: Path) -> None:
-    with zipfile.ZipFile(quarter_car_fmu) as archive:
+def test_what_an_fmu_holds(model: str, fmus: dict[str, Path]) -> None:
+    with zipfile.ZipFile(fmus[model]) as archive:
         names = archive.namelist()
         page = archive.read("documentation/index.html").decode()
         licence = archive.read("documentation/licenses/license.txt").decode()
@@ -80,7 +80,8 @@ def test_what_an_fmu_holds(quarter_car_fmu: Path) -> None:
         assert b"libpython" in archive.read("documentation/externalDependencies.txt")
         own = [n for n in names if n.startswith("resources/") and "/pythonfmu/" not in n]
         texts = {n: archive.read(n).decode() for n in own if not n.endswith((".so", ".pyd"))}
-    assert all(f"<td>{variable.name}</td>" in page for variable in MODELS["QuarterCar"])
+    assert all(f"<td>{variable.name}</td>" in page for variable in MODELS[model])
+    assert "<svg" in page
     assert "$" not in page
     assert "NTNU" in licence
     assert "The phaseplane developers" in licence

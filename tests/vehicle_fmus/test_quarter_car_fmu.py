@@ -1,4 +1,4 @@
-"""QuarterCar.fmu as hosts see it: description, runs, states, refusals."""
+"""QuarterCar.fmu as hosts see it: runs, states, refusals."""
 
 from __future__ import annotations
 
@@ -14,10 +14,8 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
-from fmpy.validation import validate_fmu
 
 from suspension.session import simulate
-from suspension.units import UNITS
 from suspension.variables import MODELS
 from vehicle_fmus.slaves.quarter_car import QuarterCar
 
@@ -29,61 +27,6 @@ DISCARD, ERROR, FATAL = 2, 3, 4
 def run(fmu: Path, output: tuple[str, ...] = MOTION, **options: Any) -> Any:
     options = {"stop_time": 1.0, "output_interval": 5e-3} | options
     return simulate_fmu(str(fmu), output=output, **options)
-
-
-# -- description -----------------------------------------------------------------------------------
-
-
-def test_fmpy_finds_no_fault(quarter_car_fmu: Path) -> None:
-    assert validate_fmu(str(quarter_car_fmu)) == []
-
-
-def test_variables_are_those_of_the_table(car: Any) -> None:
-    shown = car.description.modelVariables
-    assert [v.name for v in shown] == [v.name for v in MODELS["QuarterCar"]]
-    for said, meant in zip(shown, MODELS["QuarterCar"], strict=True):
-        assert said.causality == meant.causality
-        assert said.unit == (meant.unit or None)
-        assert (said.declaredType, said.displayUnit) == (None, meant.display or None)
-        assert meant.description in said.description
-        assert all(choice in said.description for choice in meant.choices)
-        bounds = (0.0 if meant.positive else meant.minimum, meant.maximum, meant.nominal)
-        assert tuple(v and float(v) for v in (said.min, said.max, said.nominal)) == bounds
-        if said.causality == "parameter":
-            assert (said.variability, said.initial) == ("fixed", "exact")
-        if said.causality == "output":
-            continuous = isinstance(meant.start, float)
-            assert said.variability == ("continuous" if continuous else "discrete")
-            assert (said.initial, said.start) == ("calculated", None)
-        elif isinstance(meant.start, float):
-            assert float(said.start) == meant.start
-
-
-def test_units_convert_as_ours_do(car: Any) -> None:
-    units = {unit.name: unit for unit in car.description.unitDefinitions}
-    assert set(units) == {v.unit for v in MODELS["QuarterCar"] if v.unit}
-    for name, unit in units.items():
-        base = {k: getattr(unit.baseUnit, k) for k in ("kg", "m", "s")}
-        assert base == {k: UNITS[name].exponents.get(k, 0) for k in base}
-        assert {d.name: 1.0 / d.factor for d in unit.displayUnits} == pytest.approx(
-            dict(UNITS[name].display)
-        )
-
-
-def test_structure_and_experiment(car: Any) -> None:
-    description = car.description
-    outputs = [v.name for v in MODELS["QuarterCar"] if v.causality == "output"]
-    assert [unknown.variable.name for unknown in description.outputs] == outputs
-    assert all(unknown.dependencies == [] for unknown in description.outputs)
-    assert [unknown.variable.name for unknown in description.initialUnknowns] == outputs
-    experiment = description.defaultExperiment
-    assert [float(x) for x in (experiment.startTime, experiment.stopTime, experiment.stepSize,
-                               experiment.tolerance)] == [0.0, 1.0, 1e-3, 1e-6]  # fmt: skip
-    can = description.coSimulation
-    assert can.canGetAndSetFMUstate
-    assert can.canSerializeFMUstate
-    assert can.canHandleVariableCommunicationStepSize
-    assert not can.canBeInstantiatedOnlyOncePerProcess
 
 
 # -- runs ------------------------------------------------------------------------------------------
