@@ -9,7 +9,6 @@ from typing import Annotated
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from suspension.units import nearest, to_si
-from suspension.variables import Value
 
 from .measures import COUNT
 
@@ -87,7 +86,7 @@ class Bounds(Strict):
     min: float | None = None
     max: float | None = None
 
-    def hold(self, value: Value | None) -> bool:
+    def hold(self, value: object) -> bool:
         """Whether a measured value keeps to them; one that could not be measured does not."""
         if not isinstance(value, int | float):
             return False

@@ -9,8 +9,7 @@ from typing import Any
 
 # SI unit -> unit shown and how many of it make the SI unit.
 _SHOWN_IN = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N": ("N", 1.0), "m/s2": ("m/s2", 1.0)}
-_PEAKS = ("_displacement", "_deflection", "_acceleration")
-_WIDTH = 13
+_WIDTH = 17
 
 
 def report(summary: Mapping[str, Any], folder: Path) -> str:
@@ -58,16 +57,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         f"{1e3 * summary['output_interval']:g} ms",
     )
     yield ""
-    for name, peak in measures["peaks"].items():
-        if name.endswith(_PEAKS):
-            yield _peak(name, peak, summary["units"])
-    yield ""
-    if measures["lift_off_count"] is not None:
-        yield from _contact(measures)
-    if measures["energy_residual"]:
-        yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
-    steps = f"{measures['step_count']} steps, " if measures["step_count"] is not None else ""
-    yield _line("run", f"{steps}{summary['run_time']:.3f} s with FMPy")
+    yield from _measured(measures)
+    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s with FMPy")
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
         yield _line("" if i else "FAILED", failure)
@@ -76,24 +67,60 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         yield _line("" if i else "files", _path(folder / name))
 
 
-def _contact(measures: Mapping[str, Any]) -> Iterator[str]:
-    count, smallest = measures["lift_off_count"], measures["smallest_contact_force"]
+def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
+    """Peaks, then contact axle by axle, then everything else that was asked for."""
+    told = {"step_count"}
+    peaks = [name for name in measures if name.startswith("peak.")]
+    for name in peaks:
+        yield _peak(name.removeprefix("peak."), measures[name])
+    if peaks:
+        yield ""
+    for name in measures:
+        prefix, found, rest = name.rpartition("lift_off_count")
+        if found and not rest and measures[name]["value"] is not None:
+            told |= {f"{prefix}{what}" for what in (*_CONTACT, "first_lift_off", "first_touchdown")}
+            yield from _contact(prefix, measures)
+    if "energy_residual" in measures and measures["energy_residual"]["value"] is not None:
+        told.add("energy_residual")
+        yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
+    for name, reading in measures.items():
+        if name not in told and name not in peaks:
+            unit = "" if reading["unit"] in ("1", "count") else f" {reading['unit']}"
+            yield f"{name.replace('_', ' '):<31} {_number(reading['value'])}{unit}{_when(reading)}"
+
+
+def _steps(measures: Mapping[str, Any]) -> str:
+    steps = measures.get("step_count", {}).get("value")
+    return f"{steps} steps, " if steps is not None else ""
+
+
+def _when(reading: Mapping[str, Any]) -> str:
+    return f" at {1e3 * reading['time']:.4g} ms" if reading["time"] is not None else ""
+
+
+_CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "smallest_contact_force")
+
+
+def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
+    """How one wheel kept to the road."""
+    axle = prefix.replace("_", " ")
+    values = {what: measures.get(f"{prefix}{what}", {}).get("value") for what in _CONTACT}
+    count = values["lift_off_count"]
     if count == 0:
-        yield _line("lift-off", "none")
-    for name, instants in (
-        ("lift-off", measures["lift_offs"]),
-        ("touchdown", measures["touchdowns"]),
-    ):
+        yield _line(f"{axle}lift-off", "none")
+    for what in ("lift-off", "touchdown"):
+        instants = values[f"{what.replace('-', '_')}s"]
         if instants:
             more = f" and {len(instants) - 8} more" if len(instants) > 8 else ""
-            yield _line(name, ", ".join(f"{1e3 * t:.3f}" for t in instants[:8]) + f" ms{more}")
-    if count > len(measures["lift_offs"]):
+            listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
+            yield _line(f"{axle}{what}", f"{listed} ms{more}")
+    if count > len(values["lift_offs"] or ()):
         yield _line("", f"{count} lift-offs in all; several lie within one output interval")
-    if count and measures["airborne_time"] is not None:
-        yield _line("airborne", f"{1e3 * measures['airborne_time']:.3f} ms")
-    if smallest:
-        instant = f"{1e3 * smallest['time']:.4g} ms"
-        yield _line("contact", f"smallest force {smallest['value']:.6g} N, at {instant}")
+    if count and values["airborne_time"] is not None:
+        yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")
+    if values["smallest_contact_force"] is not None:
+        reading = measures[f"{prefix}smallest_contact_force"]
+        yield _line(f"{axle}contact", f"smallest force {reading['value']:.6g} N,{_when(reading)}")
 
 
 def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
@@ -129,10 +156,10 @@ def _solver_words(summary: Mapping[str, Any]) -> str:
     return f"{parameters['solver.method']}, {how}{slow}"
 
 
-def _peak(name: str, peak: Mapping[str, float], units: Mapping[str, str]) -> str:
-    unit, factor = _SHOWN_IN.get(units.get(name, ""), (units.get(name, ""), 1.0))
+def _peak(name: str, peak: Mapping[str, Any]) -> str:
+    unit, factor = _SHOWN_IN.get(peak["unit"], (peak["unit"], 1.0))
     return (
-        f"{name.replace('_', ' '):<24}{factor * peak['value']:>10.3f} {unit:<5}"
+        f"{name.replace('_', ' '):<26}{factor * peak['value']:>10.3f} {unit:<5}"
         f" at {1e3 * peak['time']:>8.2f} ms"
     )
 
@@ -144,6 +171,8 @@ def _line(name: str, words: str) -> str:
 def _number(value: object) -> str:
     if value is None:
         return "nothing"
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_number, value)) or "none"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
 
 

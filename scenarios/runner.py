@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, RunError, one_line
 from .fmus import Fmu
-from .measures import BOOKKEEPING, measured, outputs_measured
+from .measures import Run, catalogue, outputs_needed, take
 from .results import Results
 
 if TYPE_CHECKING:
@@ -187,8 +187,9 @@ def _driven(
 
 
 def _read_in(scene: Scene) -> list[str]:
-    """The outputs read at every step: what is shown, what is bounded, and the bookkeeping."""
-    wanted = {*scene.columns, *outputs_measured(scene.expect), *BOOKKEEPING}
+    """The outputs read at every step: what is shown, what is measured, and whether all is well."""
+    measured = outputs_needed(catalogue(scene.fmu.outputs()), scene.measures)
+    wanted = {*scene.columns, *measured, "ok"}
     return [name for name in scene.fmu.outputs() if name in wanted]
 
 
@@ -215,8 +216,9 @@ def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
 
 def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str, Any]:
     """All that is to be said of a run, as plain data."""
-    measures = measured(drive.columns)
     outputs = scene.fmu.outputs()
+    known = catalogue(outputs)
+    readings = take(known, scene.measures, Run(drive.columns, scene.all_parameters))
     reached = float(drive.columns["time"][-1])
     stopped = None
     if reached < scene.duration * (1.0 - 1e-9):
@@ -233,13 +235,16 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
         "parameters": scene.all_parameters,
         "construction": scene.construction.model_dump(),
         "stopped": stopped,
-        "measures": measures.as_dict(),
+        "measures": {
+            name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}
+            for name, reading in readings.items()
+        },
         "expectations": [
             {
                 "measure": name,
                 **bounds.model_dump(),
-                "value": measures.value(name),
-                "holds": bounds.hold(measures.value(name)),
+                "value": readings[name].value,
+                "holds": bounds.hold(readings[name].value),
             }
             for name, bounds in scene.expect.items()
         ],

@@ -35,7 +35,7 @@ from .fields import (
 )
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, parse_override, read_layers
-from .measures import measure_units
+from .measures import catalogue, default_measures
 
 Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
 Detail = Literal["trail", "steps", "stages"]
@@ -64,12 +64,14 @@ class Show(Strict):
     ----------
     outputs : names of outputs, or "all"
     output_interval : s
+    measures : names of measures; None for those one looks at first
     figures : which pictures are drawn
     recording : detail of the recording, or false for none
     """
 
     outputs: list[str] | Literal["all"] | None = None
     output_interval: Seconds = 1e-3
+    measures: tuple[str, ...] | None = None
     figures: Annotated[tuple[str, ...], BeforeValidator(list_of(FIGURES))] = ()
     recording: Detail | Literal[False] = False
 
@@ -81,6 +83,15 @@ class Show(Strict):
         ):
             return value
         raise ValueError('must be a list of outputs, or "all"')
+
+    @field_validator("measures", mode="before")
+    @classmethod
+    def _measures(cls, value: object) -> object:
+        if value is None or (
+            isinstance(value, list | tuple) and all(isinstance(name, str) for name in value)
+        ):
+            return value if value is None else tuple(dict.fromkeys(value))
+        raise ValueError("must be a list of measures")
 
     @field_validator("recording", mode="before")
     @classmethod
@@ -180,13 +191,13 @@ class Scene(Strict):
         given = _table(value)
         if "fmu" not in info.data:
             return {}
-        units = measure_units(info.data["fmu"].outputs())
+        known = catalogue(info.data["fmu"].outputs())
         expected = {}
         for name, raw in given.items():
-            if name not in units:
-                raise _at(name, f"no measure {shown(name)}{nearest(name, units)}")
+            if name not in known:
+                raise _at(name, f"no measure {shown(name)}{nearest(name, known)}")
             try:
-                expected[name] = bounds_from(raw, units[name])
+                expected[name] = bounds_from(raw, known[name].unit)
             except ValueError as error:
                 raise _at(name, f"expect.{name} = {shown(raw)}: {error}") from None
         return expected
@@ -202,6 +213,13 @@ class Scene(Strict):
                         f"show.outputs: {self.fmu.model} has no output {shown(name)}"
                         + nearest(name, outputs),
                     )
+        for name in self.show.measures or ():
+            if name not in (known := catalogue(outputs)):
+                raise _at(
+                    "show.measures",
+                    f"show.measures: {self.fmu.model} has no measure {shown(name)}"
+                    + nearest(name, known),
+                )
         if self.duration / self.show.output_interval > _MOST_ROWS:
             raise _at(
                 "show.output_interval",
@@ -237,6 +255,14 @@ class Scene(Strict):
             for name in self.fmu.outputs()
             if wanted == "all" or (name.endswith(_SHOWN) if wanted is None else name in wanted)
         )
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Names of the measures taken: those shown, and those bounded."""
+        wanted = self.show.measures
+        if wanted is None:
+            wanted = default_measures(catalogue(self.fmu.outputs()), self.outputs)
+        return tuple(dict.fromkeys((*wanted, *self.expect)))
 
     @property
     def columns(self) -> tuple[str, ...]:

@@ -529,7 +529,7 @@ class Integrator:
             self.qa, self.va, self.aa, self.ja, self.qb, self.vb, self.ab, self.jb,
             s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.spring_piece, net.damper_piece, net.limited, net.departing, net.signal_now,
-            net.limited_count, net.slip, s.multiplier, s.multiplier_rate, s.softest,
+            net.limited_count, net.slip, s.multiplier, s.multiplier_rate,
         )  # fmt: skip
 
     def snapshot(self):

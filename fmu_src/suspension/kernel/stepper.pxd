@@ -14,13 +14,11 @@ cdef class Stepper:
     cdef double[::1] q, v, a, j, qb, vb, ab, jb, work, trial_work
     # workspace
     cdef double[::1] power, power_before, stiffness, damping, stiffness2, damping2
-    cdef double[::1] factor, factor_step, constant, softest, cq, cv, ca, pq, pv, sa, rhs, correction
+    cdef double[::1] factor, factor_step, constant, cq, cv, ca, pq, pv, sa, rhs, correction
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index
 
     cdef void refresh(self, double t) noexcept nogil
-    @cython.locals(k=int, at=int, omega=double)
-    cdef void _note_softest(self) noexcept nogil
     @cython.locals(e=int)
     cdef void keep_multipliers(self) noexcept nogil
     @cython.locals(i=int, size=int, at=int)

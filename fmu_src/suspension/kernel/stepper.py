@@ -64,7 +64,6 @@ class Stepper:
         self.factor = doubles([0.0] * (4 * n * n))
         self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
         self.constant, self.cq, self.cv, self.ca = vectors(4, n)
-        self.softest = doubles([1e300] * n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, n)
         self.table = doubles([0.0] * (4 * (2 * n + works)))
         # the instants of all substeps of a macro step, each evaluated once
@@ -93,14 +92,6 @@ class Stepper:
         self.net.jerk(self.v, self.a, self.j)
         self.keep_multipliers()
         self.omega_squared = self.net.fastest_mode(self.stiffness)
-        self._note_softest()
-
-    def _note_softest(self):
-        """The lowest own frequency of each coordinate in any branch so far, at least 1 rad/s."""
-        for k in range(self.n):
-            at = k * self.n + k
-            omega = sqrt(fabs(self.stiffness[at]) / self.net.mass[at])
-            self.softest[k] = min(self.softest[k], omega if omega > 1.0 else 1.0)
 
     def keep_multipliers(self):
         """What sticking takes now; attempts overwrite the network's own."""
@@ -405,10 +396,11 @@ class Stepper:
         """Keep the largest error in units of the tolerance, velocities by their own frequency."""
         n = self.n
         if i >= n:
-            # a velocity counts by the displacement it becomes, once the stiffest stop is left again,
-            # and by the acceleration it becomes through strong damping
+            # a velocity counts by what it becomes: a displacement through its own frequency, an
+            # acceleration through strong damping
             k = i - n
-            omega = self.softest[k]
+            omega = sqrt(fabs(self.stiffness[k * n + k]) / self.net.mass[k * n + k])
+            omega = omega if omega > 1.0 else 1.0
             size *= max(omega, self.damping[k * n + k] / self.net.mass[k * n + k]) / (omega * omega)
         error = size / (_SHARE * self.tolerance * self.reach)
         self.error = max(self.error, error)

@@ -1,0 +1,18 @@
+"""Figures taken from the columns of a run: each has a name, a unit, a definition and a source.
+
+Only those that a scene shows or bounds are taken, and only the outputs they need are read.
+"""
+
+from .catalogue import catalogue, default_measures, outputs_needed, take
+from .reading import COUNT, Measure, Reading, Run
+
+__all__ = [
+    "COUNT",
+    "Measure",
+    "Reading",
+    "Run",
+    "catalogue",
+    "default_measures",
+    "outputs_needed",
+    "take",
+]

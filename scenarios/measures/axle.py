@@ -1,0 +1,86 @@
+"""What concerns one axle: contact with the road, tyre load, travel, stops, damper."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+
+from suspension.variables import Variable
+
+from .motion import first_instant, instants, last, smallest
+from .reading import COUNT, Measure, Reading, Run
+
+_MITSCHKE = "M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge, Springer 2004"
+
+
+def of_axles(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
+    """The measures of every axle that the model has; names carry its prefix."""
+    for deflection in outputs:
+        prefix, found, rest = deflection.partition("suspension_deflection")
+        if found and not rest:
+            for measure in _of_axle(prefix):
+                if all(name in outputs for name in measure.needs):
+                    yield measure
+
+
+def _of_axle(prefix: str) -> Iterator[Measure]:
+    def measure(
+        name: str,
+        unit: str,
+        needs: tuple[str, ...],
+        take: Callable[..., Reading],
+        about: str,
+        source: str = "",
+    ) -> Measure:
+        needs = tuple(f"{prefix}{need}" for need in needs)
+        return Measure(f"{prefix}{name}", unit, needs, partial(take, *needs), about, source)
+
+    yield measure("lift_off_count", COUNT, ("lift_off_count",), last,
+                  "how often the wheel left the road, counted by the model itself")  # fmt: skip
+    yield measure("airborne_time", "s", ("airborne_time",), last,
+                  "time the wheel spent off the road, from located instants")  # fmt: skip
+    for what in ("lift_off", "touchdown"):
+        yield measure(f"first_{what}", "s", (f"last_{what}",), first_instant,
+                      f"located instant of the first {what}")  # fmt: skip
+        yield measure(f"{what}s", "s", (f"last_{what}",), instants,
+                      f"located instants of {what}, one of each row at most")  # fmt: skip
+    yield measure("smallest_contact_force", "N", ("contact_force",), smallest,
+                  "smallest force of the road on the tyre among the rows")  # fmt: skip
+    yield measure("dynamic_load_coefficient", "1", ("contact_force", "tyre_force"), _load_coefficient,
+                  "root mean square of the dynamic tyre load over the static tyre load",
+                  _MITSCHKE)  # fmt: skip
+    yield measure("suspension_travel", "m", ("suspension_deflection",), _range,
+                  "largest minus smallest suspension deflection")  # fmt: skip
+    for stop in ("bump_stop", "rebound_stop"):
+        yield measure(f"{stop}_hits", COUNT, (f"{stop}_force",), _hits,
+                      f"how often the {stop.replace('_', ' ')} was met, as the rows show it")  # fmt: skip
+    yield measure("mean_height_shift", "m", ("suspension_deflection",), _shift,
+                  "time mean of the suspension deflection over the second half of the run: a damper "
+                  "that is softer in bump than in rebound lowers the body", "AP57 section 1")  # fmt: skip
+    yield measure("damper_power", "W", ("damper_force", "suspension_deflection_rate"), _power,
+                  "time mean of the power that the damper dissipates, force times rate")  # fmt: skip
+
+
+def _load_coefficient(contact: str, dynamic: str, run: Run) -> Reading:
+    load = run.columns[dynamic]
+    static = float((run.columns[contact] + load)[0])  # contact force = static load - tyre force
+    return Reading(run.mean(load**2) ** 0.5 / static if static > 0.0 else None)
+
+
+def _range(name: str, run: Run) -> Reading:
+    column = run.columns[name]
+    return Reading(float(column.max() - column.min()))
+
+
+def _hits(force: str, run: Run) -> Reading:
+    met = run.columns[force] != 0.0
+    return Reading(int(met[0]) + int((met[1:] & ~met[:-1]).sum()))
+
+
+def _shift(deflection: str, run: Run) -> Reading:
+    late = run.time >= 0.5 * (run.time[0] + run.time[-1])
+    return Reading(Run({"time": run.time[late]}).mean(run.columns[deflection][late]))
+
+
+def _power(force: str, rate: str, run: Run) -> Reading:
+    return Reading(run.mean(run.columns[force] * run.columns[rate]))

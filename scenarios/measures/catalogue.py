@@ -1,0 +1,65 @@
+"""All measures that a model's outputs allow, by name; and taking those that are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from suspension.variables import Variable
+
+from .axle import of_axles
+from .motion import last, of_motion
+from .motion import peak as largest
+from .reading import COUNT, Measure, Reading, Run
+from .ride import of_ride
+from .road import of_roads
+
+# Taken unless a scene asks for others: cheap, and what one looks at first.
+_DEFAULT_PEAKS = ("_displacement", "_deflection", "_acceleration")
+_DEFAULT = (
+    "lift_off_count", "airborne_time", "lift_offs", "touchdowns", "smallest_contact_force",
+    "energy_residual", "step_count",
+)  # fmt: skip
+
+
+def catalogue(outputs: Mapping[str, Variable]) -> dict[str, Measure]:
+    """Every measure that can be taken of a model.
+
+    Parameters
+    ----------
+    outputs : of the model, by name
+    """
+    measures = [
+        *of_motion(outputs), *of_axles(outputs), *of_ride(outputs), *of_roads(outputs),
+        *_of_the_solver(outputs),
+    ]  # fmt: skip
+    return {measure.name: measure for measure in measures}
+
+
+def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tuple[str, ...]:
+    """What is taken where a scene does not say: peaks of the motions shown, contact, the solver."""
+    peaks = {f"peak.{name}" for name in shown if name.endswith(_DEFAULT_PEAKS)}
+    return tuple(name for name in known if name in peaks or name.endswith(_DEFAULT))
+
+
+def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[str]:
+    """The outputs from which the named measures are taken."""
+    return {output for name in names for output in known[name].needs}
+
+
+def take(known: Mapping[str, Measure], names: Iterable[str], run: Run) -> dict[str, Reading]:
+    """Take measures of a run; where it lacks the columns, a reading of nothing."""
+    return {
+        name: known[name].take(run)
+        if all(needed in run.columns for needed in known[name].needs)
+        else Reading(None)
+        for name in names
+    }
+
+
+def _of_the_solver(outputs: Mapping[str, Variable]) -> Iterable[Measure]:
+    for name, how, unit, about in (
+        ("energy_residual", largest, "J", "what the energy balance lacks at most, among the rows"),
+        ("step_count", last, COUNT, "internal steps of the integrator"),
+    ):
+        if name in outputs:
+            yield Measure(name, unit, (name,), lambda run, n=name, h=how: h(n, run), about)  # type: ignore[misc]
