@@ -9,13 +9,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, astuple
+from dataclasses import asdict, astuple, replace
 from math import inf, isfinite, nan
+from typing import Any
 
 from .engine import FAILURES, KINDS, Integrator
 from .models import build
 from .outputs import Contact, State, readers
 from .signals import Segment, Signal
+from .systems import System
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
 _AT_REST = 1e-12  # s by which a communication point may lie before the present, from rounding
@@ -49,39 +51,49 @@ class Session:
     ) -> None:
         self.model = model
         self.time = self._start = start_time
+        self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
+        self._tuned: dict[str, Value] = {}
         self._inputs = {v.name: 0.0 for v in declared if v.causality == "input"}
         self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
-        self._system = build(model, self.parameters)
-        default = next(v.start for v in declared if v.name == "solver.tolerance")
-        wanted = self.parameters["solver.tolerance"]
-        if tolerance is not None and tolerance > 0.0 and wanted == default:
-            wanted = tolerance
-        self._integrator = Integrator(
-            self._system,
-            str(self.parameters["solver.method"]),
-            float(self.parameters["solver.step"]),
-            float(wanted),
-            start_time,
-        )
+        system = build(model, self.parameters)
         self._sampled = self.parameters["road.shape"] == "input"
         self._changed: set[str] = set()
-        axles = self._system.axles
-        self._roads = tuple(axle.road for axle in axles) if self._sampled else ()
-        self._forces = tuple(load.signal for load in self._system.loads)
+        self._roads = tuple(axle.road for axle in system.axles) if self._sampled else ()
+        self._forces = tuple(load.signal for load in system.loads)
         self._velocity_given = dict.fromkeys(self._roads, False)
         # instant and elevation
         self._sample_before = dict.fromkeys(self._roads, (start_time, 0.0))
-        self._behind = self._integrator.snapshot()
-        self._tyres = {self._system.element(axle.tyre): axle.prefix for axle in axles if axle.tyre}
         self._ahead: list[tuple[float, str, bool]] = []  # contact switches yet to be reported
-        self.contacts = {prefix: Contact() for prefix in self._tyres.values()}
-        self._read = readers(self._system, self._integrator, self)
-        self._signals = dict(self._system.signals)
+        self.contacts = {axle.prefix: Contact() for axle in system.axles if axle.tyre}
+        self._signals = dict(system.signals)
+        self._attach(system, self._new_integrator(system))
         self._sample()
+
+    def _new_integrator(self, system: System) -> Any:
+        """An integrator at the present time, by the solver's parameters."""
+        p = self.parameters
+        wanted = p["solver.tolerance"]
+        default = next(v.start for v in variables(self.model) if v.name == "solver.tolerance")
+        if self._tolerance is not None and self._tolerance > 0.0 and wanted == default:
+            wanted = self._tolerance
+        return Integrator(
+            system, str(p["solver.method"]), float(p["solver.step"]), float(wanted), self.time
+        )
+
+    def _attach(self, system: System, integrator: Any) -> None:
+        """Make a system and its integrator those of this session."""
+        self._system, self._integrator = system, integrator
+        self._behind = integrator.snapshot()
+        self._tyres = {
+            element: axle.prefix
+            for axle in system.axles
+            if (element := system.element(axle.tyre)) is not None
+        }
+        self._read = readers(system, integrator, self)
 
     # -- inputs and stepping -------------------------------------------------------------------------
 
@@ -99,27 +111,44 @@ class Session:
             self._inputs[name] = value
             self._changed.add(name)
 
+    def set_parameter(self, name: str, value: object) -> None:
+        """Give a tunable parameter its value from the present time on.
+
+        The next `advance` makes the system anew and takes motion, contacts, road and energy over.
+
+        Raises
+        ------
+        ParameterError : no such parameter, one that is fixed, or a value that it cannot have.
+        """
+        refuse_unknown([name], self.parameters, f"{self.model} has no parameter")
+        variable = next(v for v in variables(self.model) if v.name == name)
+        if not variable.tunable:
+            raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
+        self._tuned[name] = variable.checked(value)
+
     def advance(self, until: float) -> None:
         """Go on to `until`, s.
 
         Raises
         ------
         SimulationError : the motion diverged, or a step could not be made; `ok` is false from then on.
+        ParameterError : parameters that were given during the run do not fit together.
         """
         if not self.ok:
             raise SimulationError(f"the run failed before, at {self.time:.9g} s")
         if not isfinite(until) or until < self.time - _AT_REST:
             raise SimulationError(f"cannot step from {self.time:.9g} s back to {until:.9g} s")
+        self._take_parameters()
         self._take_inputs()
         if self._integrator.time < until:
             if not self._sampled:
                 self._behind = self._integrator.snapshot()
-            self._step(until)
+            self._step(until, stop=self._sampled)
         self.time = until
         self._sample()
 
-    def _step(self, until: float) -> None:
-        status = self._integrator.advance(until, self._sampled)
+    def _step(self, until: float, stop: bool) -> None:
+        status = self._integrator.advance(until, stop)
         self._note_switches()
         if status != 0:
             self.ok = False
@@ -130,6 +159,32 @@ class Session:
             self.messages.append(("error", reason))
             raise SimulationError(reason)
 
+    def _take_parameters(self) -> None:
+        """From the present time on another system moves on, from the present state."""
+        tuned, self._tuned = self._tuned, {}
+        parameters = {**self.parameters, **tuned}
+        if parameters == self.parameters:
+            return
+        system = replace(build(self.model, parameters), signals=self._signals)
+        self._stop_here()
+        self.parameters = parameters
+        before, integrator = self._system, self._new_integrator(system)
+        pairs = [
+            (here, there)
+            for here, element in enumerate(system.elements)
+            if (there := before.element(element.name)) is not None
+        ]
+        integrator.take_over(self._integrator, pairs)
+        self._attach(system, integrator)
+        self._compare_contacts()
+
+    def _compare_contacts(self) -> None:
+        """A contact may end or begin without motion: by another tyre, or a road that is elsewhere."""
+        for tyre, axle in self._tyres.items():
+            airborne = self._integrator.at_limit(tyre)
+            if airborne != self.contacts[axle].airborne:
+                self._ahead.append((self.time, axle, airborne))
+
     def _take_inputs(self) -> None:
         """Hand the inputs to the integrator, at the present time."""
         changed, self._changed = self._changed, set()
@@ -137,15 +192,16 @@ class Session:
             if changed.isdisjoint(self._forces):
                 return  # the road is internal: its inputs are not looked at
             self._sampled = True
-            if self._integrator.time > self.time:
-                self._repeat()
+            self._stop_here()
         self._hand_over()
 
-    def _repeat(self) -> None:
-        """The integrator had gone ahead as if no input would change: repeat that stretch up to now."""
+    def _stop_here(self) -> None:
+        """The integrator may have gone ahead as if nothing would change: repeat that up to now."""
+        if self._integrator.time <= self.time:
+            return
         said = len(self.messages)
         self._integrator.restore(self._behind)
-        self._step(self.time)
+        self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
         self._ahead = []
         del self.messages[said:]
@@ -163,6 +219,7 @@ class Session:
                     self._signals[name] = Signal((segment,))
                     # a road that is elsewhere at the start has always been there: no jump
                     self._integrator.set_signal(number, held[name], self.time > self._start)
+        self._compare_contacts()
 
     def _velocity(self, road: str, elevation: float) -> float:
         """The road's input velocity; where it is never given, the slope since the sample before."""
@@ -219,7 +276,7 @@ class Session:
         if name in self._inputs:
             return self._inputs[name]
         refuse_unknown([name], (*self._read, *self._inputs, *self.parameters), "no variable")
-        return self.parameters[name]
+        return self._tuned.get(name, self.parameters[name])
 
     # -- whole state ---------------------------------------------------------------------------------
 
@@ -232,6 +289,7 @@ class Session:
                 "time": self.time,
                 "start": self._start,
                 "ok": self.ok,
+                "tuned": self._tuned,
                 "inputs": self._inputs,
                 "changed": sorted(self._changed),
                 "sampled": self._sampled,
@@ -261,6 +319,7 @@ class Session:
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
+        self._tuned = kept["tuned"]
         self._inputs, self._changed = kept["inputs"], set(kept["changed"])
         self._sampled, self._velocity_given = kept["sampled"], kept["velocity_given"]
         self._sample_before = {road: tuple(at) for road, at in kept["sample_before"].items()}

@@ -39,6 +39,7 @@ class Variable:
     positive : whether zero is refused as well
     nominal : a typical magnitude
     choices : the texts allowed
+    tunable : whether a parameter may change during a run
     """
 
     name: str
@@ -52,6 +53,7 @@ class Variable:
     positive: bool = False
     nominal: float | None = None
     choices: tuple[str, ...] = ()
+    tunable: bool = False
 
     def checked(self, value: object) -> Value:
         """The value in SI and in the variable's own type.
@@ -122,7 +124,12 @@ def _output(
     return Variable(name, description, "output", start, unit, **more)  # type: ignore[arg-type]
 
 
-_SUSPENSION = (  # between body and wheel (or road)
+def _tunable(*declared: Variable) -> tuple[Variable, ...]:
+    """Parameters of what may be adjusted while it moves."""
+    return tuple(replace(variable, tunable=True) for variable in declared)
+
+
+_SUSPENSION = _tunable(  # between body and wheel (or road)
     _parameter("spring.rate", 1500 * KGF, "linear spring rate", "N/m",
                display="N/mm", minimum=0.0),
     _parameter("spring.cubic", 0.0, "cubic spring rate: F = rate y + cubic y^3 "
@@ -155,9 +162,9 @@ _WHEEL = (
     _parameter("unsprung_mass", 3 * KGF, "mass of wheel and axle share", "kg",
                positive=True),
     _parameter("tyre.stiffness", 15000 * KGF, "radial stiffness of the tyre", "N/m",
-               display="N/mm", positive=True),
+               display="N/mm", positive=True, tunable=True),
     _parameter("tyre.damping", 100 * KGF, "radial damping of the tyre", "N.s/m",
-               display="kN.s/m", minimum=0.0),
+               display="kN.s/m", minimum=0.0, tunable=True),
 )  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from string import Template
@@ -13,7 +14,12 @@ from .pictures import picture
 
 DOCUMENTATION = Path(__file__).parent / "documentation"
 
-_HEADINGS = {"parameter": "Parameters", "input": "Inputs", "output": "Outputs"}
+_HEADINGS: dict[str, Callable[[Variable], bool]] = {
+    "Parameters, fixed before the run": lambda v: v.causality == "parameter" and not v.tunable,
+    "Parameters that may change between two communication steps": lambda v: v.tunable,
+    "Inputs": lambda v: v.causality == "input",
+    "Outputs": lambda v: v.causality == "output",
+}
 
 
 def page(model: str, start: dict[str, Value], colophon: str) -> str:
@@ -37,20 +43,21 @@ def page(model: str, start: dict[str, Value], colophon: str) -> str:
 def variable_table(declared: tuple[Variable, ...], start: dict[str, Value]) -> str:
     """Name, unit, start value and meaning of every variable, as HTML."""
     parts = []
-    for causality, heading in _HEADINGS.items():
+    for heading, belongs in _HEADINGS.items():
+        rows = [variable for variable in declared if belongs(variable)]
+        if not rows:
+            continue
         parts.append(f"<h3>{heading}</h3>\n<table>")
         parts.append("<tr><th>Name</th><th>Unit</th><th>Start</th><th>Meaning</th></tr>")
-        for variable in declared:
-            if variable.causality == causality:
-                value = start.get(variable.name, variable.start)
-                cells = (
-                    variable.name,
-                    _unit(variable),
-                    "" if causality == "output" else _text(value),
-                    in_words(variable),
-                )
-                row = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-                parts.append(f"<tr>{row}</tr>")
+        for variable in rows:
+            value = start.get(variable.name, variable.start)
+            cells = (
+                variable.name,
+                _unit(variable),
+                "" if variable.causality == "output" else _text(value),
+                in_words(variable),
+            )
+            parts.append("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
         parts.append("</table>")
     return "\n".join(parts)
 

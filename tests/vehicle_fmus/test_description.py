@@ -30,7 +30,8 @@ def test_variables_are_those_of_the_table(model: str, vehicle: Any) -> None:
         bounds = (0.0 if meant.positive else meant.minimum, meant.maximum, meant.nominal)
         assert tuple(v and float(v) for v in (said.min, said.max, said.nominal)) == bounds
         if said.causality == "parameter":
-            assert (said.variability, said.initial) == ("fixed", "exact")
+            may_change = "tunable" if meant.tunable else "fixed"
+            assert (said.variability, said.initial) == (may_change, "exact")
         if said.causality == "output":
             continuous = isinstance(meant.start, float)
             assert said.variability == ("continuous" if continuous else "discrete")

@@ -15,7 +15,7 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 
-from suspension.session import simulate
+from suspension.session import Session, simulate
 from suspension.variables import MODELS
 from vehicle_fmus.slaves.quarter_car import QuarterCar
 
@@ -109,6 +109,33 @@ def test_values_before_during_and_after(car: Any) -> None:
         assert 0.0 < last < 0.02
         car.fmu.terminate()
         assert car.get("body_displacement") == last
+
+
+def test_tuned_parameters_act_from_the_present_instant_on(car: Any) -> None:
+    stiffer = {"spring.rate": 3e4, "tyre.stiffness": 1e5, "damper.table": "-1:-800, 0:0, 1:2500"}
+    with car.instance():
+        car.start()
+        before = walk(car, [0.0, 0.04, 0.05], *MOTION)  # in flight
+        car.set(**{name.replace(".", "__"): value for name, value in stiffer.items()})
+        assert car.get("spring.rate") == 3e4
+        state = car.fmu.serializeFMUstate(car.fmu.getFMUstate())
+        after = walk(car, [0.05, 0.06, 0.2, 0.5], *MOTION, "energy_residual", "lift_off_count")
+        last = car.fmu.serializeFMUstate(car.fmu.getFMUstate())
+        end = walk(car, [0.5, 0.7], *MOTION)
+    with car.instance():
+        car.start()
+        car.fmu.setFMUstate(car.fmu.deSerializeFMUstate(state))
+        again = walk(car, [0.05, 0.06, 0.2, 0.5], *MOTION, "energy_residual", "lift_off_count")
+        assert again == after
+        car.fmu.setFMUstate(car.fmu.deSerializeFMUstate(last))
+        assert walk(car, [0.5, 0.7], *MOTION) == end
+    session = Session("QuarterCar", {})
+    session.advance(0.05)
+    assert before[-1] == [session.value(name) for name in MOTION]
+    for name, value in stiffer.items():
+        session.set_parameter(name, value)
+    session.advance(0.5)
+    assert after[-1][:4] == [session.value(name) for name in MOTION]
 
 
 def test_constant_force_on_the_body_ends_in_static_deflection(car: Any) -> None:
@@ -253,6 +280,10 @@ def failing_call(car: Any, what: str) -> None:
         car.set(body_force=nan)
     elif what == "parameter after initialisation":
         car.set(sprung_mass=200.0)
+    elif what == "tunable parameter out of range":
+        car.set(spring__rate=-1.0)
+    elif what == "tunable table that cannot be read":
+        car.set(spring__table="0:0, 1")
     elif what == "output set":
         car.set(body_velocity=1.0)
 
@@ -261,7 +292,9 @@ def failing_call(car: Any, what: str) -> None:
     ("what", "words"),
     [
         ("input not a number", "body_force = nan"),
-        ("parameter after initialisation", "sprung_mass = 200.0: parameters cannot change"),
+        ("parameter after initialisation", "sprung_mass = 200.0: this parameter cannot change"),
+        ("tunable parameter out of range", "spring.rate = -1: must be at least 0"),
+        ("tunable table that cannot be read", "spring.table = '0:0, 1': must be pairs"),
         ("output set", "body_velocity = 1.0: an output cannot be set"),
         ("step backwards", "cannot step from 0.01 s back"),
     ],

@@ -31,6 +31,8 @@ cdef class Integrator:
     cdef int stalled, event_count, switch_element, switch_kind, switch_side
     cdef double switch_at, landed
 
+    @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
+    cpdef take_over(self, Integrator earlier, list pairs)
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     @cython.locals(status=int, before=double)

@@ -127,6 +127,28 @@ class Integrator:
         self.first_reach = s.reach
         self._begin()
 
+    def take_over(self, earlier, pairs):
+        """Go on from where the integrator of a system with the same coordinates and signals stands.
+
+        For a parameter that changes during a run. What that does to the energy stored is nobody's
+        work, so the residual goes on from where it was; the work of roads and loads begins anew.
+
+        Parameters
+        ----------
+        earlier : the integrator so far
+        pairs : numbers of elements, here and there, that are the same thing
+        """
+        s, before = self.stepper, earlier.stepper
+        self.set_state(before.q, before.v)
+        s.reach, self.first_reach = before.reach, earlier.first_reach
+        self.step_count = earlier.step_count
+        self.net.exchange = earlier.net.exchange
+        for here, there in pairs:
+            s.work[here] = before.work[there]
+            self.limited_time[here] = earlier.limited_time[there]
+        self.residual_start = self.residual_end = earlier.residual_end
+        self.initial_energy += self._energy_residual() - earlier.residual_end
+
     def set_signal(self, signal, coefficients, jumps=True):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
 
@@ -485,6 +507,10 @@ class Integrator:
         """How long element e has been at its limit (a tyre off the road) up to t, s."""
         late = self.step_end - t if self.step_limited[e] else 0.0
         return self.limited_time[e] - late
+
+    def at_limit(self, e):
+        """Whether element e is at its limit now: a tyre off the road."""
+        return self.net.limited[e] != 0
 
     def permanent_set(self, e):
         """Deflection at which element e, which yields, would be free of force now, m."""

@@ -28,7 +28,7 @@ from pythonfmu.enums import Fmi2Status
 
 from suspension.engine import why_uncompiled
 from suspension.session import Session, SimulationError
-from suspension.variables import Value, Variable, checked_parameters, variables
+from suspension.variables import ParameterError, Value, Variable, checked_parameters, variables
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
 
@@ -142,7 +142,8 @@ class VehicleSlave(Fmi2Slave):
             session.advance(current_time + step_size)
         except Exception as error:
             self._report()
-            why = str(error) if isinstance(error, SimulationError) else repr(error)
+            told = isinstance(error, SimulationError | ParameterError)
+            why = str(error) if told else repr(error)
             self.log(f"no step from {current_time:.9g} s: {why}", Fmi2Status.discard)
             if session is not None:
                 session.ok = False
@@ -174,6 +175,8 @@ class VehicleSlave(Fmi2Slave):
         return [self._value(names[vr]) for vr in vrs]  # type: ignore[misc]
 
     def _value(self, name: str) -> Value:
+        if self._initialised and self._session is not None:
+            return self._session.value(name)
         if name in self._parameters:
             return self._parameters[name]
         if name in self._inputs:
@@ -187,22 +190,23 @@ class VehicleSlave(Fmi2Slave):
         return self._session.value(name)
 
     def _set(self, name: str, value: Value) -> None:
-        if name in self._inputs:
-            self._inputs[name] = float(value)
-            if not self._initialised:
-                self._session = None
-            elif self._session is not None:
-                try:
-                    self._session.set_input(name, float(value))
-                except ValueError as error:
-                    self._refuse(str(error))
-        elif name not in self._parameters:
+        if name not in self._inputs and name not in self._parameters:
             self._refuse(f"{name} = {value!r}: an output cannot be set")
-        elif self._initialised:
-            self._refuse(f"{name} = {value!r}: parameters cannot change after initialisation")
+        elif self._initialised and self._session is not None:
+            try:
+                if name in self._inputs:
+                    self._inputs[name] = float(value)
+                    self._session.set_input(name, float(value))
+                else:
+                    self._session.set_parameter(name, value)
+            except ValueError as error:
+                self._refuse(str(error))
         else:
-            self._parameters[name] = value
             self._session = None
+            if name in self._inputs:
+                self._inputs[name] = float(value)
+            else:
+                self._parameters[name] = value
 
     # -- whole state -------------------------------------------------------------------------------
 
@@ -210,7 +214,7 @@ class VehicleSlave(Fmi2Slave):
         session = self._session if self._initialised else None
         return {
             "model": self.__module__,
-            "parameters": dict(self._parameters),
+            "parameters": dict(session.parameters if session else self._parameters),
             "inputs": dict(self._inputs),
             "start": (self._start_time, self._tolerance),
             "refusal": self._refusal,
@@ -250,7 +254,7 @@ def _scalar_variable(variable: Variable, **access: Any) -> Any:
     kind = type(variable.start)
     if variable.causality == "parameter":
         role: dict[str, Any] = {
-            "variability": Fmi2Variability.fixed,
+            "variability": Fmi2Variability.tunable if variable.tunable else Fmi2Variability.fixed,
             "initial": Fmi2Initial.exact,
             "start": variable.start,
         }

@@ -1,0 +1,157 @@
+"""Parameters that change during a run: the motion goes on from where it is."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+
+import pytest
+
+from suspension.session import Session, SimulationError
+from suspension.variables import MODELS, ParameterError
+
+MOTION = ("body_displacement", "body_velocity", "energy_residual")
+
+
+def undamped(**parameters: object) -> Session:
+    nothing = {"damper.rebound_rate": 0.0, "damper.bump_rate": 0.0}
+    return Session("OneDof", {"road.shape": "flat", **nothing, **parameters}, tolerance=1e-10)
+
+
+def test_a_stiffer_spring_against_closed_form() -> None:
+    mass, soft, stiff, force = 100.0, 1e4, 4e4, 500.0
+    session = undamped(sprung_mass=mass, **{"spring.rate": soft})
+    session.set_input("body_force", force)
+    session.advance(0.37)
+    session.set_parameter("spring.rate", stiff)
+    assert session.value("spring.rate") == stiff
+    session.advance(1.0)
+
+    omega, t = sqrt(soft / mass), 0.37
+    x = force / soft * (1.0 - cos(omega * t))
+    v = force / soft * omega * sin(omega * t)
+    omega, t, centre = sqrt(stiff / mass), 1.0 - 0.37, force / stiff
+    expected = centre + (x - centre) * cos(omega * t) + v / omega * sin(omega * t)
+    assert session.value("body_displacement") == pytest.approx(expected, abs=1e-9)
+    assert abs(float(session.value("energy_residual"))) < 1e-6
+
+
+@pytest.mark.parametrize("model", [name for name in MODELS if name != "Elastoplastic"])
+def test_a_value_it_already_has_changes_nothing(model: str) -> None:
+    plain, touched = Session(model, {}), Session(model, {})
+    tunable = {v.name: v.start for v in MODELS[model] if v.tunable}
+    assert tunable
+    for k in range(1, 31):
+        for name, value in tunable.items():
+            touched.set_parameter(name, value)
+        for session in (plain, touched):
+            session.advance(0.01 * k)
+        assert plain.snapshot() == touched.snapshot()
+
+
+def test_what_went_before_is_not_touched() -> None:
+    plain, tuned = (Session("QuarterCar", {}) for _ in range(2))
+    plain.advance(0.033)
+    tuned.advance(0.033)
+    tuned.set_parameter("damper.bump_rate", 3000.0)
+    assert [plain.value(n) for n in MOTION] == [tuned.value(n) for n in MOTION]
+    events = list(tuned.messages)
+    plain.advance(0.2)
+    tuned.advance(0.2)
+    assert tuned.messages[: len(events)] == events  # none of them told twice
+    assert len(tuned.messages) == len(plain.messages)
+    assert tuned.value("last_lift_off") == plain.value("last_lift_off")
+    assert tuned.value("last_touchdown") != plain.value("last_touchdown")
+    assert tuned.value("airborne_time") == pytest.approx(
+        tuned.value("last_touchdown") - tuned.value("last_lift_off"), abs=1e-12
+    )
+
+
+def test_back_and_forth_in_one_instant_is_nothing_but_a_new_start() -> None:
+    plain, touched = undamped(), undamped()
+    for session in (plain, touched):
+        session.set_input("body_force", 300.0)
+        session.advance(0.2)
+    touched.set_parameter("spring.rate", 5e4)
+    touched.set_parameter("spring.rate", plain.value("spring.rate"))
+    touched.advance(0.9)
+    plain.advance(0.9)
+    assert [touched.value(n) for n in MOTION] == [plain.value(n) for n in MOTION]
+
+
+def test_a_tyre_that_is_stiffer_all_at_once_may_leave_the_road() -> None:
+    session = Session("QuarterCar", {"road.shape": "flat"})
+    session.set_input("body_force", 1500.0)  # half its weight
+    session.advance(5.0)
+    assert not session.value("airborne")
+    deflection = float(session.value("tyre_deflection"))
+    weight = float(session.value("contact_force")) + float(session.value("tyre_force"))
+    session.set_parameter("tyre.stiffness", 1.5 * weight / deflection)
+    session.advance(5.0 + 1e-6)
+    assert session.value("airborne")
+    assert session.value("contact_force") == 0.0
+    assert session.value("last_lift_off") == 5.0
+    assert session.messages[-1] == ("event", "lift-off at 5 s")
+    session.advance(9.0)
+    assert not session.value("airborne")
+
+
+def test_a_road_that_is_elsewhere_all_at_once_lets_the_wheel_go() -> None:
+    session = Session("QuarterCar", {"road.shape": "input"})
+    session.advance(0.1)
+    session.set_input("road_elevation", -0.2)
+    session.advance(0.101)
+    assert session.value("airborne")
+    assert session.value("lift_off_count") == 1
+    assert session.value("airborne_time") == pytest.approx(1e-3, abs=1e-12)
+
+
+def test_an_end_stop_may_come_and_go() -> None:
+    session = undamped(sprung_mass=100.0, **{"spring.rate": 1e4})
+    session.set_input("body_force", -500.0)  # to 100 mm and back
+    session.advance(0.2)
+    session.set_parameter("bump_stop.gap", 0.08)
+    session.set_parameter("bump_stop.stiffness", 1e6)
+    deepest = 0.0
+    for k in range(200, 200 + round(1e3 * 0.2 * pi)):
+        session.advance(1e-3 * k)
+        deepest = min(deepest, float(session.value("suspension_deflection")))
+    assert -0.085 < deepest < -0.08
+    session.set_parameter("bump_stop.stiffness", 0.0)
+    session.advance(3.0)
+    assert session.value("bump_stop_force") == 0.0
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("sprung_mass", 100.0, "sprung_mass = 100.0: this parameter cannot change during a run"),
+        ("spring.rte", 1.0, "did you mean 'spring.rate'"),
+        ("spring.rate", -1.0, "spring.rate = -1: must be at least 0"),
+    ],
+)
+def test_what_cannot_change_is_refused(name: str, value: float, words: str) -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.01)
+    with pytest.raises(ParameterError, match=words):
+        session.set_parameter(name, value)
+    session.advance(0.02)
+    assert session.ok
+
+
+def test_a_table_that_cannot_be_read_changes_nothing() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.01)
+    session.set_parameter("spring.table", "0:1, 1:2")
+    with pytest.raises(ParameterError, match="must pass through 0:0"):
+        session.advance(0.02)
+    assert session.value("spring.table") == ""
+    session.advance(0.02)
+
+
+def test_a_run_that_failed_stays_failed() -> None:
+    session = Session("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3})
+    with pytest.raises(SimulationError):
+        session.advance(1.0)
+    session.set_parameter("spring.cubic", 0.0)
+    with pytest.raises(SimulationError, match="failed before"):
+        session.advance(1.1)
