@@ -166,7 +166,7 @@ def test_each_fmu_runs_its_own_code(
     heavier = suspension.session.simulate("QuarterCar", twice, [0.0, 0.1], OUTPUTS)
     assert found["changed"][0] == pytest.approx(heavier["body_displacement"][-1], rel=1e-4)
     assert found["changed"][0] != pytest.approx(expected[0], rel=1e-4)
-    assert found["changed"][2] > 2 * expected[2]  # a tenth of the step
+    assert found["changed"][2] > 1.2 * expected[2]  # steps of a tenth where the phase limits them
     after = {name: sys.modules[name] for name in sys.modules if name.startswith("suspension")}
     assert all(after[name] is module for name, module in installed.items())
     again = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
