@@ -1,13 +1,16 @@
 """Graphical constructions in the phase plane, step by step, as plain geometry (AP57).
 
-A construction (`OneDofPlane`, `QuarterCarPlanes`) says which points belong to a state; a step rule
-(`RULES`) goes from there to the next state; `march` and `frames` string the steps together, and
+A construction (`OneDofPlane`, `QuarterCarPlanes`, ...) says which points belong to a state; a step
+rule (`RULES`) goes from there to the next state; `march` and `frames` string the steps together, and
 `overlay` lays the same geometry over a motion that is known already.
 """
 
 from __future__ import annotations
 
-from phaseplane.constructions.marching import Construction, Window, frames, march
+from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.inertial import HalfCarRigidTyresPlanes
+from phaseplane.constructions.laws import Strut
+from phaseplane.constructions.marching import StepError, frames, march
 from phaseplane.constructions.one_plane import OneDofPlane
 from phaseplane.constructions.overlaying import overlay
 from phaseplane.constructions.primitives import (
@@ -21,17 +24,7 @@ from phaseplane.constructions.primitives import (
     Scheme,
     Stroke,
 )
-from phaseplane.constructions.steps import (
-    RULES,
-    Rule,
-    delta,
-    mean_normal,
-    midpoint_circle,
-    osculating_circle,
-    rule_named,
-    tangent,
-    velocity,
-)
+from phaseplane.constructions.rules import RULES, Rule, delta, rule_named, tangent, velocity
 from phaseplane.constructions.two_planes import QuarterCarPlanes
 
 __all__ = [
@@ -42,20 +35,20 @@ __all__ = [
     "Curve",
     "Drawing",
     "Frame",
+    "HalfCarRigidTyresPlanes",
     "Mark",
     "OneDofPlane",
     "Plane",
     "QuarterCarPlanes",
     "Rule",
     "Scheme",
+    "StepError",
     "Stroke",
+    "Strut",
     "Window",
     "delta",
     "frames",
     "march",
-    "mean_normal",
-    "midpoint_circle",
-    "osculating_circle",
     "overlay",
     "rule_named",
     "tangent",

@@ -2,17 +2,67 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import isfinite
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import inf, isfinite
 
 from suspension.characteristics import Characteristic
-from suspension.roads import constant
+from suspension.roads import Segment, Signal, constant
+
+_ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are none
 
 LEVEL_ROAD = constant()
 """The road without an obstacle."""
 
 Damper = Characteristic | Callable[[float, float], float]
 """Damping force Phi(y', y) in N: a law of the rate, or any function of rate and deflection."""
+
+
+@dataclass(frozen=True)
+class Strut:
+    """A spring F(y) = c y + G(y) and a damper Phi(y', y) side by side (AP57 section 3).
+
+    Parameters
+    ----------
+    spring : F(y), N; its rate at 0 is c, the rest is G
+    damper : Phi(y', y), N
+
+    Raises
+    ------
+    ValueError : forces that do not vanish at rest, a spring whose rate at 0 is not positive.
+    """
+
+    spring: Characteristic
+    damper: Damper
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_laws(self.spring, self.damper)
+
+    @cached_property
+    def rate(self) -> float:
+        """c, the linear rate of the spring, N/m."""
+        return self.spring.tangent(0.0)
+
+    @cached_property
+    def damping(self) -> Callable[[float, float], float]:
+        """Phi(y', y), N."""
+        return damping_force(self.damper)
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """The rates at which the damper is known to bend, m/s."""
+        return self.damper.corners if isinstance(self.damper, Characteristic) else ()
+
+    def force(self, rate: float, deflection: float) -> float:
+        """Phi + F, N."""
+        return self.damping(rate, deflection) + self.spring.force(deflection)
+
+    def damping_rate(self, rate: float) -> float:
+        """The slope of Phi for rates of this sign that are beyond all measure, N s/m."""
+        fast = 1e6 * rate
+        return (self.damping(2.0 * fast, 0.0) - self.damping(fast, 0.0)) / fast
 
 
 def damping_force(damper: Damper) -> Callable[[float, float], float]:
@@ -23,12 +73,7 @@ def damping_force(damper: Damper) -> Callable[[float, float], float]:
     return damper
 
 
-def corners_of(damper: Damper) -> tuple[float, ...]:
-    """The rates at which a damper is known to bend, m/s."""
-    return damper.corners if isinstance(damper, Characteristic) else ()
-
-
-def check_number(name: str, value: float, least: float, *, exclusive: bool) -> None:
+def check_number(name: str, value: float, least: float = -inf, *, exclusive: bool = False) -> None:
     """Refuse what is not a finite number, or too small.
 
     Raises
@@ -38,6 +83,26 @@ def check_number(name: str, value: float, least: float, *, exclusive: bool) -> N
     if not isfinite(value) or value < least or (exclusive and value == least):
         relation = "greater than" if exclusive else "at least"
         raise ValueError(f"{name} = {value!r}: must be finite and {relation} {least:g}")
+
+
+def check_positive(owner: object, names: Sequence[str]) -> None:
+    """Refuse what is not positive and finite among the attributes of these names."""
+    for name in names:
+        check_number(name, getattr(owner, name), 0.0, exclusive=True)
+
+
+def check_finite(owner: object, names: Sequence[str]) -> None:
+    """Refuse what is not finite among the attributes of these names."""
+    for name in names:
+        check_number(name, getattr(owner, name))
+
+
+def check_pairs(owner: object, names: Sequence[str], *, positive: bool = False) -> None:
+    """Refuse what is not finite, or not positive, in the attributes of these names, two values each."""
+    for name in names:
+        for which, value in zip(("first", "second"), getattr(owner, name), strict=True):
+            least = 0.0 if positive else -inf
+            check_number(f"the {which} of {name}", value, least, exclusive=positive)
 
 
 def check_laws(spring: Characteristic, damper: Damper) -> None:
@@ -63,3 +128,49 @@ def check_laws(spring: Characteristic, damper: Damper) -> None:
             f"the spring's rate at zero deflection is {rate:g} N/m; it sets the scale of the phase "
             "plane and must be positive"
         )
+
+
+def _rate_terms(segment: Segment, t: float) -> float:
+    """The sum of the magnitudes of what the velocity of a segment is the sum of, m/s."""
+    s = t - segment.origin
+    _, c1, c2, c3 = segment.coefficients
+    _, p1, p2 = segment.phase
+    speed = abs(segment.amplitude) * (abs(p1) + 2.0 * abs(p2 * s))
+    return abs(c1) + 2.0 * abs(c2 * s) + 3.0 * abs(c3) * s * s + speed
+
+
+@dataclass(frozen=True)
+class Jumps:
+    """Where a road is not smooth: the heights by which its elevation and its velocity jump.
+
+    Parameters
+    ----------
+    road : m
+    """
+
+    road: Signal
+
+    @cached_property
+    def table(self) -> dict[float, tuple[float, float]]:
+        """Jump of elevation (m) and velocity (m/s) by instant (s), after the start of the motion."""
+        heights = dict(self.road.jumps)
+        found = {}
+        for left, right in zip(self.road.segments, self.road.segments[1:], strict=False):
+            t = right.start
+            kink = right.derivatives(t)[1] - left.derivatives(t)[1]
+            if abs(kink) <= _ROUNDING * (_rate_terms(left, t) + _rate_terms(right, t)):
+                kink = 0.0
+            if t > 0.0 and (t in heights or kink != 0.0):
+                found[t] = (heights.get(t, 0.0), kink)
+        return found
+
+    def mean_acceleration(self, start: float, duration: float) -> float:
+        """Mean of xi'' without its jumps: the change of xi' over the duration; with none, xi'', m/s^2."""
+        if duration == 0.0:
+            return self.road.acceleration(start)
+        end = start + duration
+        return (self.road.rate(end) - self.road.rate(start) - self.at(end)[1]) / duration
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Jump of elevation (m) and velocity (m/s) at an instant."""
+        return self.table.get(time, (0.0, 0.0))

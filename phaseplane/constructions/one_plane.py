@@ -1,4 +1,4 @@
-"""The construction in one phase plane: one degree of freedom on a road (AP57 section 3, figure 2).
+"""The construction in one phase plane (AP57 section 3, figure 2), and the car of one degree of freedom.
 
     M y'' + Phi(y', y) + c y + G(y) = -M xi'',    y = x - xi                      (AP57 eq. 3)
 
@@ -8,41 +8,86 @@ P = (y, y-bar) and D = (-delta, 0), delta = (Phi + G) / c + xi'' / Omega^2 (AP57
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, sqrt
+from math import sqrt
 from typing import ClassVar
 
+from phaseplane.constructions.construction import CONTACT, Construction, Window
+from phaseplane.constructions.control import controlled
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
-    check_laws,
-    check_number,
-    corners_of,
-    damping_force,
+    Jumps,
+    Strut,
+    check_finite,
+    check_positive,
 )
-from phaseplane.constructions.marching import Window
-from phaseplane.constructions.primitives import (
-    Arc,
-    Axis,
-    Curve,
-    Frame,
-    Mark,
-    Plane,
-    Scheme,
-    Stroke,
-)
-from phaseplane.constructions.sheet import auxiliary_curves, state_point
+from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from suspension.characteristics import Characteristic
 from suspension.roads import Signal
 
-CONTACT = "contact"
+
+def one_plane_scheme(excitation: str) -> Scheme:
+    """Figure 2 in the order of drawing; `excitation` says what lies between A* and D."""
+    return scheme(
+        (
+            "The state point P and its foot Q on the y axis.",
+            marks("state", "P"),
+            marks("foot", "Q"),
+            strokes("foot", "P-Q"),
+        ),
+        (
+            "From P parallel to the y axis to the auxiliary curve: A. Down to the axis: A*.",
+            marks("construction", "A A*"),
+            strokes("construction", "P-A A-A*"),
+        ),
+        (excitation, marks("normal", "D"), strokes("excitation", "A*-D")),
+        ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
+        (
+            "Its length on the arm of the turn angle: the arc is the way to go.",
+            turn_arcs(("",)),
+        ),
+    )
+
+
+class OnePlane(Construction):
+    """What the constructions in a single phase plane have in common."""
+
+    @property
+    @abstractmethod
+    def lienard(self) -> Lienard:
+        """The plane with its auxiliary curves."""
+
+    @abstractmethod
+    def shift(self, window: Window) -> float:
+        """How far D lies from A* along the y axis: the mean of the excitation over the window, m."""
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """The one phase plane."""
+        return (self.lienard.plane,)
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """P, Q, A, A* and D of figure 2, the excitation as its mean over the window."""
+        p = states[0]
+        q, a, foot = self.lienard.raised(p)
+        shift = self.lienard.plane.displacement.scale * self.shift(window)
+        return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift}
+
+    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+        """The family of auxiliary curves."""
+        return self.lienard.curves(frames)
 
 
 @dataclass(frozen=True)
-class OneDofPlane:
+class OneDofPlane(OnePlane):
     """One mass on spring and damper over a road, its tyre and axle neglected.
 
     Parameters
@@ -50,11 +95,13 @@ class OneDofPlane:
     mass : kg
     spring : F(y), N; its rate at 0 is c, the rest is G
     damper : Phi(y', y), N
-    road : xi(t), m
+    road : xi(t), m; where its elevation or velocity jumps, the state point jumps with it
     scale : of the sheet, paper per displacement (a : 1)
     initial_deflection, initial_rate : y and y' at time 0, m and m/s; where the road's own velocity
         jumps at time 0, y' is that after the jump
     protractor : vertex of the turn angle on the sheet, m of paper
+    auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
+        lies on the curve of P's own y
 
     Raises
     ------
@@ -70,85 +117,66 @@ class OneDofPlane:
     initial_deflection: float = 0.0
     initial_rate: float = 0.0
     protractor: complex = complex(-0.1, -0.12)
+    auxiliary_levels: tuple[float, ...] = ()
 
     title: ClassVar[str] = "One degree of freedom in its phase plane"
+    schemes: ClassVar[Mapping[str, Scheme]] = {
+        CONTACT: one_plane_scheme(
+            "From A* against the y axis by xi''/Omega^2, its mean over the step: D."
+        )
+    }
 
     def __post_init__(self) -> None:
         """Check what was given."""
-        check_number("mass", self.mass, 0.0, exclusive=True)
-        check_number("scale", self.scale, 0.0, exclusive=True)
-        for name in ("initial_deflection", "initial_rate"):
-            check_number(name, getattr(self, name), float("-inf"), exclusive=False)
-        check_laws(self.spring, self.damper)
+        check_positive(self, ("mass", "scale"))
+        check_finite(self, ("initial_deflection", "initial_rate"))
+        _ = self.strut
 
     @cached_property
-    def spring_rate(self) -> float:
-        """c, the linear rate of the spring, N/m."""
-        return self.spring.tangent(0.0)
+    def strut(self) -> Strut:
+        """Spring and damper."""
+        return Strut(self.spring, self.damper)
 
     @cached_property
     def angular_frequency(self) -> float:
         """Omega = sqrt(c / M), rad/s (AP57 eq. 3)."""
-        return sqrt(self.spring_rate / self.mass)
+        return sqrt(self.strut.rate / self.mass)
 
     @cached_property
-    def plane(self) -> Plane:
-        """The phase plane, with its origin in that of the sheet."""
-        return Plane(
-            "suspension_deflection",
-            self.angular_frequency,
-            Axis("y", "m", 0j, 1 + 0j, self.scale),
-            Axis("y'/Ω", "m", 0j, 1j, self.scale),
-        )
-
-    @cached_property
-    def planes(self) -> tuple[Plane, ...]:
-        """The one phase plane."""
-        return (self.plane,)
+    def lienard(self) -> Lienard:
+        """The plane with its auxiliary curves."""
+        plane = plane_at("suspension_deflection", "", self.angular_frequency, 0j, 1.0, self.scale)
+        return Lienard.of_strut(plane, self.strut, self.auxiliary_levels)
 
     @cached_property
     def initial(self) -> States:
         """The state point at time 0."""
-        return (state_point(self.plane, self.initial_deflection, self.initial_rate),)
+        return (self.lienard.state(self.initial_deflection, self.initial_rate),)
+
+    def shift(self, window: Window) -> float:
+        """-xi'' / Omega^2, its mean over the window, m."""
+        acceleration = self.jumps.mean_acceleration(window.start, window.duration)
+        return -acceleration / self.angular_frequency**2
+
+    # Where the road jumps.
 
     @cached_property
-    def damping(self) -> Callable[[float, float], float]:
-        """Phi(y', y), N."""
-        return damping_force(self.damper)
+    def jumps(self) -> Jumps:
+        """The jumps of the road."""
+        return Jumps(self.road)
 
-    def epsilon(self, y_bar: float, y: float) -> float:
-        """The auxiliary curve is y = -epsilon(y-bar; y_i), epsilon = (Phi + G) / c, m."""
-        force = self.damping(self.angular_frequency * y_bar, y) + self.spring.force(y)
-        return force / self.spring_rate - y
+    @property
+    def jolts(self) -> tuple[float, ...]:
+        """The instants at which the road or its velocity jumps, s."""
+        return tuple(self.jumps.table)
 
-    def mode_at(self, states: States, time: float, airborne: bool | None = None) -> str:
-        """Always in contact: the axle follows the road."""
-        return CONTACT
-
-    def margin(self, mode: str, states: States, time: float) -> float:
-        """The mode never ends."""
-        return inf
-
-    def succeeding(self, mode: str) -> tuple[str, str]:
-        """There is no other mode."""
-        return CONTACT, ""
-
-    def points(self, mode: str, states: States, window: Window) -> Points:
-        """P, Q, A, A* and D of figure 2, the road's acceleration as its mean over the window."""
-        (p,) = states
-        a = self.scale
-        q = complex(p.real, 0.0)
-        auxiliary = complex(-a * self.epsilon(p.imag / a, p.real / a), p.imag)
-        foot = complex(auxiliary.real, 0.0)
-        shift = a * self.mean_road_acceleration(window) / self.angular_frequency**2
-        return {"P": p, "Q": q, "A": auxiliary, "A*": foot, "D": foot - shift}
-
-    def mean_road_acceleration(self, window: Window) -> float:
-        """Mean of xi'' over the window, m/s^2: the change of xi' divided by the duration."""
-        if window.duration == 0.0:
-            return self.road.acceleration(window.start)
-        change = self.road.rate(window.end) - self.road.rate(window.start)
-        return change / window.duration
+    def jolted(self, mode: str, states: States, time: float) -> States:
+        """y falls by the jump of xi and y' by that of xi'; a kerb pushes through the damper as well."""
+        height, kink = self.jumps.at(time)
+        impulse = self.strut.damping_rate(-height) * height if height else 0.0
+        origin = self.lienard.state(0.0, 0.0)
+        jump = self.lienard.state(-height, -kink + impulse / self.mass) - origin
+        return (states[0] + jump,)
 
     def readings(
         self,
@@ -158,54 +186,25 @@ class OneDofPlane:
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Displacement, velocity and acceleration off the sheet (AP57 eq. 11), SI."""
+        """Displacement, velocity and acceleration off the sheet (AP57 eq. 11), SI.
+
+        The control is x'' = -(Phi + F) / M = (c / M) PA / a, integrated twice (AP57 eq. 25).
+        """
         points = self.points(mode, states, Window(time))
-        p, q, d = points["P"], points["Q"], points["D"]
-        frequency = self.angular_frequency
+        p, q = points["P"], points["Q"]
         elevation, velocity, acceleration, _ = self.road.derivatives(time)
-        deflection = q.real / self.scale
-        rate = frequency * (p - q).imag / self.scale
+        deflection = self.lienard.displacement(q)
+        rate = self.lienard.velocity(p, q)
+        second = self.lienard.acceleration(q, points["D"])
+        body = (elevation + deflection, velocity + rate, acceleration + second)
+        by_force = self.angular_frequency**2 * (points["A"] - p).real / self.scale
         return {
             "suspension_deflection": deflection,
             "suspension_deflection_rate": rate,
-            "body_displacement": elevation + deflection,
-            "body_velocity": velocity + rate,
-            "body_acceleration": acceleration + frequency**2 * (d - q).real / self.scale,
+            "suspension_deflection_acceleration": second,
+            **dict(
+                zip(("body_displacement", "body_velocity", "body_acceleration"), body, strict=True)
+            ),
+            **controlled("body", body, by_force, previous, elapsed),
             "road_elevation": elevation,
         }
-
-    @cached_property
-    def schemes(self) -> Mapping[str, Scheme]:
-        """Figure 2 in the order of drawing."""
-        return {
-            CONTACT: Scheme(
-                (
-                    "The state point P and its foot Q on the y axis.",
-                    "From P parallel to the y axis to the auxiliary curve: A. "
-                    "Down to the axis: A*.",
-                    "From A* against the y axis by xi''/Omega^2, its mean over the step: D.",
-                    "DP is the normal of the integral curve.",
-                    "Its length on the arm of the turn angle: the arc is the way to go.",
-                ),
-                (
-                    Mark("state", "P", 0, "P"),
-                    Mark("foot", "Q", 0, "Q"),
-                    Mark("construction", "A", 1, "A"),
-                    Mark("construction", "A*", 1, "A*"),
-                    Mark("normal", "D", 2, "D"),
-                ),
-                (
-                    Stroke("foot", "P", "Q", 0),
-                    Stroke("construction", "P", "A", 1),
-                    Stroke("construction", "A", "A*", 1),
-                    Stroke("excitation", "A*", "D", 2),
-                    Stroke("normal", "D", "P", 3),
-                ),
-                (Arc("arc", "W", "N", "N'", 4),),
-            )
-        }
-
-    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The family of auxiliary curves."""
-        corners = [rate / self.angular_frequency for rate in corners_of(self.damper)]
-        return auxiliary_curves(self.plane, self.epsilon, frames, corners)

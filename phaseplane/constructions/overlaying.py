@@ -6,10 +6,13 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import isfinite
 
-from phaseplane.constructions.marching import Construction, Stepper, Window, drawing
+from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.marching import drawing
 from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import state_point
-from phaseplane.constructions.steps import Rule, States, delta
+from phaseplane.constructions.stepping import Stepper
+from phaseplane.constructions.steps import States
 
 
 def overlay(
@@ -17,7 +20,7 @@ def overlay(
     times: Sequence[float],
     *columns: Sequence[float],
     rule: Rule = delta,
-    airborne: Sequence[bool] | None = None,
+    airborne: Sequence[bool | Sequence[bool]] | None = None,
 ) -> Drawing:
     """The construction laid over a trajectory that is known already, as from a simulation.
 
@@ -30,7 +33,8 @@ def overlay(
     times : shape (n,), ascending, s
     columns : displacement and velocity of each plane in turn, shape (n,) each, m and m/s; for two
         planes suspension_deflection, suspension_deflection_rate, wheel_displacement, wheel_velocity
-    airborne : shape (n,), whether the wheel is off the road; found from the states when left out
+    airborne : shape (n,), whether the wheel is off the road, for two wheels shape (n, 2); found from
+        the states when left out
 
     Raises
     ------
@@ -41,31 +45,37 @@ def overlay(
     stepper = Stepper(construction, rule)
     made: list[Frame] = []
     readings: Mapping[str, float] | None = None
-    elapsed, old_mode = 0.0, ""
-    for (time, states, flies), (next_time, next_states, _) in pairwise(rows):
-        mode = construction.mode_at(states, time, flies)
-        event = construction.succeeding(old_mode)[1] if old_mode not in ("", mode) else ""
+    elapsed, old_mode = 0.0, rows[0][2]
+    for (time, states, mode), (next_time, next_states, _) in pairwise(rows):
         window = Window(time, next_time - time)
-        points = stepper.points(mode, states, window)
+        points, successors = stepper.step(mode, states, window)
         own = construction.readings(mode, states, time, readings, elapsed)
+        jolt = next((t for t in construction.jolts if time < t <= next_time), None)
+        if jolt is not None:
+            successors = construction.jolted(mode, successors, jolt)
         readings = own | {
             f"{plane.name}_drift": abs(end - wanted) / plane.displacement.scale
             for plane, end, wanted in zip(
-                construction.planes, stepper.successors(points), next_states, strict=True
+                construction.planes, successors, next_states, strict=False
             )
         }
+        event = construction.event(old_mode, mode) if old_mode != mode else ""
         made.append(Frame(len(made), time, window.duration, mode, points, readings, event))
         old_mode, elapsed = mode, window.duration
+        if jolt is not None:
+            readings = None
     longest = max(frame.duration for frame in made)
-    return drawing(construction, rule, tuple(made), longest)
+    words = f"laid over {len(made)} steps of up to {1e3 * longest:.4g} ms"
+    return drawing(construction, rule, tuple(made), longest, words)
 
 
 def _rows(
     construction: Construction,
     times: Sequence[float],
     columns: Sequence[Sequence[float]],
-    airborne: Sequence[bool] | None,
-) -> list[tuple[float, States, bool | None]]:
+    airborne: Sequence[bool | Sequence[bool]] | None,
+) -> list[tuple[float, States, str]]:
+    """Instants with the state points and the mode that they are in."""
     planes = construction.planes
     if len(columns) != 2 * len(planes):
         raise ValueError(
@@ -73,28 +83,30 @@ def _rows(
             f"{', '.join(plane.name for plane in planes)} make {2 * len(planes)}"
         )
     optional = () if airborne is None else (airborne,)
-    lengths = {len(column) for column in (times, *columns, *optional)}
-    if len(lengths) != 1 or min(lengths) < 2:
+    lengths = [len(column) for column in (times, *columns, *optional)]
+    if len(set(lengths)) != 1 or min(lengths) < 2:
         raise ValueError(
             "times and columns must be of one length, at least 2; given "
-            + ", ".join(str(len(column)) for column in (times, *columns, *optional))
+            + ", ".join(map(str, lengths))
         )
-    rows: list[tuple[float, States, bool | None]] = []
+    rows: list[tuple[float, States, str]] = []
+    before: States | None = None
     for i, (instant, *values) in enumerate(zip(times, *columns, strict=True)):
         time = float(instant)
         if not all(map(isfinite, (time, *values))):
             raise ValueError(f"row {i} of the trajectory (time {time:g} s) is not finite")
-        states = tuple(
+        if rows and time < rows[-1][0]:
+            raise ValueError(f"times must ascend, but {time:g} s follows {rows[-1][0]:g} s")
+        given = tuple(
             state_point(plane, float(y), float(rate))
             for plane, y, rate in zip(planes, values[::2], values[1::2], strict=True)
         )
-        row = (time, states, None if airborne is None else bool(airborne[i]))
-        if rows and time < rows[-1][0]:
-            raise ValueError(f"times must ascend, but {time:g} s follows {rows[-1][0]:g} s")
+        before = states = construction.remembered(given, before)
+        flies = None if airborne is None else airborne[i]
+        known = None if flies is None else (flies,) if isinstance(flies, bool) else tuple(flies)
         if rows and time == rows[-1][0]:
-            rows[-1] = row
-        else:
-            rows.append(row)
+            rows.pop()
+        rows.append((time, states, construction.mode_at(states, time, known)))
     if len(rows) < 2:
         raise ValueError("a trajectory needs at least two different instants")
     return rows

@@ -83,7 +83,7 @@ class Plane:
     name : of the displacement it shows, e.g. `suspension_deflection`
     angular_frequency : its natural angular frequency Omega, rad/s
     displacement, scaled_velocity : its axes y and y' / Omega (AP57 eq. 4), both in m
-    state : the name in a frame's points of the state point P
+    state, foot : the names in a frame's points of the state point P and of the foot of its normal
     """
 
     name: str
@@ -91,6 +91,12 @@ class Plane:
     displacement: Axis
     scaled_velocity: Axis
     state: str = "P"
+    foot: str = "D"
+
+    @property
+    def number(self) -> str:
+        """What all letters of this plane end with: nothing where there is one plane alone."""
+        return self.state[1:]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,35 @@
-"""What stays on the sheet: auxiliary curves, lines and the turn angles with their scale."""
+"""The sheet: places and values on it, and the turn angles with their scale."""
 
 from __future__ import annotations
 
 from cmath import exp
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from math import ceil, floor, log10
 
 from phaseplane.constructions.primitives import Axis, Curve, Frame, Plane
 
-_POINTS = 64  # of an auxiliary curve, an even number so that y-bar = 0 is one of them
+
+def plane_at(
+    name: str,
+    number: str,
+    angular_frequency: float,
+    origin: complex,
+    sense: float,
+    scale: float,
+    foot: str = "D",
+    *,
+    label: str = "y",
+    unit: str = "m",
+) -> Plane:
+    """A phase plane whose y axis points to the right (sense 1) or left (-1), its y-bar axis upwards."""
+    return Plane(
+        name,
+        angular_frequency,
+        Axis(f"{label}{number}", unit, origin, complex(sense), scale),
+        Axis(f"{label}{number}'/Ω{number}", unit, origin, 1j, scale),
+        f"P{number}",
+        f"{foot}{number}",
+    )
 
 
 def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
@@ -39,50 +60,6 @@ def round_step(span: float, count: int) -> float:
     return next(s * decade for s in (1.0, 2.0, 5.0, 10.0) if s * decade >= rough * (1.0 - 1e-9))
 
 
-def auxiliary_curves(
-    plane: Plane,
-    epsilon: Callable[[float, float], float],
-    frames: Sequence[Frame],
-    corners: Sequence[float] = (),
-) -> tuple[Curve, ...]:
-    """The family y = -epsilon(y-bar; y_i) for round values of y_i (AP57 section 3).
-
-    Parameters
-    ----------
-    epsilon : of y-bar and y, m
-    corners : values of y-bar at which the curves bend, m
-
-    Returns
-    -------
-    one curve without a label where epsilon does not depend on y
-    """
-    points = trail(plane, frames)
-    low, high = reach(plane.scaled_velocity, points)
-    largest = 1.1 * max(-low, high) or 0.01
-    grid = {largest * (2 * i / _POINTS - 1) for i in range(_POINTS + 1)}
-    levels = sorted(grid | {c for c in corners if abs(c) < largest})
-
-    def curve(y: float) -> tuple[complex, ...]:
-        y_bar = plane.scaled_velocity
-        return tuple(
-            plane.displacement.at(-epsilon(v, y)) + y_bar.direction * y_bar.scale * v
-            for v in levels
-        )
-
-    least, most = reach(plane.displacement, points)
-    interval = round_step((most - least) or 0.01, 5)
-    values = [interval * i for i in range(floor(least / interval), ceil(most / interval) + 1)]
-    family = [curve(y) for y in values]
-    apart = max(abs(p - q) for other in family for p, q in zip(family[0], other, strict=True))
-    if apart <= 1e-9 * abs(family[0][-1] - family[0][0]):
-        return (Curve("auxiliary", family[0]),)
-    label = plane.displacement.label
-    return tuple(
-        Curve("auxiliary", vertices, f"{label} = {100.0 * y:g} cm")
-        for vertices, y in zip(family, values, strict=True)
-    )
-
-
 def turn_angles(planes: Sequence[Plane], frames: Sequence[Frame], step: float) -> tuple[Curve, ...]:
     """The turn angles of all planes on a common arm, which is divided in centimetres of paper.
 
@@ -90,7 +67,7 @@ def turn_angles(planes: Sequence[Plane], frames: Sequence[Frame], step: float) -
     and 13).
     """
     vertex = frames[0].points["W"]
-    numbers = [plane.state[1:] for plane in planes]
+    numbers = [plane.number for plane in planes]
     longest = max(frame.points["N" + n].real for frame in frames for n in numbers) - vertex.real
     division = round_step(longest or 0.01, 5)
     count = max(1, ceil(longest / division))

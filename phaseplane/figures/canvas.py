@@ -13,8 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Frame, Plane
+from phaseplane.constructions.rules import REPEATED
 from phaseplane.constructions.sheet import reach, round_step, trail
-from phaseplane.constructions.steps import REPEATED
 from phaseplane.figures.lettering import Box, place, text_box, typeset
 from phaseplane.figures.style import Palette, new_figure, role_style
 

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import RULES, OneDofPlane, delta, march, rule_named, velocity
 from phaseplane.constructions import tangent as tangent_rule
-from phaseplane.constructions.steps import at_height, meet, turned
+from phaseplane.constructions.geometry import at_height, meet, turned
 from suspension.characteristics import cubic, linear
 
 coordinate = st.floats(-1.0, 1.0)
@@ -81,7 +81,7 @@ def test_osculating_circle_goes_through_both_points_and_is_seen_under_the_turn_a
     predicted = RULES["tangent"].move(*step).successors
     new_feet, _ = construct(predicted)
     for i, (p, d) in enumerate(zip(states, feet, strict=True)):
-        successor, centre = move.successors[i], move.helpers["S{}"][i]
+        successor, centre = move.successors[i], move.helpers["S{n}"][i]
         if successor == predicted[i]:
             continue  # no circle: the tangent stands in
         radius = abs(p - centre)
@@ -102,7 +102,7 @@ def test_midpoint_circle_is_seen_from_midway_between_the_feet(step):
     predicted = RULES["tangent"].move(*step).successors
     new_feet, _ = construct(predicted)
     for i, (p, d) in enumerate(zip(states, feet, strict=True)):
-        eye, successor = move.helpers["E{}"][i], move.successors[i]
+        eye, successor = move.helpers["E{n}"][i], move.successors[i]
         assert abs(eye - 0.5 * (d + new_feet[i])) < 1e-12
         sight = (successor - eye) * exp(-1j * angles[i])
         assert abs((sight * (p - eye).conjugate()).imag) < 1e-9 * (1.0 + abs(sight))

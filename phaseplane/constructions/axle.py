@@ -1,0 +1,279 @@
+"""Suspension and wheel of one axle in their two phase planes (AP57 sections 4 and 5).
+
+    y'' = -(1/M + 1/m) S + T/m,   x2'' = (S - T) / m,   S = Phi + F,  T = f + phi     (AP57 eq. 16)
+
+T is the tyre's bracket, or in flight what the tyre bears at rest. M is the body as this axle feels
+it alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+
+from phaseplane.constructions.construction import Window
+from phaseplane.constructions.coupling import Lines, lines_across
+from phaseplane.constructions.laws import Jumps, Strut
+from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.primitives import Curve, Frame
+from phaseplane.constructions.sheet import plane_at
+from phaseplane.constructions.steps import Points, States
+from suspension.roads import Signal
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where the two planes of an axle lie on the sheet.
+
+    Parameters
+    ----------
+    numbers : of the planes: suspension and wheel
+    scales : paper per displacement in either plane (a : 1 and b : 1)
+    heights : of the y axes, m of paper
+    offset : of the y-bar axis of the wheel's plane to the right of the other, m of paper
+    sense : of the suspension's y axis, 1 to the right; the wheel's has the other one
+    lines : the names of lines I and II
+    """
+
+    numbers: tuple[str, str]
+    scales: tuple[float, float]
+    heights: tuple[float, float]
+    offset: float = 0.0
+    sense: float = 1.0
+    lines: tuple[str, str] = ("I", "II")
+
+
+@dataclass(frozen=True)
+class Axle:
+    """One axle: what acts in it, and where it is drawn.
+
+    Parameters
+    ----------
+    strut : spring and damper between body and wheel
+    tyre : the tyre as spring f and damper phi
+    linear_tyre : whether f and phi are linear: plane 2 then shows x2 and the road comes in as h2, else
+        it shows y2 = x2 - xi and the road comes in as xi''
+    unsprung_mass : m, kg
+    body_compliance : 1/M, what a unit of this strut's force accelerates the body above it by, 1/kg
+    static_load : what the tyre bears at rest, N
+    road : xi(t), m
+    lift_off : whether the wheel may leave the road
+    place : on the sheet
+    prefix : of the names of its readings
+    foot : the letter of the foot of the normals in the suspension's plane
+    auxiliary_levels : the y_i of the auxiliary curves of the suspension, m; none: round values
+    """
+
+    strut: Strut
+    tyre: Strut
+    linear_tyre: bool
+    unsprung_mass: float
+    body_compliance: float
+    static_load: float
+    road: Signal
+    lift_off: bool
+    place: Place
+    prefix: str = ""
+    foot: str = "D"
+    auxiliary_levels: tuple[float, ...] = ()
+
+    @cached_property
+    def angular_frequencies(self) -> tuple[float, float]:
+        """Omega1^2 = c1 (1/M + 1/m), Omega2^2 = c2 / m, rad/s (AP57 eqs. 16 and 17)."""
+        wheel = 1.0 / self.unsprung_mass
+        return (
+            sqrt(self.strut.rate * (self.body_compliance + wheel)),
+            sqrt(self.tyre.rate * wheel),
+        )
+
+    @cached_property
+    def coupling(self) -> float:
+        """kappa = c2 / (m Omega1^2), what plane 2 weighs in plane 1 (AP57 eq. 18)."""
+        return self.tyre.rate / (self.unsprung_mass * self.angular_frequencies[0] ** 2)
+
+    @cached_property
+    def static_tyre_deflection(self) -> float:
+        """x2st, the bracket in flight, m (AP57 eq. 27)."""
+        return self.static_load / self.tyre.rate
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Lines I and II: kappa from plane 2 to plane 1, c1 / c2 from plane 1 to plane 2."""
+        a, b = self.place.scales
+        return Lines.between(
+            *self.place.heights, b / a, self.coupling, self.strut.rate / self.tyre.rate
+        )
+
+    @cached_property
+    def suspension(self) -> Lienard:
+        """Plane 1: y1 = y over its auxiliary curves y1 = -epsilon1(y-bar1; y1i)."""
+        place, omega = self.place, self.angular_frequencies[0]
+        n, scale = place.numbers[0], place.scales[0]
+        origin = complex(0.0, place.heights[0])
+        plane = plane_at(
+            f"{self.prefix}suspension_deflection", n, omega, origin, place.sense, scale, self.foot
+        )
+        return Lienard.of_strut(plane, self.strut, self.auxiliary_levels)
+
+    @cached_property
+    def wheel(self) -> Lienard:
+        """Plane 2: y2 = x2 over the line y2 = -(k2/c2) Omega2 y-bar2, or the tyre's deflection."""
+        place, omega = self.place, self.angular_frequencies[1]
+        n, scale = place.numbers[1], place.scales[1]
+        origin = complex(place.offset, place.heights[1])
+        shown = "wheel_displacement" if self.linear_tyre else "tyre_deflection"
+        foot = "D" if self.linear_tyre else "H"
+        plane = plane_at(f"{self.prefix}{shown}", n, omega, origin, -place.sense, scale, foot)
+        if not self.linear_tyre:
+            return Lienard.of_strut(plane, self.tyre)
+        ratio = self.tyre_ratio
+        return Lienard(plane, lambda y_bar, y: ratio * y_bar)
+
+    @cached_property
+    def tyre_ratio(self) -> float:
+        """(k2 / c2) Omega2, the slope of the auxiliary line of plane 2 (AP57 eq. 18)."""
+        return self.lag * self.angular_frequencies[1]
+
+    @cached_property
+    def lag(self) -> float:
+        """k2 / c2 of a linear tyre, s."""
+        return self.tyre.damping(1.0, 0.0) / self.tyre.rate
+
+    # The road.
+
+    @cached_property
+    def jumps(self) -> Jumps:
+        """The jumps of the road."""
+        return Jumps(self.road)
+
+    def excitation(self, window: Window) -> float:
+        """Mean over the window of h2 / c2 = xi + (k2 / c2) xi', m (AP57 eq. 13)."""
+        road = self.road
+        if window.duration == 0.0:
+            elevation, velocity, _, _ = road.derivatives(window.start)
+            return elevation + self.lag * velocity
+        start, end = window.start, window.end
+        rise = road.value(end) - road.value(start) - self.jumps.at(end)[0]
+        return (road.integral(start, end) + self.lag * rise) / window.duration
+
+    @property
+    def jolts(self) -> tuple[float, ...]:
+        """The instants at which the state points jump, s: a kerb; for plane 2 of y2 a kink as well."""
+        table = self.jumps.table
+        return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
+
+    def jolted(self, flies: bool, states: States, time: float) -> States:
+        """A kerb pushes the wheel through the tyre's damper, which does not pull if it can leave."""
+        height, kink = self.jumps.at(time)
+        idle = flies or not height or (self.lift_off and height < 0.0)
+        push = 0.0 if idle else self.tyre.damping_rate(-height) * height / self.unsprung_mass
+        one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)
+        moved = (0.0, push) if self.linear_tyre else (-height, push - kink)
+        two = self.wheel.state(*moved) - self.wheel.state(0.0, 0.0)
+        return states[0] + one, states[1] + two
+
+    # The construction.
+
+    @cached_property
+    def _letters(self) -> tuple[str, ...]:
+        one, two = self.place.numbers
+        return (
+            *(letter + n for letter in "PQA" for n in (one, two)),
+            f"A{one}*", f"A{two}*", f"B{two}", f"B{two[:-1]}0",
+            f"C{one}", f"C{two}", f"D{one}", f"D{two}", f"H{two}",
+        )  # fmt: skip
+
+    def points(self, flies: bool, p1: complex, p2: complex, window: Window) -> Points:
+        """P, Q, A, A*, B, C and D of figures 7 and 10, the road as its mean over the window.
+
+        Returns
+        -------
+        with C1 and C2 on lines I and II, in flight with C1 alone and B0 in the part of B2; with a tyre
+        that is not linear A2* is in the part of B2, and there is H2 beside D2
+        """
+        a, b = self.place.scales
+        sense = self.place.sense
+        n_p1, n_p2, n_q1, n_q2, n_a1, n_a2, n_f1, n_f2, n_b2, n_b0, *n_rest = self._letters
+        n_c1, n_c2, n_d1, n_d2, n_h2 = n_rest
+        q1, a1, foot1 = self.suspension.raised(p1)
+        q2, a2, foot2 = self.wheel.raised(p2)
+        points = {
+            n_p1: p1, n_p2: p2, n_q1: q1, n_q2: q2,
+            n_a1: a1, n_a2: a2, n_f1: foot1, n_f2: foot2,
+        }  # fmt: skip
+        bracket = foot2
+        if self.linear_tyre:
+            points[n_b2] = bracket = foot2 - sense * b * self.excitation(window)
+        points[n_b0] = without_contact = q2 + sense * b * self.static_tyre_deflection
+        if flies:
+            bracket = without_contact
+            weight = self.coupling * self.static_tyre_deflection
+            points[n_d1] = foot1 + sense * a * weight
+        else:
+            points[n_c2], points[n_d1] = self.lines.to_plane_1(foot1, bracket, q2)
+        points[n_c1], d2 = self.lines.to_plane_2(foot1, bracket, q1)
+        points[n_d2] = d2
+        if not self.linear_tyre:
+            acceleration = self.jumps.mean_acceleration(window.start, window.duration)
+            points[n_h2] = d2 + sense * b * acceleration / self.angular_frequencies[1] ** 2
+        return points
+
+    # Lift-off U and touchdown V.
+
+    def clearance(self, p2: complex, time: float) -> float:
+        """B2Q2 / b - x2st, m: negative in contact, zero at U and V (AP57 eq. 28)."""
+        q, _, foot = self.wheel.raised(p2)
+        bracket = -self.place.sense * (q - foot).real / self.place.scales[1]
+        if self.linear_tyre:
+            bracket -= self.excitation(Window(time))
+        return bracket - self.static_tyre_deflection
+
+    # What is read off.
+
+    def readings(self, flies: bool, points: Points, time: float) -> dict[str, float]:
+        """The motions of suspension and wheel off the sheet (AP57 eqs. 21 to 23), SI."""
+        n_p1, n_p2, n_q1, n_q2, _, _, _, n_f2, n_b2, *_ = self._letters
+        one, two = self.suspension, self.wheel
+        q1, q2 = points[n_q1], points[n_q2]
+        motion = (
+            two.displacement(q2),
+            two.velocity(points[n_p2], q2),
+            two.acceleration(q2, points[two.plane.foot]),
+        )
+        road = self.road.derivatives(time)[:3]
+        wheel = motion if self.linear_tyre else tuple(map(sum, zip(motion, road, strict=True)))
+        bracket = (q2 - points[n_b2 if self.linear_tyre else n_f2]).real
+        tyre = -self.place.sense * self.tyre.rate * bracket / self.place.scales[1]
+        prefix = self.prefix
+        return {
+            f"{prefix}suspension_deflection": one.displacement(q1),
+            f"{prefix}suspension_deflection_rate": one.velocity(points[n_p1], q1),
+            f"{prefix}suspension_deflection_acceleration": one.acceleration(
+                q1, points[one.plane.foot]
+            ),
+            f"{prefix}wheel_displacement": wheel[0],
+            f"{prefix}wheel_velocity": wheel[1],
+            f"{prefix}wheel_acceleration": wheel[2],
+            f"{prefix}road_elevation": road[0],
+            f"{prefix}contact_force": 0.0 if flies else self.static_load - tyre,
+        }
+
+    def strut_force(self, points: Points) -> float:
+        """S = Phi + F = c1 AP / a, N."""
+        n_p1, _, _, _, n_a1, *_ = self._letters
+        return self.strut.rate * self.suspension.displacement_between(points[n_a1], points[n_p1])
+
+    # What stays on the sheet.
+
+    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+        """The auxiliary curves of both planes, and lines I and II."""
+        return (
+            *self.suspension.curves(frames),
+            *self.wheel.curves(frames),
+            *lines_across(
+                self.lines, self.place.lines, (self.suspension.plane, self.wheel.plane), frames,
+                (self._letters[4], self._letters[8]),
+            ),
+        )  # fmt: skip

@@ -1,0 +1,40 @@
+"""The control of AP57 section 4: the motion of a body by another way than the planes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+
+def controlled(
+    body: str,
+    motion: tuple[float, float, float],
+    acceleration: float,
+    previous: Mapping[str, float] | None,
+    elapsed: float,
+) -> dict[str, float]:
+    """A body's motion from the forces on it, integrated on from the previous readings (AP57 eq. 25).
+
+    The acceleration is taken as linear over the time elapsed. It must agree with what the planes
+    give (eq. 24): the acceleration to rounding, displacement and velocity to the error of the step.
+
+    Parameters
+    ----------
+    body : what the names of its readings begin with
+    motion : its displacement, velocity and acceleration off the planes, SI; the first two are where
+        the control begins if there are no previous readings
+    acceleration : by the forces, m/s^2
+    elapsed : since the previous readings, s
+    """
+    displacement, velocity, _ = motion
+    if previous is not None:
+        before = previous[f"control_{body}_acceleration"]
+        old_velocity = previous[f"control_{body}_velocity"]
+        velocity = old_velocity + 0.5 * elapsed * (before + acceleration)
+        displacement = previous[f"control_{body}_displacement"] + elapsed * (
+            old_velocity + elapsed * (2.0 * before + acceleration) / 6.0
+        )
+    return {
+        f"control_{body}_displacement": displacement,
+        f"control_{body}_velocity": velocity,
+        f"control_{body}_acceleration": acceleration,
+    }

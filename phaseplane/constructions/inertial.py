@@ -1,0 +1,368 @@
+"""The construction in two planes coupled by inertia: the half car on rigid tyres (AP57 section 6).
+
+    M1 x1'' + M3 x2'' + Phi1 + F1 = 0,   M3 x1'' + M2 x2'' + Phi2 + F2 = 0,   y_i = x_i - xi_i (33)
+
+    y1 + delta1 = y1 + (Phi1 + G1) / c1 - kappa1 [y2 + (Phi2 + G2) / c2] + xi1'' / Omega1^2    (36)
+
+with kappa1 = (M3 / M2) (c2 / c1), and the indices exchanged for plane 2. For M3 > 0 the y axes have
+opposite senses; for M3 < 0 the same, so that lines I and II stay between them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+from typing import ClassVar
+
+from phaseplane.constructions.construction import CONTACT, Construction, Window
+from phaseplane.constructions.control import controlled
+from phaseplane.constructions.coupling import Lines, lines_across
+from phaseplane.constructions.laws import (
+    LEVEL_ROAD,
+    Damper,
+    Jumps,
+    Strut,
+    check_finite,
+    check_pairs,
+    check_positive,
+)
+from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.sheet import plane_at
+from phaseplane.constructions.steps import Points, States
+from suspension.characteristics import Characteristic
+from suspension.roads import Signal
+
+AXLES = ("front", "rear")
+
+
+def inertial_scheme() -> Scheme:
+    """Figure 12 in the order of drawing."""
+    return scheme(
+        (
+            "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
+            marks("state", "P1 P2"),
+            marks("foot", "Q1 Q2"),
+            strokes("foot", "P1-Q1 P2-Q2"),
+        ),
+        (
+            "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: "
+            "A1*, A2*.",
+            marks("construction", "A1 A2 A1* A2*"),
+            strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
+        ),
+        (
+            "A1*A2* cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 gives "
+            "D1.",
+            marks("projection", "C1 C2 D1 D2"),
+            strokes("projection", "A1*-A2* Q1-D2 Q2-D1"),
+        ),
+        (
+            "From D1, D2 against the y axes by xi''/Omega^2 of their roads, the mean over the step: "
+            "H1, H2.",
+            marks("normal", "H1 H2"),
+            strokes("excitation", "D1-H1 D2-H2"),
+        ),
+        (
+            "H1P1 and H2P2 are the normals of the integral curves.",
+            strokes("normal", "H1-P1 H2-P2"),
+        ),
+        (
+            "Their lengths on the common arm of the turn angles: the arcs are the ways to go.",
+            turn_arcs(("1", "2")),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class BodyMasses:
+    """The body as masses over its two axles (AP57 eqs. 33 and 34).
+
+    Parameters
+    ----------
+    front_mass, rear_mass, coupling_mass : M1, M2 and M3, kg
+
+    Raises
+    ------
+    ValueError : masses that are not positive, or M1 M2 not above M3^2.
+    """
+
+    front_mass: float
+    rear_mass: float
+    coupling_mass: float
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(self, ("front_mass", "rear_mass"))
+        check_finite(self, ("coupling_mass",))
+        if not self.determinant > 0.0:
+            raise ValueError(
+                f"coupling_mass = {self.coupling_mass:g} kg: its square must be below front_mass times "
+                f"rear_mass, {self.front_mass * self.rear_mass:g} kg2"
+            )
+
+    @property
+    def determinant(self) -> float:
+        """Delta = M1 M2 - M3^2, kg^2."""
+        return self.front_mass * self.rear_mass - self.coupling_mass**2
+
+    @property
+    def compliances(self) -> tuple[float, float]:
+        """M2 / Delta and M1 / Delta: what a force over an axle accelerates the body there by, 1/kg."""
+        return self.rear_mass / self.determinant, self.front_mass / self.determinant
+
+    @property
+    def cross_compliance(self) -> float:
+        """M3 / Delta: what a force over one axle accelerates the body over the other by, 1/kg."""
+        return self.coupling_mass / self.determinant
+
+    def accelerations(self, front_force: float, rear_force: float) -> tuple[float, float]:
+        """x1'' and x2'' under the forces S1 and S2 of the struts, m/s^2 (AP57 eq. 34)."""
+        own, cross = self.compliances, self.cross_compliance
+        return cross * rear_force - own[0] * front_force, cross * front_force - own[1] * rear_force
+
+
+@dataclass(frozen=True)
+class HalfCarRigidTyresPlanes(Construction):
+    """A body on two axles that follow the road, and the sheet they are drawn on.
+
+    Parameters
+    ----------
+    front_mass, rear_mass, coupling_mass : M1, M2 and M3, kg; M3 of either sign
+    front_spring, rear_spring : F1(y1) and F2(y2), N
+    front_damper, rear_damper : Phi1(y1', y1) and Phi2(y2', y2), N
+    front_road, rear_road : xi1(t) and xi2(t), m; where they jump, the state points jump with them
+    plane_scales : paper per displacement in plane 1 and plane 2; AP57 takes the same (a : 1)
+    plane_distance : l, from the y1 axis down to the y2 axis, m of paper
+    plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
+    initial_deflections, initial_rates : y_i and y_i' at time 0, m and m/s
+    protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below plane 2
+    auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
+        lies on the curve of P's own y
+
+    Raises
+    ------
+    ValueError : masses, scales or distance that are not positive, a coupling mass too large, a value
+        that is not finite, a spring without a positive rate at 0, a force at rest.
+    """
+
+    front_mass: float
+    rear_mass: float
+    coupling_mass: float
+    front_spring: Characteristic
+    rear_spring: Characteristic
+    front_damper: Damper
+    rear_damper: Damper
+    front_road: Signal = LEVEL_ROAD
+    rear_road: Signal = LEVEL_ROAD
+    plane_scales: tuple[float, float] = (1.0, 1.0)
+    plane_distance: float = 0.25
+    plane_offset: float = 0.0
+    initial_deflections: tuple[float, float] = (0.0, 0.0)
+    initial_rates: tuple[float, float] = (0.0, 0.0)
+    protractor_at: complex | None = None
+    auxiliary_levels: tuple[float, ...] = ()
+
+    title: ClassVar[str] = "Half car on rigid tyres in two phase planes"
+    schemes: ClassVar[Mapping[str, Scheme]] = {CONTACT: inertial_scheme()}
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(self, ("plane_distance",))
+        check_finite(self, ("plane_offset",))
+        check_pairs(self, ("plane_scales",), positive=True)
+        check_pairs(self, ("initial_deflections", "initial_rates"))
+        _ = self.masses, self.struts
+
+    # What follows from the data.
+
+    @cached_property
+    def masses(self) -> BodyMasses:
+        """M1, M2 and M3."""
+        return BodyMasses(self.front_mass, self.rear_mass, self.coupling_mass)
+
+    @cached_property
+    def struts(self) -> tuple[Strut, Strut]:
+        """Springs and dampers."""
+        return (
+            Strut(self.front_spring, self.front_damper),
+            Strut(self.rear_spring, self.rear_damper),
+        )
+
+    @cached_property
+    def angular_frequencies(self) -> tuple[float, float]:
+        """Omega_i^2 = (c_i / M_i) M1 M2 / (M1 M2 - M3^2), rad/s (AP57 eq. 35)."""
+        one, two = (
+            sqrt(strut.rate * own)
+            for strut, own in zip(self.struts, self.masses.compliances, strict=True)
+        )
+        return one, two
+
+    @cached_property
+    def couplings(self) -> tuple[float, float]:
+        """kappa1 = (M3 / M2) (c2 / c1) and kappa2 = (M3 / M1) (c1 / c2), with sign (AP57 eq. 36)."""
+        one, two = (strut.rate for strut in self.struts)
+        m3 = self.coupling_mass
+        return m3 / self.rear_mass * two / one, m3 / self.front_mass * one / two
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Lines I and II between the y axes."""
+        a, b = self.plane_scales
+        to_1, to_2 = map(abs, self.couplings)
+        return Lines.between(0.0, -self.plane_distance, b / a, to_1, to_2)
+
+    @cached_property
+    def lienards(self) -> tuple[Lienard, Lienard]:
+        """Both planes with their auxiliary curves."""
+        origins = (0j, complex(self.plane_offset, -self.plane_distance))
+        senses = (1.0, -1.0 if self.coupling_mass >= 0.0 else 1.0)
+        one, two = (
+            Lienard.of_strut(
+                plane_at(
+                    f"{axle}_suspension_deflection", str(i), omega, origin, sense, scale, "H"
+                ),
+                strut,
+                self.auxiliary_levels,
+            )
+            for i, (axle, omega, strut, origin, sense, scale) in enumerate(
+                zip(
+                    AXLES, self.angular_frequencies, self.struts, origins, senses,
+                    self.plane_scales, strict=True,
+                ),
+                start=1,
+            )
+        )  # fmt: skip
+        return one, two
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """Plane 1 with its origin in that of the sheet, and plane 2 under it."""
+        return tuple(one.plane for one in self.lienards)
+
+    @cached_property
+    def initial(self) -> States:
+        """The state points at time 0."""
+        return tuple(
+            one.state(y, rate)
+            for one, y, rate in zip(
+                self.lienards, self.initial_deflections, self.initial_rates, strict=True
+            )
+        )
+
+    @cached_property
+    def protractor(self) -> complex:
+        """The vertex of the turn angles on the sheet."""
+        if self.protractor_at is not None:
+            return self.protractor_at
+        return complex(self.plane_offset, 0.0) + complex(-1.2, -1.5) * self.plane_distance
+
+    # The construction.
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """P, Q, A, A*, C, D and H of figure 12, the roads' accelerations as means over the window."""
+        one, two = self.lienards
+        p1, p2 = states
+        q1, a1, foot1 = one.raised(p1)
+        q2, a2, foot2 = two.raised(p2)
+        c1, d2 = self.lines.to_plane_2(foot1, foot2, q1)
+        c2, d1 = self.lines.to_plane_1(foot1, foot2, q2)
+        shift1, shift2 = (
+            one.plane.displacement.direction
+            * one.plane.displacement.scale
+            * jumps.mean_acceleration(window.start, window.duration)
+            / omega**2
+            for one, jumps, omega in zip(
+                self.lienards, self.jumps, self.angular_frequencies, strict=True
+            )
+        )
+        return {
+            "P1": p1, "P2": p2, "Q1": q1, "Q2": q2, "A1": a1, "A2": a2, "A1*": foot1, "A2*": foot2,
+            "C1": c1, "C2": c2, "D1": d1, "D2": d2, "H1": d1 - shift1, "H2": d2 - shift2,
+        }  # fmt: skip
+
+    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+        """The auxiliary curves of both planes, and lines I and II."""
+        one, two = self.lienards
+        across = lines_across(
+            self.lines, ("I", "II"), (one.plane, two.plane), frames, ("A1", "A2", "D1", "D2")
+        )
+        return (*one.curves(frames), *two.curves(frames), *across)
+
+    # Where the roads jump.
+
+    @cached_property
+    def jumps(self) -> tuple[Jumps, Jumps]:
+        """The jumps of both roads."""
+        return Jumps(self.front_road), Jumps(self.rear_road)
+
+    @cached_property
+    def jolts(self) -> tuple[float, ...]:
+        """The instants at which a road or its velocity jumps, s."""
+        return tuple(sorted({t for one in self.jumps for t in one.table}))
+
+    def jolted(self, mode: str, states: States, time: float) -> States:
+        """y falls by the jump of xi and y' by that of xi'; a kerb pushes through the damper as well."""
+        heights, kinks = zip(*(one.at(time) for one in self.jumps), strict=True)
+        pushes = [
+            strut.damping_rate(-height) * -height if height else 0.0
+            for strut, height in zip(self.struts, heights, strict=True)
+        ]
+        changes = self.masses.accelerations(*pushes)
+        return tuple(
+            p + one.state(-height, change - kink) - one.state(0.0, 0.0)
+            for p, one, height, kink, change in zip(
+                states, self.lienards, heights, kinks, changes, strict=True
+            )
+        )
+
+    # What is read off.
+
+    def readings(
+        self,
+        mode: str,
+        states: States,
+        time: float,
+        previous: Mapping[str, float] | None,
+        elapsed: float,
+    ) -> dict[str, float]:
+        """Displacements, velocities and accelerations off the sheet (AP57 eq. 39), SI.
+
+        The control is the body's acceleration over either axle by the forces S_i = c_i A_iP_i / a of
+        its struts, integrated twice.
+        """
+        points = self.points(mode, states, Window(time))
+        forces = [
+            strut.rate * one.displacement_between(points[f"A{n}"], points[f"P{n}"])
+            for n, strut, one in zip("12", self.struts, self.lienards, strict=True)
+        ]
+        read: dict[str, float] = {}
+        for axle, n, one, road, by_force in zip(
+            AXLES,
+            "12",
+            self.lienards,
+            (self.front_road, self.rear_road),
+            self.masses.accelerations(*forces),
+            strict=True,
+        ):
+            q = points[f"Q{n}"]
+            deflection = (
+                one.displacement(q),
+                one.velocity(points[f"P{n}"], q),
+                one.acceleration(q, points[f"H{n}"]),
+            )
+            xi = road.derivatives(time)
+            body = (xi[0] + deflection[0], xi[1] + deflection[1], xi[2] + deflection[2])
+            read |= {
+                f"{axle}_suspension_deflection": deflection[0],
+                f"{axle}_suspension_deflection_rate": deflection[1],
+                f"{axle}_suspension_deflection_acceleration": deflection[2],
+                f"{axle}_body_displacement": body[0],
+                f"{axle}_body_velocity": body[1],
+                f"{axle}_body_acceleration": body[2],
+                f"{axle}_road_elevation": xi[0],
+            } | controlled(f"{axle}_body", body, by_force, previous, elapsed)
+        return read

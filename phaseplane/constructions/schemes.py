@@ -1,0 +1,38 @@
+"""How schemes are written down: stage after stage, points and lines by their letters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from phaseplane.constructions.primitives import Arc, Mark, Scheme, Stroke
+
+Part = Mark | Stroke | Arc
+
+
+def marks(role: str, letters: str) -> Iterator[Mark]:
+    """Lettered points: `"P1 Q1"`."""
+    return (Mark(role, letter, 0, letter) for letter in letters.split())
+
+
+def strokes(role: str, ends: str) -> Iterator[Stroke]:
+    """Straight lines: `"P1-Q1 A1-A1*"`."""
+    lines = (line.split("-") for line in ends.split())
+    return (Stroke(role, start, end, 0) for start, end in lines)
+
+
+def turn_arcs(numbers: tuple[str, ...]) -> Iterator[Arc]:
+    """The arcs of the turn angles, one for each plane."""
+    return (Arc("arc", "W", f"N{n}", f"N{n}'", 0) for n in numbers)
+
+
+def scheme(*stages: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
+    """A scheme of stages, each given by what is done in words and by what it adds to the sheet."""
+    placed = [
+        (i, part) for i, (_, *added) in enumerate(stages) for parts in added for part in parts
+    ]
+    return Scheme(
+        tuple(words for words, *_ in stages),
+        tuple(Mark(p.role, p.point, i, p.label) for i, p in placed if isinstance(p, Mark)),
+        tuple(Stroke(p.role, p.start, p.end, i) for i, p in placed if isinstance(p, Stroke)),
+        tuple(Arc(p.role, p.centre, p.start, p.end, i) for i, p in placed if isinstance(p, Arc)),
+    )

@@ -1,0 +1,82 @@
+"""One step of a rule on a construction."""
+
+from __future__ import annotations
+
+from cmath import exp, isfinite
+
+from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.primitives import Plane
+from phaseplane.constructions.rules import REPEATED, Rule
+from phaseplane.constructions.steps import Points, States, along_tangent
+
+_FARTHEST = 1e6  # m of displacement: no sheet, and no car, is so large
+
+
+def signed_frequency(plane: Plane) -> float:
+    """Rate at which the normal turns on the sheet, rad/s, anticlockwise positive.
+
+    While time runs, y grows where y-bar is positive (AP57 section 3): clockwise where y points to
+    the right and y-bar upwards, the other way where y points to the left (AP57 figure 8).
+    """
+    y, y_bar = plane.displacement.direction, plane.scaled_velocity.direction
+    return -(y.conjugate() * y_bar).imag * plane.angular_frequency
+
+
+class Stepper:
+    """A rule on a construction: makes steps, each with all its points."""
+
+    def __init__(self, construction: Construction, rule: Rule) -> None:
+        self.construction = construction
+        self.rule = rule
+        self.planes = construction.planes
+        self.rates = tuple(signed_frequency(plane) for plane in self.planes)
+        self.numbers = tuple(plane.number for plane in self.planes)
+        self.feet = tuple(plane.foot for plane in self.planes)
+        self._names: dict[str, tuple[str, ...]] = {}
+
+    def _named(self, template: str) -> tuple[str, ...]:
+        if template not in self._names:
+            self._names[template] = tuple(template.format(n=number) for number in self.numbers)
+        return self._names[template]
+
+    def step(self, mode: str, states: States, window: Window) -> tuple[Points, States]:
+        """All points of a step, and the states at its end: the successors P' and what is remembered.
+
+        Raises
+        ------
+        OverflowError : a successor lies off every sheet.
+        """
+        construction = self.construction
+        count = len(self.planes)
+        moving, memory = states[:count], states[count:]
+
+        def construct(at: States) -> tuple[States, Points]:
+            points = construction.points(mode, at + memory, window)
+            return tuple([points[foot] for foot in self.feet]), points
+
+        feet, points = construct(moving)
+        turns = [rate * window.duration for rate in self.rates]
+        move = self.rule.move(moving, feet, turns, construct)
+        for name, point in move.repeated.items():
+            points[name + REPEATED] = point
+        for template, helpers in move.helpers.items():
+            points.update(zip(self._named(template), helpers, strict=True))
+        points.update(zip(self._named("P{n}'"), move.successors, strict=True))
+        vertex = construction.protractor
+        points["W"] = vertex
+        for number, p, d, turn in zip(self.numbers, moving, feet, turns, strict=True):
+            length = abs(p - d)
+            points["N" + number] = vertex + length
+            points["N" + number + "'"] = vertex + length * exp(1j * abs(turn))
+        for plane, successor in zip(self.planes, move.successors, strict=True):
+            distance = abs(successor - plane.displacement.origin)
+            if not isfinite(successor) or distance > _FARTHEST * plane.displacement.scale:
+                raise OverflowError
+        return points, move.successors + memory
+
+    def way(self, states: States, points: Points, duration: float) -> States:
+        """Along the tangents for so long, s; what is remembered stays."""
+        feet = [points[foot] for foot in self.feet]
+        steps = zip(states, feet, self.rates, strict=False)
+        moved = [along_tangent(p, d, rate * duration) for p, d, rate in steps]
+        return (*moved, *[0j] * (len(states) - len(moved)))

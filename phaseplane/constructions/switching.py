@@ -1,0 +1,134 @@
+"""Where within a step a mode ends: the first instant at which one of its margins becomes negative."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+from phaseplane.constructions.construction import Window
+from phaseplane.constructions.stepping import Stepper
+from phaseplane.constructions.steps import Points, States
+
+_LOOKS = (0.25, 0.5, 0.75)  # parts of a step at which one looks in between
+_DOUBTFUL = 0.05  # part of the largest margin above which a dip is no touch
+
+
+class End(NamedTuple):
+    """Which limit of the mode is reached, and after what time of the window, s."""
+
+    limit: int
+    part: float
+
+
+def first_end(
+    stepper: Stepper,
+    mode: str,
+    states: States,
+    window: Window,
+    points: Points,
+    successors: States,
+    *,
+    fresh: bool,
+) -> End | None:
+    """The earliest end of the mode within a window, if there is one.
+
+    Parameters
+    ----------
+    points, successors : of the step through the whole window
+    fresh : whether the mode has just begun, its margin being zero but for rounding
+    """
+    margins = stepper.construction.margins
+    last = margins(mode, successors, window.end)
+    if not last:
+        return None
+    way = stepper.way(states, points, window.duration)
+
+    def between(part: float) -> tuple[float, ...]:
+        parabolas = zip(states, way, successors, strict=True)
+        at = tuple([p + part * (t + part * (q - p - t)) for p, t, q in parabolas])
+        return margins(mode, at, window.start + part * window.duration)
+
+    rows = (margins(mode, states, window.start), *map(between, _LOOKS), last)
+    found: End | None = None
+    for limit, course in enumerate(zip(*rows, strict=True)):
+
+        def left(part: float, limit: int = limit) -> float:
+            within = Window(window.start, part)
+            _, at = stepper.step(mode, states, within)
+            return margins(mode, at, within.end)[limit]
+
+        part = _end_of(course, left, window.duration, fresh=fresh)
+        if part is not None and (found is None or part < found.part):
+            found = End(limit, part)
+    return found
+
+
+def _end_of(
+    course: Sequence[float], left: Callable[[float], float], duration: float, *, fresh: bool
+) -> float | None:
+    """When a margin becomes negative, s, from its course over the window.
+
+    Right after a change the margin is zero; if it does not grow from there either, the curve only
+    touches the limit, and the whole window is made in the present mode.
+    """
+    for start, end in _descents(course):
+        low, high = start * duration, end * duration
+        f_high = course[-1] if end == 1.0 else left(high)
+        if f_high >= 0.0:
+            continue  # between the curve and the parabola that stood for it
+        f_low = course[0] if start == 0.0 else left(low)
+        if f_low <= 0.0 or (fresh and start == 0.0):
+            grown = ((part, f) for part in _halves(high) if (f := left(part)) > 0.0)
+            low, f_low = next(grown, (0.0, 0.0))
+            if low == 0.0:
+                return duration if course[-1] < 0.0 else None
+        return _root(left, low, f_low, high, f_high)
+    return None
+
+
+def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
+    """Between which parts of the window a margin may fall through zero, dips included."""
+    parts = (0.0, *_LOOKS, 1.0)
+    doubtful = _DOUBTFUL * max(course)
+    positive: int | None = 0  # where the margin was positive last
+    for i in range(1, len(course)):
+        before, here = course[i - 1], course[i]
+        if before > 0.0:
+            positive = i - 1
+        if here < 0.0 and positive is not None:
+            yield parts[positive], parts[i]
+            positive = None
+        elif i + 1 < len(course) and before > here < course[i + 1]:
+            bend = before - 2.0 * here + course[i + 1]
+            fall = before - course[i + 1]
+            if here - 0.125 * fall * fall / bend < doubtful:
+                yield parts[i - 1], parts[i] + 0.5 * fall / bend * parts[1]
+
+
+def _halves(whole: float) -> Iterator[float]:
+    for i in range(1, 11):
+        yield whole / 2**i
+
+
+def _root(
+    function: Callable[[float], float], low: float, f_low: float, high: float, f_high: float
+) -> float:
+    """Zero of a function, positive at `low` and negative at `high`, by the Illinois rule."""
+    side = 0
+    middle = high
+    for _ in range(100):
+        middle = (f_low * high - f_high * low) / (f_low - f_high)
+        f = function(middle)
+        if f > 0.0:
+            low, f_low = middle, f
+            f_high *= 0.5 if side == 1 else 1.0
+            side = 1
+        elif f < 0.0:
+            high, f_high = middle, f
+            f_low *= 0.5 if side == -1 else 1.0
+            side = -1
+        else:
+            break
+        if high - low <= 1e-14 * high:
+            break
+    return middle
