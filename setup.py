@@ -16,7 +16,9 @@ NAME = kernel_name()
 STAGE = Path("build") / NAME
 # -ffp-contract=off: a fused multiply-add rounds once, so compiled and uncompiled runs would differ.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
-MODULES = ("linear", "bernstein", "network", "stepper", "integrator")
+MODULES = (
+    "linear", "bernstein", "signals", "laws", "elements", "network", "stepper", "integrator",
+)  # fmt: skip
 
 
 def staged() -> None:

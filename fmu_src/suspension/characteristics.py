@@ -1,8 +1,9 @@
-"""Force characteristics of springs, dampers, stops and tyres, as piecewise cubic polynomials.
+"""Force characteristics of springs, dampers, stops and tyres, as chains of pieces.
 
 Every law that one element needs (a line, a cubic spring, a damper with blow-off, a table, an end
-stop) is a chain of cubic pieces. One representation therefore gives force, tangent, potential and
-corners, and the integrator evaluates the very same numbers.
+stop) is a chain of cubic pieces, each with a saturating term where wanted. One representation
+therefore gives force, tangent, potential and corners, and the integrator evaluates the very same
+numbers.
 
 The argument is a deflection in m (springs) or a rate in m/s (dampers); extension is positive, and
 so is a force that pulls the two ends together (AP57 section 2).
@@ -14,36 +15,55 @@ from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import inf, isfinite
+from math import exp, inf, isfinite, log, log1p, sinh, tanh
 
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """One piece: c0 + c1 s + c2 s^2 + c3 s^3 with s = x - origin, valid from `start` upwards."""
+    """One piece: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin.
+
+    It is valid from `start` upwards; `scale` > 0.
+    """
 
     start: float
     origin: float
     coefficients: tuple[float, float, float, float]
+    saturation: float = 0.0
+    scale: float = 1.0
 
     def force(self, x: float) -> float:
         s = x - self.origin
         c0, c1, c2, c3 = self.coefficients
-        return c0 + s * (c1 + s * (c2 + s * c3))
+        force = c0 + s * (c1 + s * (c2 + s * c3))
+        return force + self.saturation * tanh(s / self.scale) if self.saturation else force
 
     def tangent(self, x: float) -> float:
         s = x - self.origin
         _, c1, c2, c3 = self.coefficients
-        return c1 + s * (2.0 * c2 + s * 3.0 * c3)
+        tangent = c1 + s * (2.0 * c2 + s * 3.0 * c3)
+        if not self.saturation:
+            return tangent
+        w = exp(-2.0 * abs(s / self.scale))
+        return tangent + self.saturation / self.scale * 4.0 * w / (1.0 + w) ** 2
 
     def antiderivative(self, x: float) -> float:
         s = x - self.origin
         c0, c1, c2, c3 = self.coefficients
-        return s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+        integral = s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
+        if not self.saturation:
+            return integral
+        return integral + self.saturation * self.scale * log_cosh(s / self.scale)
+
+
+def log_cosh(u: float) -> float:
+    """log cosh u, the integral of tanh, which neither overflows nor cancels."""
+    x = abs(u)
+    return 0.5 * log1p(sinh(x) ** 2) if x < 1.0 else x + log1p(exp(-2.0 * x)) - log(2.0)
 
 
 @dataclass(frozen=True, slots=True)
 class Characteristic:
-    """A continuous force law made of cubic pieces in ascending order.
+    """A continuous force law made of pieces in ascending order.
 
     Parameters
     ----------
@@ -95,25 +115,95 @@ class Characteristic:
     @property
     def is_zero(self) -> bool:
         """Whether the force is zero everywhere, so that the element may be left out."""
-        return all(c == 0.0 for piece in self.pieces for c in piece.coefficients)
+        return all(
+            c == 0.0 for piece in self.pieces for c in (*piece.coefficients, piece.saturation)
+        )
+
+    def argument(self, force: float) -> float:
+        """The least x at which a law that rises has this force; infinite if it never has.
+
+        Straight pieces give it at once, others by bisection.
+        """
+        for k, piece in enumerate(self.pieces):
+            end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
+            if end < inf and piece.force(end) < force:
+                continue
+            c0, c1, c2, c3 = piece.coefficients
+            if c2 == c3 == piece.saturation == 0.0:
+                if c0 == force:
+                    return piece.origin
+                return piece.origin + (force - c0) / c1 if c1 > 0.0 else inf
+            return _bisected(piece, force, piece.start, end)
+        return inf
+
+    def moved(self, x: float, force: float) -> Characteristic:
+        """The same law read from another origin, which lay at x and that force before."""
+        return Characteristic(
+            tuple(
+                replace(
+                    piece,
+                    start=piece.start - x,
+                    origin=piece.origin - x,
+                    coefficients=(piece.coefficients[0] - force, *piece.coefficients[1:]),
+                )
+                for piece in self.pieces
+            )
+        )
 
     def __add__(self, other: Characteristic) -> Characteristic:
-        """Two laws acting side by side."""
-        pieces = []
-        for start in (-inf, *sorted({*self.corners, *other.corners})):
-            pair = (self._piece(start), other._piece(start))
-            origin = min((piece.origin for piece in pair), key=abs)
-            shifted = (_moved(piece, origin) for piece in pair)
-            coefficients = tuple(a + b for a, b in zip(*shifted, strict=True))
-            pieces.append(Piece(start, origin, coefficients))
-        return Characteristic(tuple(pieces))
+        """Two laws acting side by side.
+
+        Raises
+        ------
+        ValueError : both saturate, about different points or over different scales; make them two
+            elements.
+        """
+        starts = (-inf, *sorted({*self.corners, *other.corners}))
+        return Characteristic(
+            tuple(_side_by_side(start, self._piece(start), other._piece(start)) for start in starts)
+        )
 
 
-def _moved(piece: Piece, origin: float) -> tuple[float, float, float, float]:
+def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
+    """The sum of two pieces, from `start` on."""
+    saturating = [piece for piece in (one, other) if piece.saturation]
+    if len({(piece.origin, piece.scale) for piece in saturating}) > 1:
+        raise ValueError("two laws that saturate apart do not add to one; make them two elements")
+    origin = min((piece.origin for piece in saturating or (one, other)), key=abs)
+    a0, a1, a2, a3 = _about(one, origin)
+    b0, b1, b2, b3 = _about(other, origin)
+    saturation = sum(piece.saturation for piece in saturating)
+    scale = saturating[0].scale if saturating else 1.0
+    return Piece(start, origin, (a0 + b0, a1 + b1, a2 + b2, a3 + b3), saturation, scale)
+
+
+def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
     """The coefficients of the same cubic about another origin."""
+    cubic = replace(piece, saturation=0.0)
     _, _, c2, c3 = piece.coefficients
     s = origin - piece.origin
-    return (piece.force(origin), piece.tangent(origin), c2 + 3.0 * c3 * s, c3)
+    return (cubic.force(origin), cubic.tangent(origin), c2 + 3.0 * c3 * s, c3)
+
+
+def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
+    """Where a piece that rises from low to high, which may be infinite, has this force."""
+    reach = piece.scale if piece.saturation else 1.0
+    while low == -inf:
+        low = (piece.origin if high == inf else high) - reach
+        if piece.force(low) > force:
+            low, reach = -inf, 2.0 * reach
+        if reach > 1e30:
+            return -inf
+    reach = 1.0
+    while high == inf:
+        high = low + reach
+        if piece.force(high) < force:
+            high, reach = inf, 2.0 * reach
+        if reach > 1e30:
+            return inf
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if piece.force(middle) < force else (low, middle)
+    return high
 
 
 def linear(rate: float) -> Characteristic:
@@ -124,6 +214,46 @@ def linear(rate: float) -> Characteristic:
 def cubic(rate: float, cubic_rate: float) -> Characteristic:
     """Hardening (or softening) spring F = rate x + cubic_rate x^3."""
     return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, cubic_rate)),))
+
+
+def constant(value: float) -> Characteristic:
+    """The same everywhere: a factor on a damper, a force that never changes."""
+    return Characteristic((Piece(-inf, 0.0, (value, 0.0, 0.0, 0.0)),))
+
+
+def saturating(rate: float, force: float, bump_rate: float | None = None) -> Characteristic:
+    """Smooth law that starts at `rate` and never exceeds `force`: F = force tanh(rate x / force).
+
+    Parameters
+    ----------
+    rate : slope at zero, N per unit of x; > 0
+    force : approached for large x, N; > 0
+    bump_rate : slope at zero on the side of x < 0, if it differs
+
+    Raises
+    ------
+    ValueError : a rate or force that is not positive.
+    """
+    for value in (rate, force, rate if bump_rate is None else bump_rate):
+        if not 0.0 < value < inf:
+            raise ValueError(f"rates and force of what saturates must be positive, {value:g} given")
+    straight = (0.0, 0.0, 0.0, 0.0)
+    rebound = Piece(-inf, 0.0, straight, force, force / rate)
+    if bump_rate is None or bump_rate == rate:
+        return Characteristic((rebound,))
+    bump = Piece(-inf, 0.0, straight, force, force / bump_rate)
+    return Characteristic((bump, replace(rebound, start=0.0)))
+
+
+def hat(points: Sequence[float], k: int) -> Characteristic:
+    """1 at the k-th of ascending points, 0 at all others, straight between, level beyond the ends.
+
+    The hats of all points add up to 1: a family of curves for fixed points is interpolated by them.
+    """
+    near = points[max(k - 1, 0) : k + 2]
+    if len(near) == 1:
+        return constant(1.0)
+    return polyline([(x, float(x == points[k])) for x in near], 0.0, 0.0)
 
 
 def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) -> Characteristic:

@@ -41,13 +41,22 @@ class Contact:
 
 
 class State:
-    """Motion, deflections and forces of a system at one instant; what is not asked for is not made."""
+    """Motion, deflections and forces at the instant an integrator has sampled last.
+
+    What is not asked for is not made.
+    """
 
     def __init__(
-        self, system: System, q: Sequence[float], v: Sequence[float], signals: Mapping[str, Signal],
-        time: float,
-    ) -> None:  # fmt: skip
-        self._system, self.q, self.v, self._sources, self._time = system, q, v, signals, time
+        self, system: System, integrator: Any, signals: Mapping[str, Signal], time: float
+    ) -> None:
+        self._system, self._integrator, self._sources, self._time = (
+            system,
+            integrator,
+            signals,
+            time,
+        )
+        self.q: Sequence[float] = integrator.sample_q
+        self.v: Sequence[float] = integrator.sample_v
 
     @cached_property
     def signals(self) -> dict[str, tuple[float, float, float, float]]:
@@ -66,39 +75,26 @@ class State:
         ]
 
     @cached_property
+    def _read(self) -> tuple[list[float], list[float], list[float]]:
+        """Forces, accelerations and permanent sets, from the equation of motion."""
+        self._integrator.sample_forces(self._time)
+        i = self._integrator
+        return list(i.sample_f), list(i.sample_a), list(i.sample_set)
+
+    @property
     def forces(self) -> list[float]:
         """Force of every element."""
-        return [
-            min(e.spring.force(d) + e.damper.force(w), e.limit)
-            for e, (d, w) in zip(self._system.elements, self.deflections, strict=True)
-        ]
+        return self._read[0]
 
-    @cached_property
+    @property
     def a(self) -> list[float]:
-        """Accelerations, from the equation of motion."""
-        net = [0.0] * len(self.q)
-        for element, force in zip(self._system.elements, self.forces, strict=True):
-            for i, b in enumerate(element.direction):
-                net[i] -= b * force
-        for load in self._system.loads:
-            for i, b in enumerate(load.direction):
-                net[i] += b * self.signals[load.signal][0]
-        return _solved(self._system.mass, net)
+        """Accelerations."""
+        return self._read[1]
 
-
-def _solved(matrix: tuple[tuple[float, ...], ...], right: list[float]) -> list[float]:
-    """Solve a small symmetric positive definite system by elimination."""
-    n = len(right)
-    rows = [[*row, x] for row, x in zip(matrix, right, strict=True)]
-    for k in range(n):
-        for i in range(k + 1, n):
-            if rows[i][k] != 0.0:
-                ratio = rows[i][k] / rows[k][k]
-                rows[i] = [x - ratio * y for x, y in zip(rows[i], rows[k], strict=True)]
-    x = [0.0] * n
-    for k in reversed(range(n)):
-        x[k] = (rows[k][n] - sum(rows[k][j] * x[j] for j in range(k + 1, n))) / rows[k][k]
-    return x
+    @property
+    def permanent_sets(self) -> list[float]:
+        """Deflection at which each element that yields would be free of force."""
+        return self._read[2]
 
 
 def _along(direction: Sequence[float], vector: Sequence[float]) -> float:

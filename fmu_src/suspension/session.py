@@ -253,13 +253,7 @@ class Session:
             what = f"{axle.replace('_', ' ')}{'lift-off' if airborne else 'touchdown'}"
             self.messages.append(("event", f"{what} at {instant:.9g} s"))
         self._integrator.sample(self.time)
-        self.state = State(
-            self._system,
-            self._integrator.sample_q,
-            self._integrator.sample_v,
-            self._signals,
-            self.time,
-        )
+        self.state = State(self._system, self._integrator, self._signals, self.time)
 
     def value(self, name: str) -> Value:
         """An output, input or parameter at the present time; not a number once the run has failed.

@@ -17,6 +17,7 @@ from .characteristics import Characteristic
 from .signals import Signal
 
 _NOTHING = characteristics.linear(0.0)
+_ALWAYS = characteristics.constant(1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +35,7 @@ class Element:
     hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
         the two lines of flow keeps its height
     permanent_set : the deflection at which such a spring is free of force at the start, m
+    modulation : factor on the damper over deflection (1, m), for damping Phi = D(v) m(d)
     friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
         long as no more is needed
 
@@ -53,6 +55,7 @@ class Element:
     hardening: float = 0.0
     permanent_set: float = 0.0
     friction: float = 0.0
+    modulation: Characteristic = _ALWAYS
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.friction < inf:
@@ -64,13 +67,57 @@ class Element:
         rate = self.spring.tangent(0.0)
         if len(self.spring.pieces) > 1 or self.spring.force(1.0) != rate or rate <= 0.0:
             raise ValueError(f"{self.name}: only a linear spring can yield")
-        if self.damper.corners or self.limit < inf:
-            raise ValueError(f"{self.name}: what yields has a linear damper and no limit")
+        if self.damper.corners or self.limit < inf or self.is_modulated:
+            raise ValueError(f"{self.name}: what yields has a plain linear damper and no limit")
         if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
             raise ValueError(
                 f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
                 f"{self.hardening:g} at least 0 and below the spring rate {rate:g}"
             )
+
+    @property
+    def is_modulated(self) -> bool:
+        """Whether the damper depends on deflection."""
+        return self.modulation is not _ALWAYS and self.modulation != _ALWAYS
+
+    @property
+    def free_length(self) -> float:
+        """Deflection at which the spring alone reaches the limit, m; 0 if it has none or never does."""
+        free = self.spring.argument(self.limit) if self.limit < inf else 0.0
+        return free if abs(free) < inf else 0.0
+
+
+def damper_family(
+    name: str,
+    direction: tuple[float, ...],
+    curves: Mapping[float, Characteristic],
+    road: str = "",
+) -> tuple[Element, ...]:
+    """A damper given by its curves at fixed deflections, interpolated between them (AP57 section 3).
+
+    Phi(v, d) = sum D_i(v) m_i(d), m_i the hat that is 1 at d_i and 0 at the other given deflections;
+    beyond the first and the last one their curves hold.
+
+    Parameters
+    ----------
+    name : the elements are called after it, numbered from 1
+    direction, road : as of `Element`
+    curves : force over rate (N, m/s) by deflection (m); at least one
+
+    Raises
+    ------
+    ValueError : no curve.
+    """
+    if not curves:
+        raise ValueError(f"{name}: a family of damper curves needs at least one")
+    deflections = sorted(curves)
+    return tuple(
+        Element(
+            f"{name}_{k + 1}", direction, damper=curves[d], road=road,
+            modulation=characteristics.hat(deflections, k),
+        )
+        for k, d in enumerate(deflections)
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from .network cimport Network
 from .stepper cimport Stepper
 
 cdef int _REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL
-cdef int _SPRING, _DAMPER, _CONTACT, _FRICTION, _EVENT_CAPACITY, _STALLED
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _LAWS, _EVENT_CAPACITY, _STALLED
 cdef double _GROWTH, _SAFE_PHASE
 
 cdef class Integrator:
@@ -13,7 +13,7 @@ cdef class Integrator:
     cdef Stepper stepper
     cdef Crossing crossing
     cdef int n
-    cdef bint controlled, landing
+    cdef bint controlled, landing, in_step
     cdef double fixed_step
     # its state
     cdef readonly double time, step_start, step_end, residual_end
@@ -24,7 +24,7 @@ cdef class Integrator:
     cdef int[::1] step_limited
     cdef public list log
     # results at the last sampled instant
-    cdef readonly double[::1] sample_q, sample_v, sample_a
+    cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
     # workspace
     cdef double[::1] row_start, row_end, event_time
     cdef int[::1] event_what
@@ -50,7 +50,7 @@ cdef class Integrator:
     cdef void _accept(self, double h, double t) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef double _energy_residual(self) noexcept nogil
-    @cython.locals(e=int, at=int, f0=double, f1=double,
+    @cython.locals(e=int, at=int, kind=int, f0=double, f1=double,
                    f2=double)
     cdef double _first_switch(self, double h) noexcept nogil
     cdef void _friction_polynomial(self, int e, int at, double h) noexcept nogil
@@ -62,5 +62,7 @@ cdef class Integrator:
     cdef int _land(self, double h) noexcept nogil
     @cython.locals(new=int, k=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
+    cdef void _leave_step(self) noexcept nogil
     @cython.locals(i=int, h=double, x=double, tau=double, slope=double)
     cpdef void sample(self, double t) noexcept
+    cpdef void sample_forces(self, double t) noexcept

@@ -10,8 +10,9 @@ from struct import pack, unpack_from
 
 import cython
 
+from .arrays import doubles, integers, vectors
 from .bernstein import Crossing
-from .network import Network, doubles, integers, vectors
+from .network import Network
 from .stepper import METHODS, Stepper
 
 if not cython.compiled:
@@ -26,7 +27,8 @@ FAILURES = {
     5: "the step is too long: its matrix is not positive definite",
 }
 
-_SPRING, _DAMPER, _CONTACT, _FRICTION = 0, 1, 2, 3  # as in network.KINDS
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_LAWS = 3
 _EVENT_CAPACITY = 256
 _STALLED = 100  # steps in which no time passes
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
@@ -83,6 +85,8 @@ class Integrator:
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at its end, before any switch there
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         rows, elements = self.net.rows, self.net.elements
+        self.sample_f, self.sample_set = vectors(2, elements)
+        self.in_step = True  # whether the branches are still those of the last step
         self.row_start, self.row_end = vectors(2, 4 * max(rows, 1))
         self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
@@ -125,6 +129,7 @@ class Integrator:
             s.q[i], s.v[i] = displacements[i], velocities[i]
             s.reach = max(s.reach, abs(displacements[i]))
         self.first_reach = s.reach
+        self.in_step = True
         self._begin()
 
     def take_over(self, earlier, pairs):
@@ -164,6 +169,7 @@ class Integrator:
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
             self.net.impulse(signal, jump, self.stepper.v)
+        self._leave_step()
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         self.stepper.refresh(self.time)
 
@@ -279,6 +285,7 @@ class Integrator:
         if to_end and end == joint:
             self._pass_joint()
         if not self.landing:
+            self._leave_step()
             self.net.follow(self.time, self.stepper.q, self.stepper.v)
         if landed or to_end or not (self.landing and self.stepper.affine):
             self.stepper.refresh(self.time)
@@ -289,6 +296,7 @@ class Integrator:
 
     def _pass_joint(self):
         """Signals enter their next segments; what a jump of a road does is work of that road."""
+        self._leave_step()
         before = self.net.energy(self.stepper.v)
         if self.net.enter_segments(self.time, self.stepper.v):
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
@@ -314,12 +322,13 @@ class Integrator:
             self.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
             self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
         for i in range(self.net.elements):
-            self.step_limited[i] = self.net.limited[i]
-            if self.net.limited[i]:
+            self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
+            if self.step_limited[i]:
                 self.limited_time[i] += h
         for i in range(self.net.works):
             self.stepper.work[i] = self.stepper.trial_work[i]
         self.stepper.keep_multipliers()
+        self.in_step = True
         self.step_start = self.time
         self.time = t
         self.step_end = t
@@ -354,10 +363,11 @@ class Integrator:
         self.switch_at = 2.0
         for e in range(self.net.elements):
             at = 4 * self.net.element_row[e]
-            if self.net.spring_count[e] > 1:
-                self.crossing.hermite7(self.row_start, self.row_end, at, h)
-                self._search(e, _SPRING, 7)
-            if self.net.damper_count[e] > 1 or self.net.yields[e]:
+            for kind in range(_SPRING, _MODULATION + 1, 2):
+                if self.net.count[_LAWS * e + kind] > 1:
+                    self.crossing.hermite7(self.row_start, self.row_end, at, h)
+                    self._search(e, kind, 7)
+            if self.net.count[_LAWS * e + _DAMPER] > 1 or self.net.yields[e]:
                 self.crossing.hermite5(
                     self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
                     self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
@@ -377,7 +387,7 @@ class Integrator:
 
     def _friction_polynomial(self, e, at, h):
         """Slipping: the rate, until it is zero. Sticking: the force it takes, until it is too large."""
-        if self.net.slip[e] != 0:
+        if self.net.branch[_KINDS * e + _FRICTION] != 0:
             self.crossing.hermite5(
                 self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
                 self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
@@ -399,7 +409,7 @@ class Integrator:
                 side > 0 and self.crossing.high > bound
             ):
                 at = self.crossing.exit(
-                    bound, side, degree, self.net.departing[4 * e + kind] == side
+                    bound, side, degree, self.net.departing[_KINDS * e + kind] == side
                 )
                 if at < self.switch_at:
                     self.switch_at = at
@@ -425,10 +435,10 @@ class Integrator:
             if kind == _CONTACT:
                 self.net.unlimited_force(e, self.row_end, at)
                 value, rate = self.net.force0, self.net.force1
-            elif kind == _FRICTION and self.net.slip[e] == 0:
+            elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
                 value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
             else:
-                order = 0 if kind == _SPRING else 1
+                order = 1 if kind in (_DAMPER, _FRICTION) else 0
                 value, rate = self.row_end[at + order], self.row_end[at + order + 1]
             miss = value - bound
             if miss == 0.0 or rate == 0.0 or fabs(miss) >= best:
@@ -444,6 +454,7 @@ class Integrator:
 
     def _switch(self, e, kind, side):
         """Element e enters the neighbouring branch, now; the event is noted."""
+        self._leave_step()
         new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
         k = self.event_count
         if k < _EVENT_CAPACITY:
@@ -458,6 +469,12 @@ class Integrator:
                 self.event_what[4 * k + 2] = new - side
             self.event_what[4 * k + 3] = new
             self.event_count += 1
+
+    def _leave_step(self):
+        """Branches are about to change: remember those of the step that ends here, to read it off."""
+        if self.in_step:
+            self.net.keep_branches()
+            self.in_step = False
 
     # -- reading results ---------------------------------------------------------------------------
 
@@ -495,6 +512,19 @@ class Integrator:
             self.sample_v[i] = self.crossing.first
             self.sample_a[i] = self.crossing.second
 
+    def sample_forces(self, t):
+        """Accelerations and element forces at the instant sampled last, from the equation of motion.
+
+        They go to `sample_a` and `sample_f`, in the branches of the last step: dry friction knows
+        whether it slips or sticks, and then has the force that sticking takes; what has yielded
+        knows its set, which goes to `sample_set`.
+        """
+        if self.in_step:
+            self.net.keep_branches()
+        self.net.read_forces(
+            t, self.sample_q, self.sample_v, self.sample_a, self.sample_f, self.sample_set
+        )
+
     def residual_at(self, t):
         """What the energy balance lacks, J, carried linearly through the last step."""
         h = self.step_end - self.step_start
@@ -510,7 +540,7 @@ class Integrator:
 
     def at_limit(self, e):
         """Whether element e is at its limit now: a tyre off the road."""
-        return self.net.limited[e] != 0
+        return self.net.branch[_KINDS * e + _CONTACT] != 0
 
     def permanent_set(self, e):
         """Deflection at which element e, which yields, would be free of force now, m."""
@@ -554,17 +584,17 @@ class Integrator:
         return (
             self.qa, self.va, self.aa, self.ja, self.qb, self.vb, self.ab, self.jb,
             s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment, net.piece,
-            net.spring_piece, net.damper_piece, net.limited, net.departing, net.signal_now,
-            net.limited_count, net.slip, s.multiplier, s.multiplier_rate,
+            net.branch, net.departing, net.signal_now, net.limited_count, s.multiplier,
+            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal,
         )  # fmt: skip
 
     def snapshot(self):
         """The whole state as bytes, from which `restore` continues to the bit."""
         s, net = self.stepper, self.net
         head = pack(
-            "<11d2q", self.time, self.step_start, self.step_end, self.grid_start, self.proposal,
+            "<11d3q", self.time, self.step_start, self.step_end, self.grid_start, self.proposal,
             net.exchange, self.residual_start, self.residual_end, s.reach, self.first_reach,
-            self.initial_energy, self.grid_index, self.step_count,
+            self.initial_energy, self.grid_index, self.step_count, self.in_step,
         )  # fmt: skip
         return head + b"".join(bytes(part) for part in self._parts())
 
@@ -576,14 +606,14 @@ class Integrator:
         ValueError : a snapshot of another system.
         """
         s, net, parts = self.stepper, self.net, self._parts()
-        at = 8 * 13
+        at = 8 * 14
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
             raise ValueError("this state belongs to another system")
         (
             self.time, self.step_start, self.step_end, self.grid_start, self.proposal,
             net.exchange, self.residual_start, self.residual_end, s.reach, self.first_reach,
-            self.initial_energy, self.grid_index, self.step_count,
-        ) = unpack_from("<11d2q", state)  # fmt: skip
+            self.initial_energy, self.grid_index, self.step_count, self.in_step,
+        ) = unpack_from("<11d3q", state)  # fmt: skip
         for part in parts:
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import cython
 
-from .network import doubles, integers, vectors
+from .arrays import doubles, integers, vectors
 
 if not cython.compiled:
     from math import fabs, isfinite, sqrt

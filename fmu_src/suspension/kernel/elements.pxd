@@ -1,0 +1,73 @@
+cimport cython
+from libc.math cimport fabs
+from .laws cimport Laws
+
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _LAWS, _PIECE, _ELASTIC
+cdef double _CREEP
+
+cdef class Elements(Laws):
+    # the system
+    cdef readonly int n, rows, elements
+    cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
+    cdef int[::1] row_signal, element_row, yields, modulated
+    # its branches
+    cdef int[::1] branch, departing, limited_count, stuck_element
+    cdef int stuck
+    cdef double exchange
+    cdef int[::1] kept_branch, kept_signal
+    cdef double[::1] kept_set
+    # what the last evaluation left
+    cdef double[::1] row_d, row_v, row_f, row_k, row_c
+    cdef double force0, force1, force2
+
+    @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
+    cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
+    @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    cdef void row_derivatives(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j,
+                              double[::1] out) noexcept nogil
+
+    cdef int piece_now(self, int e, int law) noexcept nogil
+    @cython.locals(r=int, force=double)
+    cdef double damper_force(self, int e) noexcept nogil
+    @cython.locals(d=double, force=double)
+    cdef double element_force(self, int e) noexcept nogil
+    @cython.locals(r=int, e=int, ps=int, pd=int, pm=int, force=double, slope=double, factor=double)
+    cdef void row_forces(self) noexcept nogil
+    @cython.locals(ps=int, pd=int, pm=int, d=double, v=double, a=double, j=double, k=double, c=double,
+                   damping0=double, damping1=double, damping2=double, m0=double, m1=double, m2=double)
+    cdef void unlimited_force(self, int e, double[::1] row, int at) noexcept nogil
+    @cython.locals(e=int, p=int)
+    cdef int is_affine(self) noexcept nogil
+
+    @cython.locals(now=int, law=int, spring=int)
+    cdef double bound(self, int e, int kind, int side) noexcept nogil
+    @cython.locals(at=int)
+    cdef int enter(self, int e, int kind, int side, double t,
+                   double[::1] q, double[::1] v) noexcept nogil
+    @cython.locals(e=int, at=int, off=int, d=double, w=double, force=double)
+    cdef void locate_branches(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    @cython.locals(e=int)
+    cdef void list_stuck(self) noexcept nogil
+    @cython.locals(e=int, r=int, kind=int, mark=int, x=double)
+    cdef void mark_bounds(self) noexcept nogil
+    @cython.locals(s=int, e=int, k=int)
+    cdef void keep_branches(self) noexcept nogil
+    @cython.locals(s=int, e=int, k=int, now=int, p=int, permanent_set=double)
+    cdef void exchange_branches(self) noexcept nogil
+
+    @cython.locals(d=double, change=double)
+    cdef void _book_exchange(self, int e, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef double free_potential(self, int e, double d) noexcept nogil
+    @cython.locals(e=int, side=int, d=double)
+    cdef void settle(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef double permanent_set(self, int e, double d) noexcept nogil
+    @cython.locals(at=int, above=int, rate=double, flow=double)
+    cdef void _set_at(self, int e, double permanent_set) noexcept nogil
+    cdef void _unload(self, int e, double d) noexcept nogil
+    @cython.locals(e=int, d=double, w=double)
+    cdef void follow(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef double element_energy(self, int e, double d) noexcept nogil
+    @cython.locals(rate=double, flow=double, p=double)
+    cdef double _yielding_energy(self, int e, double d) noexcept nogil
+    @cython.locals(w=double, power=double)
+    cdef double dissipation(self, int e) noexcept nogil

@@ -1,0 +1,445 @@
+"""The elements of a system: the rows they lie on, the branches they are in, and their forces.
+
+Rows are the distinct directions b with the road under them; deflection, rate and their derivatives
+are worked out once per row. Each element is in one *branch*: a piece of its spring, a piece of its
+damper, a piece of what modulates the damper, and for a tyre on the road or off it. The spring of an
+element that yields has three pieces, the two lines on which it flows and the elastic one between
+them, which moves with the permanent set; flow ends where the rate turns. Dry friction slips one way
+or the other, or it sticks.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, integers, vectors
+from .laws import Laws
+
+if not cython.compiled:
+    from math import fabs
+
+# What a switch concerns: one of the element's laws, its contact (1: off), its dry friction (-1, 1,
+# or 0 where it sticks).
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION = 0, 1, 2, 3, 4
+KINDS = ("spring", "damper", "modulation", "contact", "friction")
+_KINDS = 5
+_LAWS, _PIECE = 3, 9  # as in laws
+
+_ELASTIC = 1  # the middle one of the three pieces of an element that yields
+_CREEP = 1e-12  # m/s below which what sticks goes on sticking when signals change
+
+
+class Elements(Laws):
+    """The elements, with a branch for each kind: `branch[_KINDS e + kind]`.
+
+    Parameters
+    ----------
+    system : `systems.System`; read once, not kept
+
+    Raises
+    ------
+    ValueError : directions that do not fit, or two elements with friction along one direction.
+    """
+
+    def __init__(self, system):
+        Laws.__init__(self, system)
+        self.n = len(system.mass)
+        self._read_rows(system)
+        self._read_limits(system.elements)
+        elements = self.elements
+        self.branch, self.departing = (
+            integers([0] * _KINDS * elements),
+            integers([0] * _KINDS * elements),
+        )
+        self.limited_count = integers([0] * elements)
+        self.stuck = 0
+        self.stuck_element = integers([0] * elements)
+        self.exchange = 0.0
+        self.kept_branch = integers([0] * _KINDS * elements)
+        self.kept_set, self.kept_signal = doubles([0.0] * elements), integers(self.signal_now)
+        self.row_d, self.row_v, self.row_f, self.row_k, self.row_c = vectors(5, self.rows)
+
+    def _read_rows(self, system):
+        names = list(system.signals)
+        rows: list[tuple[tuple[float, ...], int]] = []
+        element_row = []
+        for element in system.elements:
+            key = (tuple(element.direction), names.index(element.road) if element.road else -1)
+            if len(key[0]) != self.n:
+                raise ValueError("mass matrix and directions must have one entry per coordinate")
+            if key not in rows:
+                rows.append(key)
+            element_row.append(rows.index(key))
+        self.rows, self.elements = len(rows), len(element_row)
+        self.row_direction = doubles(x for row in rows for x in row[0])
+        self.row_signal = integers(row[1] for row in rows)
+        self.element_row = integers(element_row)
+
+    def _read_limits(self, elements):
+        """What modulates, limits, yields and rubs."""
+        rubbing = [
+            row for row, element in zip(self.element_row, elements, strict=True) if element.friction
+        ]
+        if len(set(rubbing)) < len(rubbing):
+            raise ValueError("two elements with friction act along one direction; make them one")
+        self.modulated = integers(element.is_modulated for element in elements)
+        self.friction = doubles(element.friction for element in elements)
+        self.limit = doubles(element.limit for element in elements)
+        self.free_length = doubles(element.free_length for element in elements)
+        self.free_energy = doubles(
+            element.spring.potential(element.free_length) for element in elements
+        )
+        self.yields = integers(element.yield_force < 1e300 for element in elements)
+        self.initial_set = doubles(element.permanent_set for element in elements)
+        self.spring_rate = doubles(element.spring.tangent(0.0) for element in elements)
+
+    # -- rows ----------------------------------------------------------------------------------------
+
+    def row_states(self, q, v):
+        """Deflection and rate of every row, with the signals in `road`."""
+        n = self.n
+        for r in range(self.rows):
+            d = 0.0
+            w = 0.0
+            for i in range(n):
+                d += self.row_direction[r * n + i] * q[i]
+                w += self.row_direction[r * n + i] * v[i]
+            s = self.row_signal[r]
+            if s >= 0:
+                d -= self.road[4 * s]
+                w -= self.road[4 * s + 1]
+            self.row_d[r] = d
+            self.row_v[r] = w
+
+    def row_derivatives(self, q, v, a, j, out):
+        """Deflection of every row with three derivatives, with the signals in `road`."""
+        n = self.n
+        for r in range(self.rows):
+            d0 = 0.0
+            d1 = 0.0
+            d2 = 0.0
+            d3 = 0.0
+            for i in range(n):
+                b = self.row_direction[r * n + i]
+                d0 += b * q[i]
+                d1 += b * v[i]
+                d2 += b * a[i]
+                d3 += b * j[i]
+            s = self.row_signal[r]
+            if s >= 0:
+                d0 -= self.road[4 * s]
+                d1 -= self.road[4 * s + 1]
+                d2 -= self.road[4 * s + 2]
+                d3 -= self.road[4 * s + 3]
+            out[4 * r] = d0
+            out[4 * r + 1] = d1
+            out[4 * r + 2] = d2
+            out[4 * r + 3] = d3
+
+    # -- forces --------------------------------------------------------------------------------------
+
+    def piece_now(self, e, law):
+        """The piece of a law of element e in which it is now."""
+        return self.first[_LAWS * e + law] + self.branch[_KINDS * e + law]
+
+    def damper_force(self, e):
+        """D(v) m(d)."""
+        r = self.element_row[e]
+        force = self.law(self.piece_now(e, _DAMPER), self.row_v[r])
+        if self.modulated[e]:
+            force *= self.law(self.piece_now(e, _MODULATION), self.row_d[r])
+        return force
+
+    def element_force(self, e):
+        """Force of element e at `row_d`, `row_v`; what sticking takes is not in it."""
+        if self.branch[_KINDS * e + _CONTACT]:
+            force = self.limit[e]
+        else:
+            d = self.row_d[self.element_row[e]]
+            force = self.law(self.piece_now(e, _SPRING), d) + self.damper_force(e)
+        return force + self.branch[_KINDS * e + _FRICTION] * self.friction[e]
+
+    def row_forces(self):
+        """Force and tangents of every row from its elements, at `row_d`, `row_v`."""
+        for r in range(self.rows):
+            self.row_f[r] = 0.0
+            self.row_k[r] = 0.0
+            self.row_c[r] = 0.0
+        for e in range(self.elements):
+            r = self.element_row[e]
+            if self.branch[_KINDS * e + _CONTACT]:
+                self.row_f[r] += self.limit[e]
+            else:
+                ps = self.piece_now(e, _SPRING)
+                pd = self.piece_now(e, _DAMPER)
+                force = self.law(pd, self.row_v[r])
+                slope = self.law_slope(pd, self.row_v[r])
+                if self.modulated[e]:
+                    pm = self.piece_now(e, _MODULATION)
+                    factor = self.law(pm, self.row_d[r])
+                    self.row_k[r] += force * self.law_slope(pm, self.row_d[r])
+                    force *= factor
+                    slope *= factor
+                self.row_f[r] += self.law(ps, self.row_d[r]) + force
+                self.row_k[r] += self.law_slope(ps, self.row_d[r])
+                self.row_c[r] += slope
+            if self.friction[e] > 0.0:
+                self.row_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
+
+    def unlimited_force(self, e, row, at):
+        """S(d) + D(v) m(d) of element e with two time derivatives, into force0, force1, force2."""
+        ps = self.piece_now(e, _SPRING)
+        pd = self.piece_now(e, _DAMPER)
+        d, v, a, j = row[at], row[at + 1], row[at + 2], row[at + 3]
+        k = self.law_slope(ps, d)
+        c = self.law_slope(pd, v)
+        damping0 = self.law(pd, v)
+        damping1 = c * a
+        damping2 = c * j + self.law_curvature(pd, v) * a * a
+        if self.modulated[e]:
+            pm = self.piece_now(e, _MODULATION)
+            m0 = self.law(pm, d)
+            m1 = self.law_slope(pm, d) * v
+            m2 = self.law_slope(pm, d) * a + self.law_curvature(pm, d) * v * v
+            damping2 = damping2 * m0 + 2.0 * damping1 * m1 + damping0 * m2
+            damping1 = damping1 * m0 + damping0 * m1
+            damping0 *= m0
+        self.force0 = self.law(ps, d) + damping0
+        self.force1 = k * v + damping1
+        self.force2 = k * a + self.law_curvature(ps, d) * v * v + damping2
+
+    def is_affine(self):
+        """Whether every force is linear in deflection and rate while the branches stay."""
+        for e in range(self.elements):
+            if self.branch[_KINDS * e + _CONTACT]:
+                continue
+            if not self.is_straight(self.piece_now(e, _SPRING)):
+                return 0
+            if not self.is_straight(self.piece_now(e, _DAMPER)):
+                return 0
+            if self.modulated[e]:
+                p = self.piece_now(e, _MODULATION)
+                if not self.is_straight(p) or self.piece[p * _PIECE + 3] != 0.0:
+                    return 0
+        return 1
+
+    # -- branches ------------------------------------------------------------------------------------
+
+    def bound(self, e, kind, side):
+        """The value at which element e leaves its branch downwards (side -1) or upwards (+1)."""
+        now = self.branch[_KINDS * e + kind]
+        if kind == _CONTACT:
+            if now:
+                return self.limit[e] if side < 0 else 1e300
+            return self.limit[e] if side > 0 else -1e300
+        if kind == _FRICTION:
+            if now == 0:
+                return side * self.friction[e]
+            return 0.0 if now == -side else side * 1e300
+        if self.yields[e] and kind != _MODULATION:
+            spring = self.branch[_KINDS * e + _SPRING]
+            if kind == _DAMPER or spring != _ELASTIC:
+                # flow upwards ends when the rate falls to zero, flow downwards when it rises to it
+                if kind == _DAMPER and spring == _ELASTIC - side:
+                    return 0.0
+                return side * 1e300
+        law = _LAWS * e + kind
+        if side < 0:
+            return self.piece[(self.first[law] + now) * _PIECE] if now > 0 else -1e300
+        if now + 1 < self.count[law]:
+            return self.piece[(self.first[law] + now + 1) * _PIECE]
+        return 1e300
+
+    def enter(self, e, kind, side, t, q, v):
+        """Element e goes over to its neighbouring branch; returns the number of the branch entered."""
+        at = _KINDS * e + kind
+        if self.yields[e] and kind == _DAMPER:
+            self.all_signals(t)
+            self.row_states(q, v)
+            self._unload(e, self.row_d[self.element_row[e]])
+            self.departing[at] = 0
+            self.departing[_KINDS * e + _SPRING] = -side
+            return _ELASTIC
+        if kind == _FRICTION:
+            # slipping that comes to rest sticks, be it for no time at all
+            self.branch[at] = side if self.branch[at] == 0 else 0
+            self.list_stuck()
+            self.departing[at] = -side if self.branch[at] != 0 else 0
+            return self.branch[at]
+        if kind == _CONTACT:
+            self.branch[at] = 1 if side > 0 else 0
+            self.limited_count[e] += self.branch[at]
+            self._book_exchange(e, t, q, v)
+        else:
+            self.branch[at] += side
+        self.departing[at] = -side
+        return self.branch[at]
+
+    def locate_branches(self, t, q, v):
+        """Choose every branch from the present state; on a corner the upper piece, to be confirmed."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for e in range(self.elements):
+            d = self.row_d[self.element_row[e]]
+            w = self.row_v[self.element_row[e]]
+            at = _KINDS * e
+            if not self.yields[e]:  # a yielding one knows its branch from its history
+                self.branch[at + _SPRING] = self.piece_at(_LAWS * e + _SPRING, d)
+            self.branch[at + _DAMPER] = self.piece_at(_LAWS * e + _DAMPER, w)
+            self.branch[at + _MODULATION] = self.piece_at(_LAWS * e + _MODULATION, d)
+            if self.limit[e] < 1e300:
+                force = self.law(self.piece_now(e, _SPRING), d) + self.damper_force(e)
+                off = 1 if force > self.limit[e] else 0
+                if off and not self.branch[at + _CONTACT]:
+                    self.limited_count[e] += 1
+                self.branch[at + _CONTACT] = off
+            if self.friction[e] > 0.0 and (self.branch[at + _FRICTION] != 0 or fabs(w) > _CREEP):
+                self.branch[at + _FRICTION] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
+        self.list_stuck()
+        self.mark_bounds()
+
+    def list_stuck(self):
+        self.stuck = 0
+        for e in range(self.elements):
+            if self.friction[e] > 0.0 and self.branch[_KINDS * e + _FRICTION] == 0:
+                self.stuck_element[self.stuck] = e
+                self.stuck += 1
+
+    def mark_bounds(self):
+        """Note which variables stand exactly on a bound of their branch, as at rest."""
+        for e in range(self.elements):
+            r = self.element_row[e]
+            for kind in range(_KINDS):
+                x = 1e300  # contact is never marked: where it starts it is inside
+                if kind in (_SPRING, _MODULATION):
+                    x = self.row_d[r]
+                elif kind == _DAMPER or (
+                    kind == _FRICTION and self.branch[_KINDS * e + _FRICTION] != 0
+                ):
+                    x = self.row_v[r]
+                mark = 0
+                if x < 1e300 and x == self.bound(e, kind, -1):
+                    mark = -1
+                elif x < 1e300 and x == self.bound(e, kind, 1):
+                    mark = 1
+                self.departing[_KINDS * e + kind] = mark
+
+    def keep_branches(self):
+        """Remember the present branches, before they change at the end of a step."""
+        for s in range(self.signals):
+            self.kept_signal[s] = self.signal_now[s]
+        for e in range(self.elements):
+            for k in range(_KINDS):
+                self.kept_branch[_KINDS * e + k] = self.branch[_KINDS * e + k]
+            if self.yields[e]:
+                self.kept_set[e] = self.piece[(self.first[_LAWS * e] + _ELASTIC) * _PIECE + 1]
+
+    def exchange_branches(self):
+        """Exchange the present branches for the remembered ones; doing it again takes it back."""
+        for s in range(self.signals):
+            now = self.signal_now[s]
+            self.signal_now[s] = self.kept_signal[s]
+            self.kept_signal[s] = now
+        for e in range(self.elements):
+            for k in range(_KINDS * e, _KINDS * (e + 1)):
+                now = self.branch[k]
+                self.branch[k] = self.kept_branch[k]
+                self.kept_branch[k] = now
+            if self.yields[e]:
+                p = self.first[_LAWS * e] + _ELASTIC
+                permanent_set = self.piece[p * _PIECE + 1]
+                self._set_at(e, self.kept_set[e])
+                self.kept_set[e] = permanent_set
+        self.list_stuck()
+
+    # -- contact and yield ---------------------------------------------------------------------------
+
+    def _book_exchange(self, e, t, q, v):
+        """Book what the potential of a tyre jumps by when it leaves the road or meets it again.
+
+        A damped tyre does so at another deflection than its free length; the difference is neither
+        stored nor dissipated and stands in the balance as an entry of its own.
+        """
+        self.all_signals(t)
+        self.row_states(q, v)
+        d = self.row_d[self.element_row[e]]
+        change = self.free_potential(e, d) - self.potential(self.piece_now(e, _SPRING), d)
+        self.exchange += change if self.branch[_KINDS * e + _CONTACT] else -change
+
+    def free_potential(self, e, d):
+        """Potential beyond the free length: that of the free length plus limit times the rest."""
+        return self.free_energy[e] + self.limit[e] * (d - self.free_length[e])
+
+    def settle(self, t, q, v):
+        """Give elements that yield their set at the start; one that stands beyond has flowed there."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                self.branch[_KINDS * e] = _ELASTIC
+                self._set_at(e, self.initial_set[e])
+                for side in range(-1, 2, 2):
+                    if (d - self.bound(e, _SPRING, side)) * side > 0.0:
+                        self.branch[_KINDS * e] = _ELASTIC + side
+                        self._unload(e, d)
+
+    def permanent_set(self, e, d):
+        """Where the spring of an element that yields would be free of force, from its force at d."""
+        return d - self.law(self.piece_now(e, _SPRING), d) / self.spring_rate[e]
+
+    def _set_at(self, e, permanent_set):
+        """Move the elastic piece: its zero, and its ends on the two lines of flow."""
+        at = (self.first[_LAWS * e] + _ELASTIC) * _PIECE
+        above = at + _PIECE
+        rate = self.spring_rate[e]
+        flow = self.piece[above + 3]
+        self.piece[at + 1] = permanent_set
+        self.piece[at] = (rate * permanent_set - self.piece[above + 2]) / (rate - flow)
+        self.piece[above] = (rate * permanent_set + self.piece[above + 2]) / (rate - flow)
+
+    def _unload(self, e, d):
+        """Flow ends at deflection d: elastic again, with the set that is left behind."""
+        self._set_at(e, self.permanent_set(e, d))
+        self.branch[_KINDS * e] = _ELASTIC
+
+    def follow(self, t, q, v):
+        """Branches for the next step from the state at the end of the last one, without landing."""
+        self.locate_branches(t, q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                w = self.row_v[self.element_row[e]]
+                if self.branch[_KINDS * e] != _ELASTIC:
+                    if w * (self.branch[_KINDS * e] - _ELASTIC) < 0.0:
+                        self._unload(e, d)
+                elif d > self.bound(e, _SPRING, 1):
+                    self.branch[_KINDS * e] = _ELASTIC + 1
+                elif d < self.bound(e, _SPRING, -1):
+                    self.branch[_KINDS * e] = _ELASTIC - 1
+
+    def element_energy(self, e, d):
+        """What element e stores at deflection d."""
+        if self.branch[_KINDS * e + _CONTACT]:
+            return self.free_potential(e, d)
+        if self.yields[e]:
+            return self._yielding_energy(e, d)
+        return self.potential(self.piece_now(e, _SPRING), d)
+
+    def _yielding_energy(self, e, d):
+        """f^2 / 2k of the spring, and what hardening (kinematic) stores in the permanent set."""
+        rate = self.spring_rate[e]
+        flow = self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 3]
+        p = self.permanent_set(e, d)
+        return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
+
+    def dissipation(self, e):
+        """Power that element e takes from the motion, at `row_d`, `row_v`."""
+        w = self.row_v[self.element_row[e]]
+        power = self.branch[_KINDS * e + _FRICTION] * self.friction[e] * w
+        if not self.branch[_KINDS * e + _CONTACT]:
+            power += self.damper_force(e) * w
+            if self.yields[e] and self.branch[_KINDS * e] != _ELASTIC:
+                # yield force times the rate of the set
+                power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * fabs(w)
+        return power

@@ -1,0 +1,30 @@
+cimport cython
+from libc.math cimport exp, fabs, log1p, sinh, tanh
+from .signals cimport Signals
+
+cdef int _LAWS, _PIECE
+cdef double _LOG_2
+
+cdef class Laws(Signals):
+    cdef double[::1] piece
+    cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
+
+    @cython.locals(at=int, s=double, force=double)
+    cdef double law(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, s=double, slope=double)
+    cdef double law_slope(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, s=double, curvature=double, scale=double, u=double)
+    cdef double law_curvature(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, s=double, energy=double)
+    cdef double potential(self, int p, double x) noexcept nogil
+    @cython.locals(k=int, first=int)
+    cdef int piece_at(self, int law, double x) noexcept nogil
+    @cython.locals(at=int)
+    cdef int is_straight(self, int p) noexcept nogil
+    @cython.locals(at=int)
+    cdef double intercept(self, int p) noexcept nogil
+
+@cython.locals(w=double)
+cdef double sech_squared(double u) noexcept nogil
+@cython.locals(x=double, w=double)
+cdef double log_cosh(double u) noexcept nogil

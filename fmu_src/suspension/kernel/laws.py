@@ -1,0 +1,134 @@
+"""The laws of all elements: chains of pieces, each a cubic plus a saturating term."""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, integers
+from .signals import Signals
+
+if not cython.compiled:
+    from math import exp, fabs, log1p, sinh, tanh
+
+_LAWS = 3  # of each element: its spring, its damper, and what modulates its damper
+_PIECE = 9  # numbers stored for one piece of a law
+_LOG_2 = 0.6931471805599453
+
+
+class Laws(Signals):
+    """The pieces of every law, over the signals that act on them.
+
+    Parameters
+    ----------
+    system : `systems.System`; read once, not kept
+    """
+
+    def __init__(self, system):
+        Signals.__init__(self, system.signals)
+        first, count, pieces = [], [], []
+        for element in system.elements:
+            for law in (element.spring, element.damper, element.modulation):
+                first.append(len(pieces) // _PIECE)
+                if law is element.spring and element.yield_force < 1e300:
+                    pieces += _flow_pieces(element)
+                    count.append(3)
+                    continue
+                count.append(len(law.pieces))
+                for piece, potential in zip(law.pieces, law.potentials, strict=True):
+                    pieces += (piece.start, piece.origin, *piece.coefficients)
+                    pieces += (piece.saturation, piece.scale, potential)
+        self.first, self.count = integers(first), integers(count)
+        self.piece = doubles(pieces)
+
+    def law(self, p, x):
+        """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""
+        at = p * _PIECE
+        s = x - self.piece[at + 1]
+        force = self.piece[at + 2] + s * (
+            self.piece[at + 3] + s * (self.piece[at + 4] + s * self.piece[at + 5])
+        )
+        if self.piece[at + 6] != 0.0:
+            force += self.piece[at + 6] * tanh(s / self.piece[at + 7])
+        return force
+
+    def law_slope(self, p, x):
+        at = p * _PIECE
+        s = x - self.piece[at + 1]
+        slope = self.piece[at + 3] + s * (2.0 * self.piece[at + 4] + 3.0 * s * self.piece[at + 5])
+        if self.piece[at + 6] != 0.0:
+            slope += self.piece[at + 6] / self.piece[at + 7] * sech_squared(s / self.piece[at + 7])
+        return slope
+
+    def law_curvature(self, p, x):
+        at = p * _PIECE
+        s = x - self.piece[at + 1]
+        curvature = 2.0 * self.piece[at + 4] + 6.0 * s * self.piece[at + 5]
+        if self.piece[at + 6] != 0.0:
+            scale = self.piece[at + 7]
+            u = s / scale
+            curvature -= 2.0 * self.piece[at + 6] / scale / scale * tanh(u) * sech_squared(u)
+        return curvature
+
+    def potential(self, p, x):
+        at = p * _PIECE
+        s = x - self.piece[at + 1]
+        energy = self.piece[at + 8] + s * (
+            self.piece[at + 2]
+            + s
+            * (
+                self.piece[at + 3] / 2.0
+                + s * (self.piece[at + 4] / 3.0 + s * self.piece[at + 5] / 4.0)
+            )
+        )
+        if self.piece[at + 6] != 0.0:
+            energy += self.piece[at + 6] * self.piece[at + 7] * log_cosh(s / self.piece[at + 7])
+        return energy
+
+    def piece_at(self, law, x):
+        """Which piece of a law holds at x; on a corner the upper one."""
+        k = 0
+        first = self.first[law]
+        while k + 1 < self.count[law] and self.piece[(first + k + 1) * _PIECE] <= x:
+            k += 1
+        return k
+
+    def is_straight(self, p):
+        at = p * _PIECE
+        if self.piece[at + 4] != 0.0 or self.piece[at + 5] != 0.0 or self.piece[at + 6] != 0.0:
+            return 0
+        return 1
+
+    def intercept(self, p):
+        """Force of the straight piece p carried on to zero."""
+        at = p * _PIECE
+        return self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+
+
+def sech_squared(u):
+    """1 / cosh^2 u, the slope of tanh, which neither overflows nor cancels."""
+    w = exp(-2.0 * fabs(u))
+    return 4.0 * w / ((1.0 + w) * (1.0 + w))
+
+
+def log_cosh(u):
+    """The integral of tanh, which neither overflows nor cancels."""
+    x = fabs(u)
+    if x < 1.0:
+        w = sinh(x)
+        return 0.5 * log1p(w * w)
+    return x + log1p(exp(-2.0 * x)) - _LOG_2
+
+
+def _flow_pieces(element):
+    """The three pieces of an element that yields: flow down, elastic, flow up.
+
+    The lines of flow are fixed: -+ yield force (1 - flow / rate) + flow d.
+    """
+    rate, flow, free = element.spring.tangent(0.0), element.hardening, element.permanent_set
+    line = element.yield_force * (1.0 - flow / rate)
+    low, high = ((rate * free + side * line) / (rate - flow) for side in (-1.0, 1.0))
+    return [
+        -float("inf"), 0.0, -line, flow, 0.0, 0.0, 0.0, 1.0, 0.0,
+        low, free, 0.0, rate, 0.0, 0.0, 0.0, 1.0, 0.0,
+        high, 0.0, line, flow, 0.0, 0.0, 0.0, 1.0, 0.0,
+    ]  # fmt: skip

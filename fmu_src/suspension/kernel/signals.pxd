@@ -1,0 +1,25 @@
+cimport cython
+from libc.math cimport cos, fabs, sin
+
+cdef int _SEGMENT
+cdef double _ROAD_PHASE
+
+cdef class Signals:
+    cdef readonly int signals
+    cdef double[::1] segment, road
+    cdef int[::1] signal_first, signal_count, signal_now
+
+    @cython.locals(now=int, before=double, jump=double)
+    cdef double enter_segment(self, int s, double t) noexcept nogil
+    @cython.locals(at=int, i=int, before=double)
+    cdef double replace_signal(self, int s, double t, double[::1] coefficients) noexcept nogil
+    @cython.locals(at=int, g="double[::1]", x=double, value=double, rate=double,
+                   acceleration=double, jerk=double, amplitude=double, angle=double,
+                   speed=double, c=double, d=double)
+    cdef void signal(self, int s, double t) noexcept nogil
+    @cython.locals(s=int)
+    cdef void all_signals(self, double t) noexcept nogil
+    @cython.locals(s=int, k=int, joint=double, start=double)
+    cdef double next_joint(self) noexcept nogil
+    @cython.locals(s=int, at=int, limit=double, speed=double)
+    cdef double road_limit(self, double t) noexcept nogil

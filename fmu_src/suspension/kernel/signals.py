@@ -1,0 +1,115 @@
+"""What drives a system: roads and loads, each a chain of segments (cubic plus cosine)."""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, integers
+
+if not cython.compiled:
+    from math import cos, fabs, sin
+
+_SEGMENT = 10  # numbers stored for one segment
+_ROAD_PHASE = 1.5  # of a road's sinusoid per macro step
+
+
+class Signals:
+    """All signals of a system, each in the segment that holds now.
+
+    Parameters
+    ----------
+    signals : `signals.Signal` by name; read once, not kept
+    """
+
+    def __init__(self, signals):
+        first, count, segments = [], [], []
+        for signal in signals.values():
+            first.append(len(segments) // _SEGMENT)
+            count.append(len(signal.segments))
+            for s in signal.segments:
+                segments += (s.start, s.origin, *s.coefficients, s.amplitude, *s.phase)
+        self.signals = len(first)
+        self.signal_first, self.signal_count = integers(first or [0]), integers(count or [0])
+        self.signal_now = integers([0] * max(self.signals, 1))
+        self.segment = doubles(segments or [0.0])
+        self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
+
+    def enter_segment(self, s, t):
+        """Let signal s go on to the segment that holds from t on; the jump of its value there."""
+        now = self.signal_now[s]
+        self.signal(s, t)
+        before = self.road[4 * s]
+        while (
+            self.signal_now[s] + 1 < self.signal_count[s]
+            and self.segment[(self.signal_first[s] + self.signal_now[s] + 1) * _SEGMENT] <= t
+        ):
+            self.signal_now[s] += 1
+        if self.signal_now[s] == now:
+            return 0.0
+        self.signal(s, t)
+        jump = self.road[4 * s] - before
+        # pieces that join do so to rounding
+        if fabs(jump) <= 1e-12 * (fabs(self.road[4 * s]) + fabs(before)) + 1e-15:
+            return 0.0
+        return jump
+
+    def replace_signal(self, s, t, coefficients):
+        """Make a one-segment signal a cubic of t - now; returns the jump of its value."""
+        self.signal(s, t)
+        before = self.road[4 * s]
+        at = self.signal_first[s] * _SEGMENT
+        self.segment[at + 1] = t
+        for i in range(4):
+            self.segment[at + 2 + i] = coefficients[i]
+        return coefficients[0] - before
+
+    def signal(self, s, t):
+        """Value and three derivatives of signal s in its present segment, into `road`."""
+        at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
+        g = self.segment
+        x = t - g[at + 1]
+        value = g[at + 2] + x * (g[at + 3] + x * (g[at + 4] + x * g[at + 5]))
+        rate = g[at + 3] + x * (2.0 * g[at + 4] + x * 3.0 * g[at + 5])
+        acceleration = 2.0 * g[at + 4] + 6.0 * g[at + 5] * x
+        jerk = 6.0 * g[at + 5]
+        amplitude = g[at + 6]
+        if amplitude != 0.0:
+            angle = g[at + 7] + x * (g[at + 8] + x * g[at + 9])
+            speed = g[at + 8] + 2.0 * g[at + 9] * x
+            c = amplitude * cos(angle)
+            d = amplitude * sin(angle)
+            value += c
+            rate -= d * speed
+            acceleration -= c * speed * speed + 2.0 * g[at + 9] * d
+            jerk += d * speed * speed * speed - 6.0 * g[at + 9] * speed * c
+        self.road[4 * s] = value
+        self.road[4 * s + 1] = rate
+        self.road[4 * s + 2] = acceleration
+        self.road[4 * s + 3] = jerk
+
+    def all_signals(self, t):
+        for s in range(self.signals):
+            self.signal(s, t)
+
+    def next_joint(self):
+        """The next instant at which a signal changes segment."""
+        joint = 1e300
+        for s in range(self.signals):
+            k = self.signal_now[s] + 1
+            if k < self.signal_count[s]:
+                start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
+                joint = min(joint, start)
+        return joint
+
+    def road_limit(self, t):
+        """The longest macro step that the sinusoids of the present segments allow."""
+        limit = 1e300
+        for s in range(self.signals):
+            at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
+            if self.segment[at + 6] != 0.0:
+                speed = fabs(
+                    self.segment[at + 8] + 2.0 * self.segment[at + 9] * (t - self.segment[at + 1])
+                )
+                if speed * limit > _ROAD_PHASE:
+                    limit = _ROAD_PHASE / speed
+        return limit

@@ -1,0 +1,171 @@
+"""Dampers that saturate or depend on deflection: closed forms, an independent reference, energy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad, solve_ivp
+
+from suspension import characteristics as law
+from suspension import roads
+from suspension.engine import KINDS, Integrator
+from suspension.systems import Element, System, damper_family
+
+RATES = st.floats(10.0, 1e5)
+FORCES = st.floats(1.0, 1e4)
+
+
+@given(RATES, FORCES, RATES, st.floats(-2.0, 2.0))
+def test_saturating_law_is_force_tanh(rate: float, force: float, bump: float, x: float) -> None:
+    damper = law.saturating(rate, force, bump)
+    slope = rate if x >= 0.0 else bump
+    u = slope * x / force
+    assert damper.force(x) == pytest.approx(force * math.tanh(u), rel=1e-14)
+    sech = 1.0 / math.cosh(u) if abs(u) < 300.0 else 0.0
+    assert damper.tangent(x) == pytest.approx(slope * sech * sech, rel=1e-12, abs=1e-200)
+
+
+@pytest.mark.parametrize("x", [1e-9, 1e-4, 0.3, 1.0, 1.0001, 30.0, 1e4, 1e8, 1e300])
+def test_work_of_a_saturating_law_keeps_its_digits(x: float) -> None:
+    found = law.saturating(1.0, 1.0).potential(x)
+    series = x * x / 2.0 - x**4 / 12.0 + x**6 / 45.0 if x < 1e-3 else None
+    asymptote = x - math.log(2.0) if x > 20.0 else None
+    exact = series or asymptote or quad(math.tanh, 0.0, x, epsabs=1e-14, epsrel=1e-14)[0]
+    assert found == pytest.approx(exact, rel=1e-14)
+    assert law.saturating(1.0, 1.0).potential(-x) == found
+
+
+@given(RATES, FORCES, st.floats(-0.3, 0.3))
+def test_laws_add_where_one_saturates(rate: float, force: float, x: float) -> None:
+    one, other = law.saturating(rate, force), law.cubic(rate, 1e4) + law.bump_stop(0.1, 1e3)
+    assert (one + other).force(x) == pytest.approx(one.force(x) + other.force(x), rel=1e-12)
+    assert (one + one).force(x) == pytest.approx(2.0 * one.force(x), rel=1e-14)
+    with pytest.raises(ValueError, match="two elements"):
+        _ = one + law.saturating(2.0 * rate, force)
+
+
+@given(
+    st.one_of(
+        st.builds(law.linear, RATES),
+        st.builds(law.cubic, RATES, st.floats(0.0, 1e7)),
+        st.builds(law.bump_stop, st.just(0.05), RATES).map(lambda stop: stop + law.linear(50.0)),
+        st.just(law.monotone_table([(-0.1, -900.0), (0.0, 0.0), (0.02, 50.0), (0.1, 700.0)])),
+        st.builds(law.saturating, RATES, st.just(1e5)),
+    ),
+    st.floats(-0.3, 0.3),
+)
+def test_argument_inverts_the_force(curve: law.Characteristic, x: float) -> None:
+    force = curve.force(x)
+    assert curve.force(curve.argument(force)) == pytest.approx(force, rel=1e-12, abs=1e-12)
+
+
+def test_a_force_that_is_never_reached_has_no_argument() -> None:
+    assert law.saturating(1e3, 500.0).argument(501.0) == math.inf
+    assert law.bump_stop(0.1, 1e4).argument(1.0) == math.inf
+
+
+def test_a_family_gives_its_curves_and_what_lies_between() -> None:
+    deflections = {-0.05: law.linear(3e3), 0.0: law.damper(2e3, 500.0), 0.02: law.linear(1e3)}
+    parts = damper_family("damper", (1.0,), deflections)
+    assert [part.name for part in parts] == ["damper_1", "damper_2", "damper_3"]
+
+    def force(rate: float, deflection: float) -> float:
+        return sum(p.damper.force(rate) * p.modulation.force(deflection) for p in parts)
+
+    for rate in (-0.7, 0.4):
+        at = {d: curve.force(rate) for d, curve in deflections.items()}
+        for d, wanted in at.items():
+            assert force(rate, d) == pytest.approx(wanted)
+        assert force(rate, 0.005) == pytest.approx(0.75 * at[0.0] + 0.25 * at[0.02])
+        assert force(rate, -1.0) == pytest.approx(at[-0.05])
+
+
+MASS, RATE = 300.0, 2e4
+CURVES = {-0.02: law.saturating(4e3, 900.0, 1e3), 0.0: law.linear(300.0), 0.03: law.linear(2e3)}
+
+
+def damping(rate: float, deflection: float) -> float:
+    """The family of CURVES, written again."""
+    low = 900.0 * math.tanh((4e3 if rate > 0.0 else 1e3) * rate / 900.0)
+    return float(np.interp(deflection, [-0.02, 0.0, 0.03], [low, 300.0 * rate, 2e3 * rate]))
+
+
+def restarted(rates: Callable, corners: list[Callable], t_end: float, y: list[float]) -> Callable:
+    """DOP853 from corner to corner, as a function of time."""
+    for corner in corners:
+        corner.terminal = True  # type: ignore[attr-defined]
+    parts, t = [], 0.0
+    while t < t_end:
+        part = solve_ivp(
+            rates, (t, t_end), y, "DOP853", events=corners, rtol=1e-12, atol=1e-14,
+            dense_output=True, first_step=1e-6,
+        )  # fmt: skip
+        parts.append(part.sol)
+        y = part.y[:, -1]
+        # a little way on, so that the corner just met is not met again
+        rate = np.array(rates(part.t[-1], y))
+        t, y = part.t[-1] + 1e-10, y + 1e-10 * rate
+    ends = [sol.t_max for sol in parts]
+    return lambda s: parts[min(np.searchsorted(ends, s), len(parts) - 1)](s)
+
+
+def system() -> System:
+    return System(
+        coordinates=("body",),
+        mass=((MASS,),),
+        elements=(
+            Element("spring", (1.0,), law.linear(RATE), road="road"),
+            *damper_family("damper", (1.0,), CURVES, "road"),
+        ),
+        signals={"road": roads.sine(0.06, 4.0, 10.0)},
+        scales=(0.03,),
+    )
+
+
+def test_a_family_against_dop853_restarted_at_every_corner() -> None:
+    omega = 2.0 * math.pi * 10.0 / 4.0
+
+    def relative(t: float, y: np.ndarray) -> tuple[float, float]:
+        return y[0] - 0.03 * math.sin(omega * t), y[1] - 0.03 * omega * math.cos(omega * t)
+
+    def rates(t: float, y: np.ndarray) -> list[float]:
+        d, w = relative(t, y)
+        return [y[1], -(RATE * d + damping(w, d)) / MASS]
+
+    corners = [lambda t, y, c=c: relative(t, y)[0] - c for c in CURVES]
+    corners.append(lambda t, y: relative(t, y)[1])
+    reference = restarted(rates, corners, 1.5, [0.0, 0.0])
+    for tolerance in (1e-5, 1e-9):
+        integrator = Integrator(system(), tolerance=tolerance)
+        worst = 0.0
+        for t in np.linspace(0.01, 1.5, 150):
+            assert integrator.advance(t) == 0
+            integrator.sample(t)
+            worst = max(worst, abs(integrator.sample_q[0] - reference(t)[0]))
+        assert worst < 3.0 * tolerance * 0.05
+        assert abs(integrator.residual_end) < 100.0 * tolerance
+    assert {KINDS[event[2]] for event in integrator.log} == {"damper", "modulation"}
+
+
+def test_a_modulated_damper_needs_no_iteration_where_its_factor_is_level() -> None:
+    """Twice the damper by a level factor: the same motion as a damper of twice the rate, to rounding."""
+
+    def car(damper: law.Characteristic, factor: law.Characteristic) -> System:
+        strut = Element("strut", (1.0,), law.linear(RATE), damper, "road", modulation=factor)
+        road = {"road": roads.bump(0.05, 1.0, 20.0)}
+        return System(("body",), ((MASS,),), (strut,), road, scales=(0.05,))
+
+    one = Integrator(car(law.linear(1e3), law.constant(2.0)), tolerance=1e-8)
+    other = Integrator(car(law.linear(2e3), law.constant(1.0)), tolerance=1e-8)
+    for integrator in (one, other):
+        integrator.advance(1.0)
+        integrator.sample(1.0)
+        integrator.sample_forces(1.0)
+    assert one.step_count == other.step_count
+    assert one.sample_q[0] == pytest.approx(other.sample_q[0], rel=1e-12)
+    assert one.sample_f[0] == pytest.approx(other.sample_f[0], rel=1e-10)
