@@ -42,7 +42,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     packed = summary["build_time"]
     yield _line(
         "model",
-        f"{summary['model']}, packed in {packed:.2f} s"
+        f"{summary['model']}, {f'packed in {packed:.2f} s' if packed else 'packed before'}"
         if packed is not None
         else f"{summary['model']} from {_path(Path(summary['fmu']))}",
     )

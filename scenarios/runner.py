@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, RunError, one_line
-from .fmus import Fmu
+from .kept import kept
 from .measures import Run, catalogue, outputs_needed, take
 from .results import Results
 
@@ -82,35 +82,18 @@ def run(scene: Scene, *, progress: Progress | None = None) -> Results:
     """
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
         _check_path(folder)
-        started = perf_counter()
-        path = packed(scene.fmu, Path(folder))
-        build_time = perf_counter() - started if scene.fmu.path is None else None
+        path, build_time = scene.fmu.path, None
+        if path is None:
+            path, build_time = kept(scene.fmu.model, Path(folder))
         with _deferred_interrupt() as interrupted:
             drive = _driven(scene, path, Path(folder, "unpacked"), progress, interrupted)
         if interrupted():
             raise KeyboardInterrupt
-    kept = {"time", *scene.columns}
+    wanted = {"time", *scene.columns}
     return Results(
-        {name: column for name, column in drive.columns.items() if name in kept},
+        {name: column for name, column in drive.columns.items() if name in wanted},
         _summary(scene, drive, build_time),
     )
-
-
-def packed(fmu: Fmu, folder: Path) -> Path:
-    """The file of an FMU: its own, or one packed now into the folder.
-
-    Raises
-    ------
-    RunError : it could not be packed.
-    """
-    if fmu.path is not None:
-        return fmu.path
-    from vehicle_fmus.build import build  # noqa: PLC0415  (heavy)
-
-    try:
-        return Path(build([fmu.model], folder)[0])
-    except Exception as error:
-        raise RunError(f"cannot pack {fmu.model}: {one_line(error)}") from error
 
 
 def _check_path(folder: str) -> None:

@@ -82,6 +82,19 @@ def build(
     return list(archives)
 
 
+def content_key(model: str) -> str:
+    """A hash of all that an FMU of the model is made of; one kept under it need not be built again."""
+    own = Path(__file__).parent
+    files = {
+        f"vehicle_fmus/{path.relative_to(own).as_posix()}": path.read_bytes()
+        for path in sorted(own.rglob("*"))
+        if path.is_file() and path.suffix != ".pyc"
+    }
+    parts = [part for path, content in (files | _suspension_sources()).items()
+             for part in (path.encode(), content)]  # fmt: skip
+    return _digest(model.encode(), json.dumps(_about()).encode(), *parts)[:24]
+
+
 # -- what goes in ----------------------------------------------------------------------------------
 
 

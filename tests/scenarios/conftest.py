@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from scenarios.kept import FOLDER_VARIABLE
 from vehicle_fmus.build import build
 
 
@@ -13,3 +15,11 @@ from vehicle_fmus.build import build
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """QuarterCar.fmu, packed once."""
     return build(["QuarterCar"], tmp_path_factory.mktemp("fmus"))[0]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _kept_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """FMUs are kept in a folder of the tests' own."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv(FOLDER_VARIABLE, str(tmp_path_factory.mktemp("kept")))
+        yield

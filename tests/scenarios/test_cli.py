@@ -37,7 +37,7 @@ def phaseplane(*arguments: str) -> Result:
     return result
 
 
-ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])}
+PATHS = {"PYTHONPATH": os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])}
 
 
 def in_a_process(
@@ -45,7 +45,7 @@ def in_a_process(
 ) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, *arguments],
-        env=ENVIRONMENT | {"PYTHONIOENCODING": encoding},
+        env={**os.environ, **PATHS, "PYTHONIOENCODING": encoding},
         cwd=cwd,
         capture_output=True,
         encoding=encoding,
@@ -118,7 +118,7 @@ def test_run_tells_the_figures_that_matter(ap57: tuple[Path, str]) -> None:
         "Apetaur", "QuarterCar", "bump 50 mm high, 1 m long, at 20 m/s", "extrapolated",
         f"{1e3 * peak['value']:.3f} mm", "30.662 ms", "65.601 ms", "34.938 ms",
         "smallest force 0 N",
-        f"{summary['measures']['step_count']['value']} steps", "4 of 4 hold", "packed in",
+        f"{summary['measures']['step_count']['value']} steps", "4 of 4 hold", "QuarterCar, packed",
         *(f"out/ap57/{name}" for name in summary["files"]),
     ]  # fmt: skip
     assert [words for words in wanted if words not in said] == []
@@ -260,7 +260,7 @@ def test_a_closed_pipe_is_no_error() -> None:
     with subprocess.Popen(
         [sys.executable, "-c",
          "import sys; sys.stdin.readline()\nfrom scenarios.cli import main; main(['list'])"],
-        env=ENVIRONMENT, text=True,
+        env={**os.environ, **PATHS}, text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as process:  # fmt: skip
         assert process.stdin and process.stdout and process.stderr  # noqa: PT018

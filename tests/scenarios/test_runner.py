@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from scenarios.errors import InputError, RunError
-from scenarios.runner import packed, run
+from scenarios.runner import run
 from scenarios.schema import load_scene
 from suspension.session import simulate
 
@@ -142,15 +142,6 @@ def test_a_file_that_is_no_fmu(tmp_path: Path) -> None:
     path.write_text("not a zip")
     with pytest.raises(InputError, match="not an FMU"):
         scene_of(path)
-
-
-def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    def fail(*_: object) -> None:
-        raise RuntimeError("pythonfmu said:\nno")
-
-    monkeypatch.setattr("vehicle_fmus.build.build", fail)
-    with pytest.raises(RunError, match="cannot pack QuarterCar: pythonfmu said: no"):
-        packed(load_scene("ap57").fmu, tmp_path)
 
 
 def test_a_temporary_folder_that_would_crash_the_binary_is_refused(

@@ -1,0 +1,80 @@
+"""FMUs that are packed once and kept."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+import vehicle_fmus.build as builder
+from scenarios.errors import RunError
+from scenarios.kept import FOLDER_VARIABLE, kept
+
+
+@pytest.fixture(autouse=True)
+def _of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "cache"))
+
+
+def counting(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
+    """Packing that writes a few bytes and notes where."""
+    built: list[Path] = []
+
+    def build(models: list[str], folder: Path) -> list[Path]:
+        path = Path(folder, f"{models[0]}.fmu")
+        path.write_bytes(b"fmu")
+        built.append(path)
+        return [path]
+
+    monkeypatch.setattr(builder, "build", build)
+    return built
+
+
+def test_equal_content_is_packed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    built = counting(monkeypatch)
+    first, took = kept("QuarterCar", tmp_path)
+    again, not_again = kept("QuarterCar", tmp_path)
+    assert first == again
+    assert (len(built), not_again) == (1, 0.0)
+    assert took > 0.0
+    assert first.read_bytes() == b"fmu"
+    assert kept("OneDof", tmp_path)[0] != first
+    monkeypatch.setattr(builder, "version", lambda _name: "another version of pythonfmu")
+    assert kept("QuarterCar", tmp_path)[0].parent != first.parent
+    assert [path.name for path in first.parent.parent.glob(".draft*")] == []
+
+
+def test_only_the_last_used_are_kept_and_nothing_else_is_touched(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counting(monkeypatch)
+    cache = tmp_path / "cache"
+    for k in range(20):
+        folder = cache / f"{k:024x}"
+        folder.mkdir(parents=True)
+        os.utime(folder, (k, k))
+    (cache / "somebody elses").mkdir()
+    path, _ = kept("QuarterCar", tmp_path)
+    left = {entry.name for entry in cache.iterdir()}
+    assert left == {path.parent.name, "somebody elses", *(f"{k:024x}" for k in range(5, 20))}
+
+
+def test_where_nothing_can_be_kept_it_is_packed_for_this_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    counting(monkeypatch)
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "cache"))
+    (tmp_path / "spare").mkdir()
+    assert kept("QuarterCar", tmp_path / "spare")[0].parent == tmp_path / "spare"
+
+
+def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def fail(*_: object) -> None:
+        raise RuntimeError("pythonfmu said:\nno")
+
+    monkeypatch.setattr(builder, "build", fail)
+    with pytest.raises(RunError, match="cannot pack QuarterCar: pythonfmu said: no"):
+        kept("QuarterCar", tmp_path)
+    assert not any((tmp_path / "cache").iterdir())
