@@ -40,8 +40,9 @@ from .measures import catalogue, default_measures
 Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
 Detail = Literal["trail", "steps", "stages"]
 Rule = Literal[
-    "tangent", "mean_normal", "osculating_circle", "midpoint_circle", "velocity", "delta"
-]
+    "tangent", "mean_normal", "auto_mean_normal", "osculating_circle", "midpoint_circle",
+    "mean_arc_circle", "velocity", "delta",
+]  # fmt: skip
 FIGURES: tuple[Figure, ...] = get_args(Figure)
 RULES: tuple[Rule, ...] = get_args(Rule)
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
