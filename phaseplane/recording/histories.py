@@ -1,4 +1,4 @@
-"""Which columns of a run are plotted together."""
+"""Which columns of a run are plotted together, and how they are logged."""
 
 from __future__ import annotations
 
@@ -7,63 +7,89 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
+from .columns import Clock, Reals, colours, seconds
+from .content import Content
 from .quantities import QUANTITIES, Quantity, in_words, quantity_of
-from .styles import legible
+from .styles import SERIES_COLOURS, legible
+
+HISTORIES = "/histories"
 
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """The columns of one quantity.
-
-    Parameters
-    ----------
-    times : shape (n,), s
-    values : shape (n, columns), in the unit in which the quantity is shown
-    """
+    """The columns of one quantity."""
 
     quantity: Quantity
     names: tuple[str, ...]
-    times: npt.NDArray[np.float64]
-    values: npt.NDArray[np.float64]
+
+    @property
+    def path(self) -> str:
+        """Where it is logged."""
+        return f"{HISTORIES}/{self.quantity.name}"
 
     @property
     def labels(self) -> list[str]:
         """Names as they are shown, with the unit."""
         return [legible(f"{in_words(name)} [{self.quantity.unit}]") for name in self.names]
 
+    def values(self, histories: Mapping[str, npt.ArrayLike]) -> Reals:
+        """Its columns in the unit in which they are shown, shape (n, columns)."""
+        columns = [np.asarray(histories[name], float) for name in self.names]
+        return self.quantity.factor * np.column_stack(columns)
 
-def panels(histories: Mapping[str, npt.ArrayLike] | None) -> list[Panel]:
-    """The columns by quantity, without those whose names do not say what they are.
 
-    Parameters
-    ----------
-    histories : `time` (s) and columns of the same length over it, in SI
-
-    Raises
-    ------
-    ValueError : no column `time`, or columns of unequal length.
-    """
-    if not histories:
-        return []
-    if "time" not in histories:
-        raise ValueError(f"histories need a column 'time'; given: {', '.join(histories)}")
-    columns = {name: np.asarray(column, float) for name, column in histories.items()}
-    times = columns["time"]
-    for name, column in columns.items():
-        if column.ndim != 1 or len(column) != len(times):
-            raise ValueError(
-                f"history {name!r} has the shape {column.shape}, 'time' {times.shape}: "
-                "all columns must be of one length"
-            )
-    found = [
-        (quantity, tuple(name for name in columns if quantity_of(name) is quantity))
+def panels(content: Content) -> list[Panel]:
+    """The columns by quantity, without those of which nobody says what they are."""
+    wanted = [
+        quantity
         for quantity in QUANTITIES
+        if content.shows("energies" if quantity.name == "energy" else "histories")
     ]
-    return [
+    found = [
         Panel(
-            quantity, names, times, quantity.factor * np.column_stack([columns[n] for n in names])
+            quantity,
+            tuple(n for n in content.histories if quantity_of(n, content.units) is quantity),
         )
-        for quantity, names in found
-        if names
+        for quantity in wanted
     ]
+    return [panel for panel in found if panel.names]
+
+
+def log_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Curves over `t` as they were given; over `step` and `stage` at the steps."""
+    for panel in panels(content):
+        log_series(recording, panel)
+        times = np.asarray(content.histories["time"], float)
+        send_series(recording, panel, content.histories)
+        if len(clock.times):
+            at_steps = np.column_stack(
+                [
+                    np.interp(clock.times, times, column, left=np.nan, right=np.nan)
+                    for column in panel.values(content.histories).T
+                ]
+            )
+            recording.send_columns(
+                panel.path, clock.counted(), rr.Scalars.columns(scalars=at_steps)
+            )
+
+
+def log_series(recording: rr.RecordingStream, panel: Panel) -> None:
+    """Names and colours of the curves of a panel."""
+    palette = [SERIES_COLOURS[i % len(SERIES_COLOURS)] for i in range(len(panel.names))]
+    recording.log(
+        panel.path,
+        rr.SeriesLines(names=panel.labels, colors=colours(palette), widths=1.5),
+        static=True,
+    )
+
+
+def send_series(
+    recording: rr.RecordingStream, panel: Panel, histories: Mapping[str, npt.ArrayLike]
+) -> None:
+    """More of the curves of a panel, over `t`."""
+    times = np.asarray(histories["time"], float)
+    recording.send_columns(
+        panel.path, [seconds(times)], rr.Scalars.columns(scalars=panel.values(histories))
+    )

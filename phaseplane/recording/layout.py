@@ -2,58 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from typing import Literal
 
-import numpy.typing as npt
+import numpy as np
 import rerun.blueprint as rrb
 
-from phaseplane.constructions.primitives import Drawing
-
 from . import sheet
-from .histories import panels
-from .replay import EVENTS, HISTORIES, SHEET, WORDS, Detail, check, trail_path
+from .columns import TIMELINES
+from .content import Content
+from .histories import Panel, panels
+from .motion import state_planes
+from .replay import EVENTS, SHEET, WORDS, trail_path
+from .side_view import VEHICLE, vehicle_of, view_box
 from .styles import legible
+from .whole import state_box
 
-_KINDS = {"t": "seconds", "step": "seq", "stage": "seq"}
 
+def blueprint(content: Content, *, following: bool = False) -> rrb.Blueprint:
+    """The phase planes on the left; beside them the vehicle and the step in words, the histories.
 
-def blueprint(
-    drawing: Drawing,
-    histories: Mapping[str, npt.ArrayLike] | None = None,
-    *,
-    detail: Detail = "stages",
-) -> rrb.Blueprint:
-    """The phase planes on the left; the histories and the step in words on the right.
+    Parameters
+    ----------
+    following : whether the viewer stays at the latest instant, as while a run goes on
 
-    Parameters and what is raised are those of `log`.
+    Raises
+    ------
+    ValueError : see `Content.check`.
     """
-    check(drawing, detail)
-    beside: list[rrb.View] = [
-        rrb.TimeSeriesView(
-            origin=f"{HISTORIES}/{panel.quantity.name}",
-            name=f"{panel.quantity.name} [{panel.quantity.unit}]",
-            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop),
-        )
-        for panel in panels(histories)
-    ]
-    if detail != "trail":
+    content.check()
+    vehicle = vehicle_of(content)
+    beside: list[rrb.View] = []
+    if vehicle is not None:
+        beside.append(_view(VEHICLE, "from the side", view_box(vehicle)))
+    if content.drawing is not None and content.shows("words") and content.detail != "trail":
         beside.append(rrb.TextDocumentView(origin=WORDS, name="this step"))
-    planes = _planes(drawing)
+    columns: list[tuple[float, rrb.View | rrb.Container]] = []
+    planes = _planes(content)
+    if planes is not None:
+        columns.append((5.0, planes))
+    if beside:
+        columns.append((3.0, rrb.Vertical(*beside)))
+    plots = [_plot(panel, content) for panel in panels(content)]
+    if plots:
+        columns.append((3.0, rrb.Vertical(*plots)))
+    shares, parts = zip(*columns, strict=True) if columns else ((), ())
+    timeline = "t"
+    if content.drawing is not None and not following:
+        timeline = "stage" if content.detail == "stages" else "step"
+    state: Literal["following", "playing"] = "following" if following else "playing"
     return rrb.Blueprint(
-        rrb.Horizontal(planes, rrb.Vertical(*beside), column_shares=[2, 1]) if beside else planes,
-        rrb.TimePanel(
-            state="collapsed",
-            timeline="stage" if detail == "stages" else "step",
-            fps=4.0,
-            play_state="playing",
-        ),
+        rrb.Horizontal(*parts, column_shares=list(shares)),
+        rrb.TimePanel(state="collapsed", timeline=timeline, fps=4.0, play_state=state),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
 
 
-def _planes(drawing: Drawing) -> rrb.Spatial2DView:
-    box = sheet.bounds(drawing)
+def _planes(content: Content) -> rrb.Spatial2DView | None:
+    drawing, runs = content.constructed, state_planes(content)
+    if drawing is None and not runs:
+        return None
     past = rrb.VisibleTimeRanges(
         [
             rrb.VisibleTimeRange(
@@ -61,16 +69,38 @@ def _planes(drawing: Drawing) -> rrb.Spatial2DView:
                 start=rrb.TimeRangeBoundary.infinite(),
                 end=rrb.TimeRangeBoundary.cursor_relative(**{kind: 0}),
             )
-            for timeline, kind in _KINDS.items()
+            for timeline, kind in TIMELINES.items()
         ]
     )
+    kept = [run.path for run in runs]
+    if drawing is not None:
+        kept += [EVENTS, *map(trail_path, drawing.planes)]
+    box = sheet.bounds(drawing) if drawing is not None else state_box(runs, content)
+    name = drawing.title if drawing is not None else "phase plane"
+    return _view(SHEET, legible(name), box, overrides=dict.fromkeys(kept, past))
+
+
+def _view(path: str, name: str, box: sheet.Bounds, **more: object) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         origin="/",
-        contents=f"{SHEET}/**",
-        name=legible(drawing.title),
-        # The sheet is turned over (y up), the bounds are those of the screen (y down).
+        contents=f"{path}/**",
+        name=name,
+        # Sheet and vehicle are turned over (y up), the bounds are those of the screen (y down).
         visual_bounds=rrb.VisualBounds2D(
             x_range=[box.left, box.right], y_range=[-box.top, -box.bottom]
         ),
-        overrides=dict.fromkeys((EVENTS, *map(trail_path, drawing.planes)), past),
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
+    values = panel.values(content.histories)
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
+    margin = 0.05 * (high - low) or 1.0
+    return rrb.TimeSeriesView(
+        origin=panel.path,
+        name=f"{panel.quantity.name} [{panel.quantity.unit}]",
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop),
+        axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
     )

@@ -1,7 +1,8 @@
-"""What the name of a variable says of its quantity, and the unit it is shown in."""
+"""What kind of quantity a variable is, and the unit it is shown in."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 
@@ -14,28 +15,45 @@ class Quantity:
     name : of the quantity
     unit : in which it is shown
     factor : how many of that unit make the SI unit
+    si : the SI unit
     endings : how the names of its variables end
     """
 
     name: str
     unit: str
     factor: float
+    si: str
     endings: tuple[str, ...]
 
 
+_DEGREES = 57.29577951308232
 QUANTITIES = (
-    Quantity("displacement", "cm", 100.0, ("_displacement", "_deflection", "_elevation", "_drift")),
-    Quantity("velocity", "m/s", 1.0, ("_velocity", "_rate")),
-    Quantity("acceleration", "m/s\N{SUPERSCRIPT TWO}", 1.0, ("_acceleration",)),
-    Quantity("force", "N", 1.0, ("_force",)),
+    Quantity(
+        "displacement", "cm", 100.0, "m", ("_displacement", "_deflection", "_elevation", "_drift")
+    ),
+    Quantity("velocity", "m/s", 1.0, "m/s", ("_velocity", "_rate")),
+    Quantity("acceleration", "m/s\N{SUPERSCRIPT TWO}", 1.0, "m/s2", ("_acceleration",)),
+    Quantity("force", "N", 1.0, "N", ("_force",)),
+    Quantity("energy", "J", 1.0, "J", ("_energy",)),
+    Quantity("angle", "\N{DEGREE SIGN}", _DEGREES, "rad", ("_angle",)),
 )
 
 
-def quantity_of(name: str) -> Quantity | None:
-    """The quantity of a variable; nothing where its name does not say."""
+def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity | None:
+    """The quantity of a variable by its SI unit, else by the end of its name; nothing if neither."""
+    if units is not None and name in units:
+        return next((quantity for quantity in QUANTITIES if quantity.si == units[name]), None)
     return next((quantity for quantity in QUANTITIES if name.endswith(quantity.endings)), None)
 
 
 def in_words(name: str) -> str:
     """A variable's name as it is written."""
     return name.replace("_", " ")
+
+
+def rate_of(displacement: str) -> str:
+    """The name of the rate of change of a displacement, as the FMUs name it."""
+    for ending, rate in (("_displacement", "_velocity"), ("_angle", "_rate")):
+        if displacement.endswith(ending):
+            return displacement.removesuffix(ending) + rate
+    return f"{displacement}_rate"

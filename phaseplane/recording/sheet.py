@@ -25,6 +25,7 @@ _ARC_RESOLUTION = 0.1
 # Shift of a letter, and the text that brings it about: blanks beside it move it by a number of
 # screen points whatever the zoom; a zero-width space keeps the viewer from trimming them.
 _SIDES = {0.0: "{}", -1.0: "{}     \N{ZERO WIDTH SPACE}", 1.0: "\N{ZERO WIDTH SPACE}     {}"}
+_LEFT = "{}         \N{ZERO WIDTH SPACE}"  # of an upright axis
 _SAMPLE = 200  # steps that are looked at to place the letters
 _NEIGHBOURHOOD = 1.5  # sizes of the trails around them
 _AT_REST = 0.1  # m of paper that are shown around a single point
@@ -178,16 +179,23 @@ def ticks(axis: Axis, values: npt.ArrayLike, spacing: float) -> list[Text]:
     ]
 
 
-def axes(drawing: Drawing, plane: Plane, box: Bounds) -> tuple[list[list[complex]], list[Text]]:
-    """The axes of a plane: lines, arrow heads and graduations; the values and the names."""
+def axes(
+    plane: Plane, planes: Sequence[Plane], trail: Complexes, box: Bounds
+) -> tuple[list[list[complex]], list[Text]]:
+    """The axes of a plane: lines, arrow heads and graduations; the values and the names.
+
+    Parameters
+    ----------
+    planes : all planes of the sheet
+    trail : what moves in this one, on the sheet
+    """
     size = max(box.width, box.height)
-    room = _room(drawing, plane)
+    room = _room(plane, planes)
     strips: list[list[complex]] = []
     texts: list[Text] = []
     for axis in (plane.displacement, plane.scaled_velocity):
         upright = abs(axis.direction.imag) > 0.5
-        values = [axis.read(z) for z in trail(drawing, plane)]
-        graduation = ticks(axis, values, 0.07 * size)
+        graduation = ticks(axis, [axis.read(z) for z in trail], 0.07 * size)
         if upright:
             graduation = [
                 tick
@@ -201,17 +209,21 @@ def axes(drawing: Drawing, plane: Plane, box: Bounds) -> tuple[list[list[complex
         strips.append([low, tip])
         strips.append([tip - along + 0.35j * along, tip, tip - along - 0.35j * along])
         strips += [[z.place - 0.35j * along, z.place + 0.35j * along] for z in graduation]
-        beside = complex(-0.026, 0.014) * size if upright else 0.028j * size
-        texts += [Text(tick.place + beside, tick.label) for tick in graduation]
+        if upright:
+            texts += [
+                Text(tick.place + 0.014j * size, _LEFT.format(tick.label)) for tick in graduation
+            ]
+        else:
+            texts += [Text(tick.place + 0.028j * size, tick.label) for tick in graduation]
         texts.append(Text(tip + 0.028j * size, axis.label))
     return strips, texts
 
 
-def _room(drawing: Drawing, plane: Plane) -> float:
+def _room(plane: Plane, planes: Sequence[Plane]) -> float:
     """How far the upright axis of a plane may reach before it meets that of another plane."""
     origin = plane.scaled_velocity.origin
-    distances = [abs(other.scaled_velocity.origin - origin) for other in drawing.planes]
-    return 0.5 * min((d for d in distances if d > 0.0), default=inf)
+    others = (other.scaled_velocity.origin for other in planes)
+    return 0.5 * min((abs(z - origin) for z in others if abs((z - origin).imag) > 0.0), default=inf)
 
 
 def curve_names(curves: Sequence[Curve], box: Bounds) -> list[Text]:

@@ -1,40 +1,37 @@
-"""Where a recording goes."""
+"""Where a recording goes: a file, a running viewer, or both."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from hashlib import blake2b
 from pathlib import Path
 
-import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
 
+from .content import VIEWS, Content, Detail, View
 from .layout import blueprint
-from .replay import Detail, log
+from .vehicle import Vehicle
+from .whole import log
 
 APPLICATION = "phaseplane"
 
 
-def new_recording(drawing: Drawing) -> rr.RecordingStream:
-    """An empty recording for this drawing, not yet connected to a sink.
+def new_recording(content: Content) -> rr.RecordingStream:
+    """An empty recording for this content, not yet connected to a sink.
 
-    Its id is made from the drawing: the same motion drawn again replaces itself in a viewer, and
-    two different ones stay apart.
+    Its id is made from the content: the same again replaces itself in a viewer, and two different
+    ones stay apart.
 
     Raises
     ------
     ValueError : rerun is switched off by its environment variable.
     """
-    digest = blake2b(drawing.title.encode(), digest_size=8)
-    for frame in drawing.frames:
-        digest.update(np.array([frame.time, *frame.points.values()], complex).tobytes())
     recording = rr.RecordingStream(
-        APPLICATION, recording_id=digest.hexdigest(), send_properties=False
+        APPLICATION, recording_id=content.digest(), send_properties=False
     )
     if not rr.is_enabled(recording):
         raise ValueError("rerun is switched off by the environment variable RERUN: unset it")
@@ -44,41 +41,56 @@ def new_recording(drawing: Drawing) -> rr.RecordingStream:
 
 
 def record(
-    drawing: Drawing,
+    frames: Drawing | Content,
     path: str | os.PathLike[str],
     histories: Mapping[str, npt.ArrayLike] | None = None,
     *,
     detail: Detail = "stages",
+    vehicle: Vehicle | None = None,
+    views: tuple[View, ...] = VIEWS,
 ) -> None:
     """Write the replay of a construction to an `.rrd` file, whole or not at all.
 
     Parameters
     ----------
-    drawing : what is replayed
+    frames : the construction that is replayed; or the whole content, and then nothing else counts
     path : of the file; its folder must exist, a file that is there already is replaced
-    histories : see `log`
-    detail : see `log`
+    histories : `time` (s) and columns of the same length over it, in SI; those whose names end as
+        `quantities.QUANTITIES` says are plotted, the others are left out
+    detail, vehicle, views : see `Content`
 
     Raises
     ------
     OSError : the folder is missing or the file cannot be written.
-    ValueError : see `log`.
+    ValueError : see `Content.check`; a frame that lacks a point which its scheme draws.
     """
+    content = (
+        frames
+        if isinstance(frames, Content)
+        else Content(
+            frames.title, frames, histories or {}, vehicle=vehicle, detail=detail, views=views
+        )
+    )
     target = Path(path)
     _check_target(target)
-    with _strict():
-        recording = new_recording(drawing)
+    _write_whole(target, encoded(content))
+
+
+def encoded(content: Content) -> bytes:
+    """The content of an `.rrd` file."""
+    with strict():
+        recording = new_recording(content)
         # Encoded in memory: rerun's own file sink waits for ever once the disk is full.
         memory = recording.memory_recording()
-        recording.send_blueprint(blueprint(drawing, histories, detail=detail))
-        log(recording, drawing, histories, detail=detail)
-        encoded = memory.drain_as_bytes()
+        recording.send_blueprint(blueprint(content))
+        log(recording, content)
+        made = memory.drain_as_bytes()
         recording.disconnect()
-    _write_whole(target, encoded)
+    return made
 
 
 @contextmanager
-def _strict() -> Iterator[None]:
+def strict() -> Iterator[None]:
     """Let rerun raise what it would otherwise only warn of."""
     before = rr.strict_mode()
     rr.set_strict_mode(True)

@@ -33,6 +33,12 @@ class Style:
 
 STYLES = {
     "axis": Style(GREY, 1.0),
+    "body": Style(BLUE, 2.5),
+    "damper": Style(ORANGE, 2.5),
+    "gap": Style(RED, 3.0),
+    "road": Style(OCHRE, 2.0),
+    "spring": Style(GREEN, 2.0),
+    "wheel": Style(GREY, 2.5),
     "auxiliary": Style(OCHRE),
     "construction": Style(GREY, 1.0),
     "event": Style(RED, 2.0, 10.0),
@@ -44,15 +50,16 @@ STYLES = {
     "state": Style(BLUE, 1.5, 8.0),
     "successor": Style(GREEN, 2.0, 7.0),
     "arc": Style(GREEN, 2.0),
+    "run": Style(PURPLE, 1.5, 7.0),
     "trail": Style(BLUE, 2.0, 3.5),
 }
-_UNKNOWN = Style(PURPLE)
+_UNKNOWN = Style(OCHRE)
 
 SERIES_COLOURS = (BLUE, ORANGE, GREEN, GREY, PURPLE, TEAL, PINK, OCHRE, RED)
 
 
 def style(role: str) -> Style:
-    """The style of a role; one that the table does not know is purple."""
+    """The style of a role; one that the table does not know is ochre."""
     return STYLES.get(role, _UNKNOWN)
 
 
@@ -80,4 +87,5 @@ def legible(text: str) -> str:
 @lru_cache
 def typeset(text: str) -> str:
     """The text, legible and with the numbers that follow a letter as its indices."""
-    return re.sub(r"(?<=[^\W\d_])\d+", lambda m: m[0].translate(_INDICES), legible(text))
+    greek = text.replace("dtau", "\N{GREEK CAPITAL LETTER DELTA}\N{GREEK SMALL LETTER TAU}")
+    return re.sub(r"(?<=[^\W\d_])\d+", lambda m: m[0].translate(_INDICES), legible(greek))

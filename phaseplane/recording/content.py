@@ -1,0 +1,116 @@
+"""What a recording holds."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from hashlib import blake2b
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.constructions.primitives import Drawing
+
+from .vehicle import Vehicle
+
+Detail = Literal["trail", "steps", "stages"]
+DETAILS: tuple[Detail, ...] = get_args(Detail)
+View = Literal["planes", "vehicle", "histories", "energies", "words"]
+VIEWS: tuple[View, ...] = get_args(View)
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """Everything that a recording is made from; what is left out is not logged.
+
+    Parameters
+    ----------
+    title : one line
+    drawing : the construction that is replayed, if there is one
+    histories : `time` (s) and columns of the same length over it, in SI
+    units : the SI units of columns, where their names do not say what they are
+    pairs : columns, displacement and rate, whose phase planes are drawn; left out, those of the
+        planes of the drawing
+    vehicle : what is seen from the side
+    detail : `trail`: the planes and the motion in them; `steps`: and the complete construction of
+        every step; `stages`: and on the timeline `stage` drawn in its order
+    views : what is shown
+    """
+
+    title: str
+    drawing: Drawing | None = None
+    histories: Mapping[str, npt.ArrayLike] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    pairs: tuple[tuple[str, str], ...] = ()
+    vehicle: Vehicle | None = None
+    detail: Detail = "stages"
+    views: tuple[View, ...] = VIEWS
+
+    def shows(self, view: View) -> bool:
+        """Whether a view is wanted."""
+        return view in self.views
+
+    @property
+    def constructed(self) -> Drawing | None:
+        """The drawing, if its planes are shown."""
+        return self.drawing if self.shows("planes") else None
+
+    def check(self) -> None:
+        """Refuse what cannot be recorded.
+
+        Raises
+        ------
+        ValueError : an unknown detail or view, neither a step nor a column, a step that follows no
+            scheme, columns without `time` or of unequal length.
+        """
+        if self.detail not in DETAILS:
+            raise ValueError(f"detail {self.detail!r} is not known; there are {', '.join(DETAILS)}")
+        for view in self.views:
+            if view not in VIEWS:
+                raise ValueError(f"view {view!r} is not known; there are {', '.join(VIEWS)}")
+        if self.drawing is None:
+            if not self.histories:
+                raise ValueError(f"{self.title!r} has neither steps nor columns: nothing to record")
+        else:
+            _check_drawing(self.drawing)
+        _check_histories(self.histories)
+        for name in (name for pair in self.pairs for name in pair):
+            if self.histories and name not in self.histories:
+                raise ValueError(
+                    f"no column {name!r} for a phase plane; there are {', '.join(self.histories)}"
+                )
+
+    def digest(self) -> str:
+        """The same for the same content: what makes a recording replace itself in a viewer."""
+        digest = blake2b(repr((self.title, self.detail, self.views)).encode(), digest_size=8)
+        for frame in self.drawing.frames if self.drawing else ():
+            digest.update(np.array([frame.time, *frame.points.values()], complex).tobytes())
+        for name, column in self.histories.items():
+            digest.update(name.encode() + np.asarray(column, float).tobytes())
+        return digest.hexdigest()
+
+
+def _check_drawing(drawing: Drawing) -> None:
+    if not drawing.frames:
+        raise ValueError(f"the drawing {drawing.title!r} has no steps: nothing to record")
+    for frame in drawing.frames:
+        if frame.scheme not in drawing.schemes:
+            raise ValueError(
+                f"step {frame.step} follows the scheme {frame.scheme!r}; "
+                f"the drawing has {', '.join(drawing.schemes)}"
+            )
+
+
+def _check_histories(histories: Mapping[str, npt.ArrayLike]) -> None:
+    if not histories:
+        return
+    if "time" not in histories:
+        raise ValueError(f"histories need a column 'time'; given: {', '.join(histories)}")
+    shape = np.shape(histories["time"])
+    for name, column in histories.items():
+        if np.ndim(column) != 1 or np.shape(column) != shape:
+            raise ValueError(
+                f"history {name!r} has the shape {np.shape(column)}, 'time' {shape}: "
+                "all columns must be of one length"
+            )

@@ -1,0 +1,150 @@
+"""The motion of a run in its phase planes, as its columns give it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from phaseplane.constructions.primitives import Axis, Plane
+
+from .columns import Clock, Reals, flat, line_style, point_style
+from .content import Content
+from .quantities import in_words, quantity_of, rate_of
+from .styles import style
+
+RUN = "/sheet/run"
+_HALF_WIDTH = 0.1  # m of paper, of a plane made here
+_APART = 0.3  # m of paper, between the origins of planes made here
+_MOST_ROWS = 4000
+_ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class StatePlane:
+    """A phase plane and the columns that move in it."""
+
+    plane: Plane
+    displacement: str
+    rate: str
+
+    @property
+    def path(self) -> str:
+        """Where its motion is logged."""
+        return f"{RUN}/{self.plane.name}"
+
+
+def state_planes(content: Content) -> list[StatePlane]:
+    """The planes of the drawing, or of the pairs, as far as there are columns for them."""
+    drawing = content.constructed
+    if not content.shows("planes"):
+        return []
+    if drawing is None:
+        return made_planes(content.pairs, content.histories, content.units)
+    planes = [StatePlane(p, p.name, rate_of(p.name)) for p in drawing.planes]
+    return [p for p in planes if {p.displacement, p.rate} <= content.histories.keys()]
+
+
+def made_planes(
+    pairs: Sequence[tuple[str, str]],
+    histories: Mapping[str, npt.ArrayLike],
+    units: Mapping[str, str],
+) -> list[StatePlane]:
+    """One plane for each pair of columns, side by side, as large as the columns reach."""
+    return [
+        StatePlane(
+            Plane(
+                displacement,
+                1.0,
+                _axis(displacement, histories, units, _APART * i, 1 + 0j),
+                _axis(rate, histories, units, _APART * i, 1j),
+                f"P{i + 1}",
+            ),
+            displacement,
+            rate,
+        )
+        for i, (displacement, rate) in enumerate(pairs)
+    ]
+
+
+def _axis(
+    name: str,
+    histories: Mapping[str, npt.ArrayLike],
+    units: Mapping[str, str],
+    origin: float,
+    direction: complex,
+) -> Axis:
+    quantity = quantity_of(name, units)
+    unit = units.get(name) or (quantity.si if quantity else "")
+    values = np.asarray(histories.get(name, ()), float)
+    largest = float(np.max(abs(values), initial=0.0, where=np.isfinite(values)))
+    return Axis(in_words(name), unit, complex(origin), direction, _HALF_WIDTH / rounded(largest))
+
+
+def rounded(value: float) -> float:
+    """The next round number that is not smaller; 1 for nothing."""
+    if not value > 0.0:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(value))
+    return float(next(r * decade for r in _ROUND if r * decade >= value * (1.0 - 1e-9)))
+
+
+def log_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """The motion of a run in all its planes: short segments, of which a view shows those so far."""
+    histories = thinned(content.histories, _MOST_ROWS)
+    for plane in state_planes(content):
+        log_plane(recording, plane)
+        send_states(recording, plane, histories, clock)
+
+
+def log_plane(recording: rr.RecordingStream, state_plane: StatePlane) -> None:
+    """Where a plane lies on the sheet, and what the motion in it looks like."""
+    plane = state_plane.plane
+    y, y_bar = plane.displacement, plane.scaled_velocity
+    columns = (y.direction * y.scale, y_bar.direction * y_bar.scale / plane.angular_frequency)
+    recording.log(
+        state_plane.path,
+        rr.Transform3D(
+            translation=[y.origin.real, y.origin.imag, 0.0],
+            mat3x3=[part for z in columns for part in (z.real, z.imag, 0.0)] + [0.0, 0.0, 1.0],
+        ),
+        line_style([style("run")]),
+        static=True,
+    )
+    recording.log(f"{state_plane.path}/state", point_style([style("run")]), static=True)
+
+
+def send_states(
+    recording: rr.RecordingStream,
+    plane: StatePlane,
+    histories: Mapping[str, npt.ArrayLike],
+    clock: Clock,
+) -> None:
+    """More of the motion in a plane: from each row to the next, in the units of its columns."""
+    times, y, rate = (
+        np.asarray(histories[name], float) for name in ("time", plane.displacement, plane.rate)
+    )
+    states = flat(y, rate)[:, :2]
+    if len(states) < 2:
+        return
+    segments = np.stack([states[:-1], states[1:]], 1)
+    for chosen, columns in clock.within(times[1:]):
+        recording.send_columns(
+            plane.path, columns, rr.LineStrips2D.columns(strips=segments[chosen])
+        )
+        recording.send_columns(
+            f"{plane.path}/state", columns, rr.Points2D.columns(positions=segments[chosen, 1])
+        )
+
+
+def thinned(histories: Mapping[str, npt.ArrayLike], most: int) -> dict[str, Reals]:
+    """Every so manieth row, the last one included, so that there are not too many."""
+    columns = {name: np.asarray(column, float) for name, column in histories.items()}
+    rows = len(columns.get("time", ()))
+    if rows <= most:
+        return columns
+    chosen = np.unique(np.linspace(0, rows - 1, most).round().astype(int))
+    return {name: column[chosen] for name, column in columns.items()}

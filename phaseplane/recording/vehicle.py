@@ -1,0 +1,201 @@
+"""A vehicle seen from the side: which columns move its parts, and what the parts look like.
+
+Nothing here knows of rerun. Lengths are in metres, to scale; x points forwards, y upwards from the
+level road, and the parts stand as at rest.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Reals = npt.NDArray[np.float64]
+Polyline = list[complex]
+
+TYRE_RADIUS = 0.32
+_RIM = 0.19
+_PLATE = 0.1  # of the strut's lower end above the wheel's centre
+_STRUT = 0.5  # length of spring and damper at rest
+FLOOR = TYRE_RADIUS + _PLATE + _STRUT  # of the body above the road
+_HULL = 0.28  # height of the body
+_OVERHANG = 0.45
+_COILS = 6
+_GAP_STROKES = 11
+_ROAD_MARKS = 0.1  # distance of the strokes under the road
+_MOST_ROAD = 4000  # points
+
+
+@dataclass(frozen=True, slots=True)
+class AxleView:
+    """One axle.
+
+    Parameters
+    ----------
+    name : of its entities
+    position : forwards from the middle of the vehicle, m
+    body, road : columns: displacement of the body over it, elevation of the road under it, m
+    wheel : column: displacement of the wheel, m; empty where it rolls on the road without a tyre
+    airborne : column: whether the wheel has left the road; empty where it cannot
+    static_tyre_deflection : m
+    bump_gap, rebound_gap : m; none where there is no stop
+    """
+
+    name: str
+    position: float
+    body: str
+    road: str
+    wheel: str = ""
+    airborne: str = ""
+    static_tyre_deflection: float = 0.0
+    bump_gap: float | None = None
+    rebound_gap: float | None = None
+
+    @property
+    def columns(self) -> set[str]:
+        """The columns it needs."""
+        return {self.body, self.road, self.wheel} - {""}
+
+
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """Its axles, the foremost first, and its speed of travel, m/s."""
+
+    axles: tuple[AxleView, ...]
+    speed: float
+
+    @property
+    def columns(self) -> set[str]:
+        """The columns it needs."""
+        return {name for axle in self.axles for name in axle.columns}
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """How far it reaches backwards and forwards, m."""
+        positions = [axle.position for axle in self.axles]
+        return min(positions) - _OVERHANG, max(positions) + _OVERHANG
+
+
+def hull(vehicle: Vehicle) -> list[Polyline]:
+    """The body, about the middle of the vehicle at the height of its floor."""
+    left, right = vehicle.reach
+    corners = [complex(left, 0), complex(right, 0), complex(right, _HULL), complex(left, _HULL)]
+    return [[*corners, corners[0]]]
+
+
+def on_body(axle: AxleView) -> list[Polyline]:
+    """What moves with the body over an axle, about its floor: the damper's rod and the stops."""
+    rod = [0.08 + 0j, 0.08 - 0.62j * _STRUT]
+    piston = [0.055 - 0.62j * _STRUT, 0.105 - 0.62j * _STRUT]
+    parts = [rod, piston]
+    if axle.bump_gap is not None:
+        end = -1j * max(0.0, _STRUT - axle.bump_gap)
+        parts += [[0j, end], [-0.03 + end, 0.03 + end]]
+    if axle.rebound_gap is not None:
+        end = -1j * (_STRUT + min(axle.rebound_gap, 0.3))
+        parts += [[0j, end], [-0.03 + end, 0.03 + end]]
+    return parts
+
+
+def on_wheel(axle: AxleView) -> list[Polyline]:
+    """What moves with a wheel, about its centre: tyre, rim, the strut's plate and the cylinder."""
+    cylinder = [
+        0.045 + 1j * (_PLATE + 0.7 * _STRUT),
+        0.045 + 1j * _PLATE,
+        0.115 + 1j * _PLATE,
+        0.115 + 1j * (_PLATE + 0.7 * _STRUT),
+    ]
+    return [
+        _circle(TYRE_RADIUS),
+        _circle(_RIM if axle.wheel else TYRE_RADIUS - 0.03),
+        [0j, 1j * _PLATE],
+        [-0.14 + 1j * _PLATE, 0.14 + 1j * _PLATE],
+        cylinder,
+    ]
+
+
+def _circle(radius: float) -> Polyline:
+    return list(radius * np.exp(2j * np.pi * np.arange(49) / 48))
+
+
+def coils() -> Polyline:
+    """A spring of length 1, upwards from 0."""
+    zigzag = [
+        0.045 * (-1) ** k + 1j * (0.1 + 0.8 * (k + 0.5) / (2 * _COILS)) for k in range(2 * _COILS)
+    ]
+    return [0j, 0.1j, *zigzag, 0.9j, 1j]
+
+
+def spring_at(axle: AxleView, body: Reals, wheel: Reals) -> tuple[Reals, Reals]:
+    """Height of a spring's lower end, and its length."""
+    return rest_height(axle) + wheel + _PLATE, _STRUT + body - wheel + _raised(axle)
+
+
+SPRING_BESIDE = -0.08  # of the axle
+
+
+def rest_height(axle: AxleView) -> float:
+    """Height of a wheel's centre at rest: the tyre is drawn with the radius it has when free."""
+    return TYRE_RADIUS - axle.static_tyre_deflection
+
+
+def _raised(axle: AxleView) -> float:
+    """How far the floor stands above a strut of its length at rest."""
+    return FLOOR - rest_height(axle) - _PLATE - _STRUT
+
+
+def body_over(vehicle: Vehicle, histories: Mapping[str, Reals]) -> tuple[Reals, Reals]:
+    """Height of the body's floor in the middle of the vehicle, and its pitch, rad, front upwards."""
+    front, rear = vehicle.axles[0], vehicle.axles[-1]
+    ahead, behind = histories[front.body], histories[rear.body]
+    wheelbase = front.position - rear.position
+    if wheelbase == 0.0:
+        return FLOOR + ahead, np.zeros_like(ahead)
+    share = -rear.position / wheelbase
+    return FLOOR + behind + share * (ahead - behind), np.arctan2(ahead - behind, wheelbase)
+
+
+def wheel_over(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
+    """Displacement of a wheel's centre; without a tyre it follows the road."""
+    return histories[axle.wheel or axle.road]
+
+
+def gap_at(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
+    """How far the free tyre hovers over the road while the wheel is off it, else 0, m."""
+    gap = wheel_over(axle, histories) - histories[axle.road] - axle.static_tyre_deflection
+    flies = histories[axle.airborne] > 0.5 if axle.airborne in histories else gap > 0.0
+    return np.where(flies & (gap > 0.0), gap, 0.0)
+
+
+def gap_strokes(axle: AxleView, wheel: Reals, road: Reals) -> npt.NDArray[np.complex128]:
+    """Upright strokes between road and tyre, shape (instants, strokes, 2)."""
+    x = 0.16 * np.linspace(-1.0, 1.0, _GAP_STROKES)
+    tyre = rest_height(axle) - np.sqrt(TYRE_RADIUS**2 - x**2)
+    top = wheel[:, None] + tyre
+    ends = np.stack([np.broadcast_to(road[:, None], top.shape), top], -1)
+    return np.asarray(axle.position + x[None, :, None] + 1j * ends)
+
+
+def road_profile(vehicle: Vehicle, histories: Mapping[str, Reals]) -> list[Polyline]:
+    """The road in the frame of the ground, over which the vehicle's middle goes from x = 0 on.
+
+    Returns
+    -------
+    its surface, and strokes below it that show how fast it passes
+    """
+    front = vehicle.axles[0]
+    times, elevation = histories["time"], histories[front.road]
+    every = max(1, len(times) // _MOST_ROAD)
+    x = vehicle.speed * times[::every] + front.position
+    y = elevation[::every]
+    left, right = x[0] - 4.0 - (front.position - vehicle.axles[-1].position), x[-1] + 4.0
+    x, y = np.concatenate([[left], x, [right]]), np.concatenate([[y[0]], y, [y[-1]]])
+    apart = max(_ROAD_MARKS, (right - left) / _MOST_ROAD)
+    marks = np.arange(left, right, apart)
+    at = np.interp(marks, x, y)
+    return [
+        list(x + 1j * y),
+        *([complex(m, h), complex(m - 0.04, h - 0.05)] for m, h in zip(marks, at, strict=True)),
+    ]
