@@ -37,9 +37,7 @@ def energies(
 
     system = build(model, parameters)
     motion = _motion(system, columns)
-    if motion is None or any(
-        isfinite(e.yield_force) or e.friction for e in system.elements
-    ):
+    if motion is None or any(isfinite(e.yield_force) or e.friction for e in system.elements):
         return {}
     q, v, grounds = motion
     stored, dissipated, work = np.zeros(q.shape[1]), np.zeros(q.shape[1]), np.zeros(q.shape[1])

@@ -75,6 +75,19 @@ def pair(value: object) -> tuple[object, object]:
     return value[0], value[1]
 
 
+def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
+    """A list of pairs of names; a pair may also be written as one text with a comma."""
+    pairs = [
+        [part.strip() for part in item.split(",")] if isinstance(item, str) else item
+        for item in (value if isinstance(value, list | tuple) else [None])
+    ]
+    for item in pairs:
+        named = isinstance(item, list | tuple) and all(isinstance(n, str) and n for n in item)
+        if not named or len(item) != 2:  # type: ignore[arg-type]
+            raise ValueError('must be a list of pairs of outputs such as "deflection, rate"')
+    return tuple((a, b) for a, b in pairs)  # type: ignore[misc]
+
+
 Seconds = Annotated[float, quantity("s")]
 Metres = Annotated[float, quantity("m")]
 Factor = Annotated[float, quantity("1")]

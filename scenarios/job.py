@@ -46,7 +46,7 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
-    from .pictures import constructed, draw_all  # noqa: PLC0415
+    from .pictures import CONSTRUCTED, constructed, draw_all  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
     from .schema import load_scene  # noqa: PLC0415
 
@@ -55,7 +55,8 @@ def run_scene(
     check_replaceable(folder)
     problems: list[str] = []
     drawing = None
-    if scene.show.draws:
+    known = scene.fmu.model in CONSTRUCTED
+    if scene.show.figures_construction or (known and scene.show.records_construction):
         try:
             drawing = constructed(
                 scene.fmu.model,
@@ -112,6 +113,7 @@ def replay(
     RunError : the construction leaves every sheet.
     """
     from .pictures import constructed, draw, laid_over, record  # noqa: PLC0415
+    from .replays import content, of_results  # noqa: PLC0415
     from .schema import construction_settings, load_scene  # noqa: PLC0415
 
     _check_targets(recording, figure)
@@ -120,6 +122,7 @@ def replay(
         results = read_results(Path(what))
         settings = construction_settings(results.summary["construction"], overrides)
         drawing = laid_over(results, settings)
+        shown = of_results(results, drawing, {})
     else:
         scene = load_scene(_scene_or_folder(what), overrides)
         settings = scene.construction.model_dump()
@@ -129,8 +132,17 @@ def replay(
             )
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
+        shown = content(
+            title=scene.title or scene.name,
+            model=scene.fmu.model,
+            parameters=scene.all_parameters,
+            drawing=drawing,
+            columns={},
+            units={},
+            shown={},
+        )
     if recording is not None:
-        record(drawing, recording, results, detail="stages")
+        record(shown, recording)
     if figure is not None:
         draw("phase_planes", figure, drawing)
     files = [str(path) for path in (recording, figure) if path is not None]

@@ -16,6 +16,7 @@ from suspension.models import build
 from suspension.variables import Value
 
 from .errors import InputError, one_line
+from .replays import of_results
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,9 +24,10 @@ if TYPE_CHECKING:
 
     from phaseplane.constructions import QuarterCarPlanes
     from phaseplane.constructions.primitives import Drawing
+    from phaseplane.recording import Content
 
     from .results import Results
-    from .schema import Detail, Scene
+    from .schema import Scene
 
 CONSTRUCTED = ("QuarterCar",)  # models whose construction is known
 RECORDING = "construction.rrd"
@@ -109,9 +111,9 @@ def draw_all(
                 draw(name, folder / file, drawing, results)
             except Exception as error:  # a picture that fails must not cost the results
                 yield f"{file} was not drawn: {one_line(error)}"
-    if scene.show.recording and drawing is not None:
+    if scene.show.recording:
         try:
-            record(drawing, folder / RECORDING, results, detail=scene.show.recording)
+            record(of_results(results, drawing, scene.show.model_dump()), folder / RECORDING)
         except Exception as error:
             yield f"{RECORDING} was not written: {one_line(error)}"
 
@@ -135,12 +137,11 @@ def draw(name: str, path: Path, drawing: Drawing | None, results: Results | None
     figures.save(figure, path)
 
 
-def record(drawing: Drawing, path: Path, results: Results | None, *, detail: Detail) -> None:
-    """Write a recording of the construction, with the time histories of a run if there is one."""
+def record(shown: Content, path: Path) -> None:
+    """Write a recording."""
     from phaseplane import recording  # noqa: PLC0415  (imports rerun)
 
-    columns = histories(results) if results is not None else None
-    recording.record(drawing, path, columns, detail=detail)
+    recording.record(shown, path)
 
 
 def histories(results: Results) -> dict[str, npt.NDArray[np.float64]]:

@@ -66,7 +66,7 @@ def content(
         drawing=None if shown.get("planes") else drawing,
         histories={_known(name): column for name, column in rows.items()},
         units={_known(name): unit for name, unit in units.items()},
-        pairs=pairs,  # type: ignore[arg-type]
+        pairs=pairs,
         vehicle=vehicle(model, parameters) if "vehicle" in views else None,
         detail=detail if detail in DETAILS else "stages",
         views=views,

@@ -32,6 +32,7 @@ from .fields import (
     list_of,
     one_of,
     pair,
+    pairs_of_names,
 )
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, parse_override, read_layers
@@ -39,6 +40,7 @@ from .measures import catalogue, default_measures
 
 Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
 Detail = Literal["trail", "steps", "stages"]
+View = Literal["planes", "vehicle", "histories", "energies", "words"]
 Rule = Literal[
     "tangent", "mean_normal", "auto_mean_normal", "osculating_circle", "midpoint_circle",
     "mean_arc_circle", "velocity", "delta",
@@ -68,6 +70,9 @@ class Show(Strict):
     measures : names of measures; None for those one looks at first
     figures : which pictures are drawn
     recording : detail of the recording, or false for none
+    views : what the recording shows
+    planes : pairs of outputs, displacement and rate, whose phase planes the recording shows in
+        place of the construction's
     """
 
     outputs: list[str] | Literal["all"] | None = None
@@ -75,6 +80,8 @@ class Show(Strict):
     measures: tuple[str, ...] | None = None
     figures: Annotated[tuple[str, ...], BeforeValidator(list_of(FIGURES))] = ()
     recording: Detail | Literal[False] = False
+    views: Annotated[tuple[str, ...], BeforeValidator(list_of(get_args(View)))] = get_args(View)
+    planes: Annotated[tuple[tuple[str, str], ...], BeforeValidator(pairs_of_names)] = ()
 
     @field_validator("outputs", mode="before")
     @classmethod
@@ -105,8 +112,19 @@ class Show(Strict):
 
     @property
     def draws(self) -> bool:
-        """Whether anything shown needs the graphical construction."""
-        return bool(self.recording) or any(name != "time_histories" for name in self.figures)
+        """Whether anything shown needs the graphical construction, or would show it if there is."""
+        return self.records_construction or self.figures_construction
+
+    @property
+    def records_construction(self) -> bool:
+        """Whether the recording shows the graphical construction, where there is one."""
+        wanted = {"planes", "words"} & set(self.views)
+        return bool(self.recording and wanted and not self.planes)
+
+    @property
+    def figures_construction(self) -> bool:
+        """Whether a figure needs the graphical construction."""
+        return any(name != "time_histories" for name in self.figures)
 
 
 class Construction(Strict):
@@ -221,6 +239,13 @@ class Scene(Strict):
                     f"show.measures: {self.fmu.model} has no measure {shown(name)}"
                     + nearest(name, known),
                 )
+        for name in (name for names in self.show.planes for name in names):
+            if name not in outputs:
+                raise _at(
+                    "show.planes",
+                    f"show.planes: {self.fmu.model} has no output {shown(name)}"
+                    + nearest(name, outputs),
+                )
         if self.duration / self.show.output_interval > _MOST_ROWS:
             raise _at(
                 "show.output_interval",
@@ -268,6 +293,7 @@ class Scene(Strict):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the outputs kept: what is shown, and what is drawn."""
+        planes = {name for names in self.show.planes for name in names}
         drawn = (
             name.endswith(_DRAWN) and bool(self.show.figures or self.show.recording)
             for name in self.fmu.outputs()
@@ -275,7 +301,7 @@ class Scene(Strict):
         return tuple(
             name
             for name, needed in zip(self.fmu.outputs(), drawn, strict=True)
-            if needed or name in self.outputs
+            if needed or name in self.outputs or name in planes
         )
 
 

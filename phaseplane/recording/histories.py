@@ -31,8 +31,13 @@ class Panel:
 
     @property
     def labels(self) -> list[str]:
-        """Names as they are shown, with the unit."""
-        return [legible(f"{in_words(name)} [{self.quantity.unit}]") for name in self.names]
+        """Names as they are shown."""
+        return [legible(in_words(name)) for name in self.names]
+
+    @property
+    def title(self) -> str:
+        """The quantity and its unit."""
+        return f"{self.quantity.name} [{self.quantity.unit}]"
 
     def values(self, histories: Mapping[str, npt.ArrayLike]) -> Reals:
         """Its columns in the unit in which they are shown, shape (n, columns)."""

@@ -100,7 +100,7 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     margin = 0.05 * (high - low) or 1.0
     return rrb.TimeSeriesView(
         origin=panel.path,
-        name=f"{panel.quantity.name} [{panel.quantity.unit}]",
+        name=panel.title,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
     )

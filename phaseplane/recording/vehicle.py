@@ -91,10 +91,10 @@ def on_body(axle: AxleView) -> list[Polyline]:
     piston = [0.055 - 0.62j * _STRUT, 0.105 - 0.62j * _STRUT]
     parts = [rod, piston]
     if axle.bump_gap is not None:
-        end = -1j * max(0.0, _STRUT - axle.bump_gap)
+        end = -1j * max(0.0, strut_length(axle) - axle.bump_gap)
         parts += [[0j, end], [-0.03 + end, 0.03 + end]]
     if axle.rebound_gap is not None:
-        end = -1j * (_STRUT + min(axle.rebound_gap, 0.3))
+        end = -1j * (strut_length(axle) + min(axle.rebound_gap, 0.3))
         parts += [[0j, end], [-0.03 + end, 0.03 + end]]
     return parts
 
@@ -130,7 +130,7 @@ def coils() -> Polyline:
 
 def spring_at(axle: AxleView, body: Reals, wheel: Reals) -> tuple[Reals, Reals]:
     """Height of a spring's lower end, and its length."""
-    return rest_height(axle) + wheel + _PLATE, _STRUT + body - wheel + _raised(axle)
+    return rest_height(axle) + wheel + _PLATE, strut_length(axle) + body - wheel
 
 
 SPRING_BESIDE = -0.08  # of the axle
@@ -141,9 +141,9 @@ def rest_height(axle: AxleView) -> float:
     return TYRE_RADIUS - axle.static_tyre_deflection
 
 
-def _raised(axle: AxleView) -> float:
-    """How far the floor stands above a strut of its length at rest."""
-    return FLOOR - rest_height(axle) - _PLATE - _STRUT
+def strut_length(axle: AxleView) -> float:
+    """From the plate at a wheel to the floor, at rest."""
+    return FLOOR - rest_height(axle) - _PLATE
 
 
 def body_over(vehicle: Vehicle, histories: Mapping[str, Reals]) -> tuple[Reals, Reals]:

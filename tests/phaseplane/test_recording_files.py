@@ -1,0 +1,152 @@
+"""Recordings as files: written whole or not at all, and what is refused."""
+
+from __future__ import annotations
+
+import resource
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import rerun as rr
+from recorded import (
+    HISTORIES,
+    STAGES,
+    Recorded,
+    content,
+    drawing,
+    frame,
+)
+
+from phaseplane.recording import new_recording, record
+
+
+def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
+    assert recorded.static["/histories/displacement"]["SeriesLines:names"] == [
+        "body displacement",
+        "road elevation",
+    ]
+    rows = recorded.rows["/histories/displacement"]
+    over_time = [row for row in rows if "t" in row]
+    assert len(over_time) == 401
+    assert over_time[100]["t"] == pytest.approx(0.05)
+    assert over_time[100]["Scalars:scalars"] == pytest.approx([5.0, 10.0])
+    over_steps = [row for row in rows if "step" in row]
+    assert len(over_steps) == 61
+    assert over_steps[20]["stage"] == 20 * STAGES
+    assert over_steps[20]["Scalars:scalars"] == pytest.approx([5.0, 10.0])
+    assert recorded.static["/histories/velocity"]["SeriesLines:names"] == [
+        "suspension deflection rate"
+    ]
+    assert recorded.rows["/histories/acceleration"][-1]["Scalars:scalars"] == pytest.approx([15.0])
+
+
+def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
+    assert recorded.entry.application_id == "phaseplane"
+    shown = replace(content(), histories=HISTORIES)
+    assert recorded.entry.recording_id == new_recording(shown).get_recording_id()
+    for other in (
+        replace(shown, drawing=drawing(59)),
+        replace(shown, histories={**HISTORIES, "body_displacement": np.zeros(401)}),
+        replace(shown, detail="steps"),
+    ):
+        assert recorded.entry.recording_id != new_recording(other).get_recording_id()
+    assert recorded.static["/__properties"]["RecordingInfo:name"] == ["two planes"]
+
+
+def test_a_frame_costs_at_most_two_kilobytes(tmp_path: Path) -> None:
+    sizes = []
+    for steps in (200, 400):
+        record(drawing(steps), tmp_path / "f.rrd")
+        sizes.append((tmp_path / "f.rrd").stat().st_size)
+    assert (sizes[1] - sizes[0]) / 200 < 2000
+
+
+def test_strict_mode_is_left_as_it_was(tmp_path: Path) -> None:
+    for strict in (True, False):
+        rr.set_strict_mode(strict)
+        record(drawing(5), tmp_path / "f.rrd")
+        assert rr.strict_mode() == strict
+
+
+@contextmanager
+def limited_file_size(most: int) -> Iterator[None]:
+    """As on a full disk: no file may grow beyond `most` bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "f.rrd"
+    target.write_bytes(b"the old recording")
+    with (
+        limited_file_size(10_000),
+        pytest.raises(OSError, match=r"cannot write .*f\.rrd: File too"),
+    ):
+        record(drawing(), target)
+    assert target.read_bytes() == b"the old recording"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_an_existing_file_is_replaced(tmp_path: Path) -> None:
+    target = tmp_path / "f.rrd"
+    target.write_bytes(b"the old recording")
+    with target.open("rb") as reader:
+        record(drawing(5), target)
+        assert reader.read() == b"the old recording"
+    assert len(Recorded(target).rows["/sheet/trail/wheel_displacement"]) == 5
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_unusable_paths(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"no folder .*missing"):
+        record(drawing(5), tmp_path / "missing" / "f.rrd")
+    with pytest.raises(IsADirectoryError, match="is a folder"):
+        record(drawing(5), tmp_path)
+    (tmp_path / "file").touch()
+    with pytest.raises(FileNotFoundError, match=r"no folder .*file; make it first"):
+        record(drawing(5), tmp_path / "file" / "f.rrd")
+    (tmp_path / "file").unlink()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_rerun_switched_off(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RERUN", "off")
+    with pytest.raises(ValueError, match="environment variable RERUN"):
+        record(drawing(5), tmp_path / "f.rrd")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("histories", "message"),
+    [
+        ({"body_displacement": [0.0, 1.0]}, "need a column 'time'; given: body_displacement"),
+        ({"time": [0.0, 1.0], "body_velocity": [0.0]}, "'body_velocity' has the shape"),
+    ],
+)
+def test_unusable_histories(
+    tmp_path: Path, histories: Mapping[str, list[float]], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        record(drawing(5), tmp_path / "f.rrd", histories)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unusable_drawings(tmp_path: Path) -> None:
+    incomplete = replace(drawing(2), frames=(frame(0), replace(frame(1), points={"P1": 0j})))
+    with pytest.raises(ValueError, match="step 1 of the construction has no point 'P2'"):
+        record(incomplete, tmp_path / "f.rrd")
+    strayed = replace(drawing(2), frames=(frame(0), replace(frame(1), scheme="afloat")))
+    with pytest.raises(ValueError, match="scheme 'afloat'; the drawing has contact, flight"):
+        record(strayed, tmp_path / "f.rrd")
+    with pytest.raises(ValueError, match="has no steps"):
+        record(replace(drawing(), frames=()), tmp_path / "f.rrd")
+    with pytest.raises(ValueError, match="there are trail, steps, stages"):
+        record(drawing(5), tmp_path / "f.rrd", detail="everything")  # type: ignore[arg-type]
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,198 @@
+"""What a recording shows of a run: its phase planes, the vehicle from the side."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded import Recorded, content, paper
+
+from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
+
+STATIC = 0.02
+TIME = np.linspace(0.0, 0.3, 301)
+QUARTER = Vehicle(
+    (AxleView("axle", 0.0, "body", "road", "wheel", "airborne", STATIC, 0.06, 0.07),), speed=20.0
+)
+MOTION = {
+    "time": TIME,
+    "body": 0.01 * np.sin(20 * TIME),
+    "wheel": 0.05 * np.sin(30 * TIME),
+    "road": 0.02 * np.cos(10 * TIME),
+    "airborne": 0.05 * np.sin(30 * TIME) - 0.02 * np.cos(10 * TIME) > STATIC,
+    "body_displacement": 0.04 * np.sin(20 * TIME),
+    "body_velocity": 0.8 * np.cos(20 * TIME),
+    "speed": np.full(301, 20.0),
+}
+
+
+def recorded(tmp_path: Path, shown: Content) -> Recorded:
+    record(shown, tmp_path / "f.rrd")
+    return Recorded(tmp_path / "f.rrd")
+
+
+def heights(made: Recorded, part: str) -> tuple[np.ndarray, np.ndarray]:
+    """Instants and heights of a part of the vehicle."""
+    rows = sorted(made.rows[f"/vehicle/{part}"], key=lambda row: row["t"])
+    return (
+        np.array([row["t"] for row in rows]),
+        np.array([row["Transform3D:translation"][0][1] for row in rows]),
+    )
+
+
+def test_parts_move_as_the_columns_say(tmp_path: Path) -> None:
+    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    assert made.static["/vehicle"]["Transform3D:scale"] == [[1.0, -1.0, 1.0]]
+    for part, column in (("axle/strut", "body"), ("axle/wheel", "wheel"), ("body", "body")):
+        times, height = heights(made, part)
+        np.testing.assert_allclose(times, TIME, atol=1e-9)
+        moved = height - height[0] - (MOTION[column] - MOTION[column][0])
+        np.testing.assert_allclose(moved, 0.0, atol=1e-6)
+    spring = made.rows["/vehicle/axle/spring"]
+    length = np.array([row["Transform3D:scale"][0][1] for row in spring])
+    foot = np.array([row["Transform3D:translation"][0][1] for row in spring])
+    _, floor = heights(made, "axle/strut")
+    np.testing.assert_allclose(foot + length, floor, atol=1e-6)
+
+
+def test_the_road_passes_below_the_wheel(tmp_path: Path) -> None:
+    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    surface = paper(made.static["/vehicle/road"]["LineStrips2D:strips"][0])
+    for row in made.rows["/vehicle/road"][::40]:
+        shift = row["Transform3D:translation"][0][0]
+        below = np.interp(0.0, surface.real + shift, surface.imag)
+        assert below == pytest.approx(np.interp(row["t"], TIME, MOTION["road"]), abs=1e-5)
+
+
+def test_the_tyre_stands_on_the_road_at_rest(tmp_path: Path) -> None:
+    still = {name: np.zeros(301) for name in MOTION} | {"time": TIME, "wheel": np.full(301, STATIC)}
+    made = recorded(tmp_path, Content("a run", histories=still, vehicle=QUARTER))
+    tyre = paper(made.static["/vehicle/axle/wheel"]["LineStrips2D:strips"][0])
+    _, height = heights(made, "axle/wheel")
+    assert height[0] + tyre.imag.min() == pytest.approx(0.0, abs=1e-6)  # raised to its free length
+
+
+def test_the_gap_is_shaded_while_airborne_and_reaches_from_road_to_tyre(tmp_path: Path) -> None:
+    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    tyre = 0.32
+    shaded = 0
+    for row, flies in zip(made.rows["/vehicle/axle/gap"], MOTION["airborne"], strict=True):
+        strokes = row["LineStrips2D:strips"] or []
+        assert bool(strokes) == flies
+        for stroke in strokes:
+            low, high = paper(stroke)
+            road, wheel = (np.interp(row["t"], TIME, MOTION[n]) for n in ("road", "wheel"))
+            centre = 1j * (tyre - STATIC + wheel)
+            assert low.imag == pytest.approx(road, abs=1e-6)
+            assert abs(high - centre) == pytest.approx(tyre, abs=1e-6)
+            assert high.imag > low.imag
+            shaded += 1
+    assert shaded > 100
+
+
+def test_stops_stand_at_their_gaps(tmp_path: Path) -> None:
+    made = recorded(tmp_path, Content("a run", histories=MOTION, vehicle=QUARTER))
+    parts = [paper(strip) for strip in made.static["/vehicle/axle/strut"]["LineStrips2D:strips"]]
+    wheel = made.static["/vehicle/axle/wheel"]["LineStrips2D:strips"]
+    plate = paper(wheel[3]).imag[0]
+    levels = sorted(part.imag[0] for part in parts if part[0].imag == part[1].imag)
+    _, body = heights(made, "axle/strut")
+    _, height = heights(made, "axle/wheel")
+    # MOTION does not begin at rest: take that off
+    at_rest = (body[0] - MOTION["body"][0]) - (height[0] - MOTION["wheel"][0])
+    rebound, bump, _ = levels
+    assert at_rest + bump - plate == pytest.approx(0.06, abs=1e-6)
+    assert plate - (at_rest + rebound) == pytest.approx(0.07, abs=1e-6)
+
+
+def test_the_body_of_a_half_car_pitches(tmp_path: Path) -> None:
+    car = Vehicle(
+        (AxleView("front", 1.2, "front", "road"), AxleView("rear", -1.4, "rear", "road")), 10.0
+    )
+    columns = {"time": TIME, "front": 0.1 * TIME, "rear": -0.2 * TIME, "road": 0.0 * TIME}
+    made = recorded(tmp_path, Content("a run", histories=columns, vehicle=car))
+    for row in made.rows["/vehicle/body"][::50]:
+        *_, sine, cosine = row["Transform3D:quaternion"][0]
+        turn = 2.0 * np.arctan2(sine, cosine)
+        middle = row["Transform3D:translation"][0][1]
+        for axle, place in (("front", 1.2), ("rear", -1.4)):
+            floor = next(
+                r["Transform3D:translation"][0][1]
+                for r in made.rows[f"/vehicle/{axle}/strut"]
+                if r["t"] == row["t"]
+            )
+            assert middle + place * np.tan(turn) == pytest.approx(floor, abs=1e-6)
+
+
+def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
+    pair = ("body_displacement", "body_velocity")
+    shown = Content("a run", histories=MOTION, pairs=(pair,), views=("planes",))
+    made = recorded(tmp_path, shown)
+    assert set(made.rows) == {f"/sheet/run/{pair[0]}", f"/sheet/run/{pair[0]}/state"}
+    rows = made.rows[f"/sheet/run/{pair[0]}"]
+    ends = [paper(row["LineStrips2D:strips"][0]) for row in rows]
+    expected = MOTION[pair[0]] + 1j * MOTION[pair[1]]
+    np.testing.assert_allclose([end for _, end in ends], expected[1:], atol=1e-6)
+    assert all(a[1] == b[0] for a, b in pairwise(ends))
+    static = made.static[f"/sheet/run/{pair[0]}"]["Transform3D:mat3x3"][0]
+    a, b = static[0], static[4]
+    assert 0.04 * a == pytest.approx(0.1, rel=0.4)
+    assert 0.8 * b == pytest.approx(0.1, rel=0.4)
+    labels = made.static[f"/sheet/axes/{pair[0]}"]["Points2D:labels"]
+    assert {"body displacement", "body velocity"} <= set(labels)
+    assert any("m/s" in label for label in labels)
+
+
+def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None:
+    columns = {
+        "time": TIME,
+        "suspension_deflection": 0.05 * np.sin(20 * TIME),
+        "suspension_deflection_rate": 1.0 * np.cos(20 * TIME),
+    }
+    made = recorded(tmp_path, replace(content(), histories=columns))
+    path = "/sheet/run/suspension_deflection"
+    rows = made.rows[path]
+    within = [row for row in rows if "step" in row]
+    assert {row["step"] for row in within} == set(range(1, 61))
+    assert all(row["t"] <= row["step"] * 0.0025 + 1e-9 for row in within)
+    assert len(rows) == 300
+    matrix = np.reshape(made.static[path]["Transform3D:mat3x3"][0], (3, 3)).T
+    np.testing.assert_allclose(matrix[:2, :2], [[1.0, 0.0], [0.0, 1.0 / 23.452]], atol=1e-6)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> None:
+    columns = {**MOTION, "kinetic_energy": TIME}
+    whole = replace(content(), histories=columns, vehicle=QUARTER)
+    roots = {
+        "planes": "/sheet",
+        "vehicle": "/vehicle",
+        "histories": "/histories/displacement",
+        "energies": "/histories/energy",
+        "words": "/words",
+    }
+    everything = recorded(tmp_path, whole)
+    less = recorded(tmp_path, replace(whole, views=tuple(v for v in VIEWS if v != view)))
+    for name, root in roots.items():
+        assert any(path.startswith(root) for path in everything.rows)
+        assert any(path.startswith(root) for path in less.rows) == (name != view)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"views": ("plans",)}, "'plans' is not known; there are planes"),
+        ({"histories": {}}, "neither steps nor columns"),
+        ({"pairs": (("body", "no"),)}, "no column 'no' for a phase plane"),
+    ],
+)
+def test_unusable_contents(tmp_path: Path, change: dict[str, object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        record(
+            replace(Content("a run", histories=MOTION), **change),  # type: ignore[arg-type]
+            tmp_path / "f.rrd",
+        )
+    assert list(tmp_path.iterdir()) == []
