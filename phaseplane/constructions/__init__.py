@@ -8,6 +8,7 @@ rule (`RULES`) goes from there to the next state; `march` and `frames` string th
 from __future__ import annotations
 
 from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.four_planes import AxleData, HalfCarPlanes
 from phaseplane.constructions.inertial import HalfCarRigidTyresPlanes
 from phaseplane.constructions.laws import Strut
 from phaseplane.constructions.marching import StepError, frames, march
@@ -31,10 +32,12 @@ __all__ = [
     "RULES",
     "Arc",
     "Axis",
+    "AxleData",
     "Construction",
     "Curve",
     "Drawing",
     "Frame",
+    "HalfCarPlanes",
     "HalfCarRigidTyresPlanes",
     "Mark",
     "OneDofPlane",

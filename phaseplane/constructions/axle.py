@@ -8,7 +8,7 @@ it alone.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import sqrt
@@ -141,6 +141,13 @@ class Axle:
         """k2 / c2 of a linear tyre, s."""
         return self.tyre.damping(1.0, 0.0) / self.tyre.rate
 
+    def wheel_state(self, height: float, velocity: float, time: float) -> complex:
+        """P2 of the wheel's displacement, m, and velocity, m/s, at a time."""
+        if not self.linear_tyre:
+            elevation, rise, _, _ = self.road.derivatives(time)
+            height, velocity = height - elevation, velocity - rise
+        return self.wheel.state(height, velocity)
+
     # The road.
 
     @cached_property
@@ -259,6 +266,15 @@ class Axle:
             f"{prefix}road_elevation": road[0],
             f"{prefix}contact_force": 0.0 if flies else self.static_load - tyre,
         }
+
+    def body_motion(self, read: Mapping[str, float]) -> tuple[float, float, float]:
+        """Displacement, velocity and acceleration of the body above: x1 = x2 + y (AP57 eq. 24), SI."""
+        wheel, deflection = f"{self.prefix}wheel", f"{self.prefix}suspension_deflection"
+        return (
+            read[f"{wheel}_displacement"] + read[deflection],
+            read[f"{wheel}_velocity"] + read[f"{deflection}_rate"],
+            read[f"{wheel}_acceleration"] + read[f"{deflection}_acceleration"],
+        )
 
     def strut_force(self, points: Points) -> float:
         """S = Phi + F = c1 AP / a, N."""

@@ -170,12 +170,9 @@ class QuarterCarPlanes(Construction):
     def initial(self) -> States:
         """The state points at time 0."""
         height, velocity = self.initial_wheel_displacement, self.initial_wheel_velocity
-        if not self.axle.linear_tyre:
-            elevation, rise, _, _ = self.road.derivatives(0.0)
-            height, velocity = height - elevation, velocity - rise
         return (
             self.axle.suspension.state(self.initial_deflection, self.initial_deflection_rate),
-            self.axle.wheel.state(height, velocity),
+            self.axle.wheel_state(height, velocity, 0.0),
         )
 
     @cached_property
@@ -250,11 +247,7 @@ class QuarterCarPlanes(Construction):
         """All motions off the sheet (AP57 eqs. 21 to 24), SI, with the control by eq. 25."""
         points = self.points(mode, states, Window(time))
         read = self.axle.readings(mode == FLIGHT, points, time)
-        body = (
-            read["wheel_displacement"] + read["suspension_deflection"],
-            read["wheel_velocity"] + read["suspension_deflection_rate"],
-            read["wheel_acceleration"] + read["suspension_deflection_acceleration"],
-        )
+        body = self.axle.body_motion(read)
         read["body_displacement"], read["body_velocity"], read["body_acceleration"] = body
         by_force = -self.axle.strut_force(points) / self.sprung_mass
         return read | controlled("body", body, by_force, previous, elapsed)

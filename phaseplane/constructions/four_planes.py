@@ -1,0 +1,314 @@
+"""The construction in four planes: the half car with tyres (AP57 section 7, eq. 1).
+
+    y1'' = -(M2/Delta + 1/m1) S1 + (M3/Delta) S2 + T1/m1,   x12'' = (S1 - T1) / m1,  Delta = M1 M2 - M3^2
+
+and the indices exchanged for the rear axle; S = Phi + F of a strut, T the bracket of a tyre, or in
+flight what it bears at rest. Each axle is drawn like a quarter car, its planes numbered 11 and 12 in
+front, 21 and 22 behind. The planes of both struts lie between those of the wheels and are coupled by
+inertia: K11, the projection of Q21, tells what the rear strut adds in front, and its distance from
+A11* is laid off from D11 to give the foot H11 of the normal.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite
+from typing import ClassVar
+
+from phaseplane.constructions.axle import Axle, Place
+from phaseplane.constructions.construction import (
+    CONTACT,
+    FLIGHT,
+    LIFT_OFF,
+    TOUCHDOWN,
+    Construction,
+    Window,
+)
+from phaseplane.constructions.control import controlled
+from phaseplane.constructions.coupling import Lines, lines_across
+from phaseplane.constructions.four_planes_schemes import half_car_scheme
+from phaseplane.constructions.inertial import AXLES, BodyMasses
+from phaseplane.constructions.laws import (
+    LEVEL_ROAD,
+    Damper,
+    Strut,
+    check_number,
+    check_positive,
+)
+from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.steps import Points, States
+from suspension.characteristics import Characteristic, linear
+from suspension.roads import Signal
+
+MODES = {
+    CONTACT: (False, False),
+    "front_flight": (True, False),
+    "rear_flight": (False, True),
+    FLIGHT: (True, True),
+}
+"""Which wheels are off the road, by mode."""
+_MODE_OF = {flying: mode for mode, flying in MODES.items()}
+
+
+@dataclass(frozen=True)
+class AxleData:
+    """What belongs to one axle of a half car.
+
+    Parameters
+    ----------
+    unsprung_mass : kg
+    spring : F(y), N
+    damper : Phi(y', y), N
+    tyre_stiffness, tyre_damping : N/m and N s/m
+    static_load : what the tyre bears at rest, N; 0 where there is no weight
+    road : xi(t), m
+    tyre : in place of stiffness and damping, a tyre that is not linear
+    initial : y, y', x2 and x2' at time 0, m and m/s
+    """
+
+    unsprung_mass: float
+    spring: Characteristic
+    damper: Damper
+    tyre_stiffness: float = 0.0
+    tyre_damping: float = 0.0
+    static_load: float = 0.0
+    road: Signal = LEVEL_ROAD
+    tyre: Strut | None = None
+    initial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(
+            self, ("unsprung_mass",) if self.tyre else ("unsprung_mass", "tyre_stiffness")
+        )
+        check_number("tyre_damping", self.tyre_damping, 0.0)
+        check_number("static_load", self.static_load, 0.0)
+        if not all(map(isfinite, self.initial)):
+            raise ValueError(f"initial = {self.initial}: must be four finite numbers")
+
+    def drawn(self, compliance: float, place: Place, prefix: str, *, lift_off: bool) -> Axle:
+        """The axle with its two planes on the sheet."""
+        return Axle(
+            strut=Strut(self.spring, self.damper),
+            tyre=self.tyre or Strut(linear(self.tyre_stiffness), linear(self.tyre_damping)),
+            linear_tyre=self.tyre is None,
+            unsprung_mass=self.unsprung_mass,
+            body_compliance=compliance,
+            static_load=self.static_load,
+            road=self.road,
+            lift_off=lift_off and self.static_load > 0.0,
+            place=place,
+            prefix=prefix,
+            foot="H",
+        )
+
+
+@dataclass(frozen=True)
+class HalfCarPlanes(Construction):
+    """A body on two axles with tyres, each of which may leave the road, in four phase planes.
+
+    Parameters
+    ----------
+    front_mass, rear_mass, coupling_mass : M1, M2 and M3 of the body, kg; M3 of either sign
+    front, rear : the axles
+    lift_off : whether wheels may leave the road
+    plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
+    plane_distance : l, from one y axis to the next, m of paper
+    protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below all planes
+
+    Raises
+    ------
+    ValueError : masses, stiffness, scales or distance that are not positive, a coupling mass too
+        large, a value that is not finite, a spring without a positive rate at 0, a force at rest.
+    """
+
+    front_mass: float
+    rear_mass: float
+    coupling_mass: float
+    front: AxleData
+    rear: AxleData
+    lift_off: bool = True
+    plane_scales: tuple[float, float] = (1.0, 2.5)
+    plane_distance: float = 0.25
+    protractor_at: complex | None = None
+
+    title: ClassVar[str] = "Half car in four phase planes"
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(self, ("plane_distance",))
+        for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
+            check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
+        _ = self.masses, self.axles
+
+    # What follows from the data.
+
+    @cached_property
+    def masses(self) -> BodyMasses:
+        """M1, M2 and M3."""
+        return BodyMasses(self.front_mass, self.rear_mass, self.coupling_mass)
+
+    @cached_property
+    def axles(self) -> tuple[Axle, Axle]:
+        """Both axles: wheel over strut in front, strut over wheel behind."""
+        l = self.plane_distance  # noqa: E741
+        sense = -1.0 if self.coupling_mass >= 0.0 else 1.0
+        front = Place(("11", "12"), self.plane_scales, (0.0, l), lines=("I1", "II1"))
+        rear = Place(
+            ("21", "22"), self.plane_scales, (-l, -2.0 * l), sense=sense, lines=("I2", "II2")
+        )
+        one, two = (
+            data.drawn(own, place, f"{axle}_", lift_off=self.lift_off)
+            for data, own, place, axle in zip(
+                (self.front, self.rear), self.masses.compliances, (front, rear), AXLES, strict=True
+            )
+        )
+        return one, two
+
+    @cached_property
+    def couplings(self) -> tuple[float, float]:
+        """kappa_i = (M3 / Delta) c_j / Omega_i^2, what the other strut weighs; with sign."""
+        one, two = self.axles
+        cross = self.masses.cross_compliance
+        return (
+            cross * two.strut.rate / one.angular_frequencies[0] ** 2,
+            cross * one.strut.rate / two.angular_frequencies[0] ** 2,
+        )
+
+    @cached_property
+    def lines(self) -> Lines:
+        """Lines III and IV between the planes of both struts."""
+        to_1, to_2 = map(abs, self.couplings)
+        return Lines.between(0.0, -self.plane_distance, 1.0, to_1, to_2)
+
+    # The sheet.
+
+    @cached_property
+    def planes(self) -> tuple[Plane, ...]:
+        """Strut and wheel in front, strut and wheel behind."""
+        return tuple(one.plane for axle in self.axles for one in (axle.suspension, axle.wheel))
+
+    @cached_property
+    def schemes(self) -> Mapping[str, Scheme]:
+        """Both axles in contact, one of them in flight, or both."""
+        linear_tyres = tuple(axle.linear_tyre for axle in self.axles)
+        return {mode: half_car_scheme(flying, linear_tyres) for mode, flying in MODES.items()}
+
+    @cached_property
+    def initial(self) -> States:
+        """The state points at time 0."""
+        states: list[complex] = []
+        for axle, data in zip(self.axles, (self.front, self.rear), strict=True):
+            y, rate, height, velocity = data.initial
+            states += (axle.suspension.state(y, rate), axle.wheel_state(height, velocity, 0.0))
+        return tuple(states)
+
+    @cached_property
+    def protractor(self) -> complex:
+        """The vertex of the turn angles on the sheet."""
+        if self.protractor_at is not None:
+            return self.protractor_at
+        return complex(-1.2, -2.7) * self.plane_distance
+
+    # The construction.
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """All points of both axles as in figures 7 and 10; G, K and H of the coupling by inertia."""
+        front, rear = self.axles
+        flies = MODES[mode]
+        points = front.points(flies[0], states[0], states[1], window)
+        points |= rear.points(flies[1], states[2], states[3], window)
+        foot_1, foot_2 = points["A11*"], points["A21*"]
+        points["G11"], k_2 = self.lines.to_plane_2(foot_1, foot_2, points["Q11"])
+        points["G21"], k_1 = self.lines.to_plane_1(foot_1, foot_2, points["Q21"])
+        points["K11"], points["K21"] = k_1, k_2
+        points["H11"] = points["D11"] + (k_1 - foot_1)
+        points["H21"] = points["D21"] + (k_2 - foot_2)
+        return points
+
+    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+        """The auxiliary curves of all planes, and all lines between them."""
+        front, rear = self.axles
+        pair = (front.suspension.plane, rear.suspension.plane)
+        across = lines_across(self.lines, ("III", "IV"), pair, frames, ("K11", "K21"))
+        return (*front.curves(frames), *rear.curves(frames), *across)
+
+    # Lift-off and touchdown of either wheel.
+
+    def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
+        """Each wheel is in flight where its tyre would have to pull, if it may leave the road."""
+        front, rear = (
+            axle.lift_off and (axle.clearance(p, time) > 0.0 if airborne is None else airborne[i])
+            for i, (axle, p) in enumerate(zip(self.axles, states[1::2], strict=True))
+        )
+        return _MODE_OF[front, rear]
+
+    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
+        """For each axle what the bracket is away from that at rest, on its present side, m."""
+        if not self.lift_off:
+            return ()
+        return tuple(
+            [
+                axle.clearance(p, time) * (1.0 if flies else -1.0) if axle.lift_off else 1.0
+                for axle, p, flies in zip(self.axles, states[1::2], MODES[mode], strict=True)
+            ]
+        )
+
+    def succeeding(self, mode: str, limit: int) -> str:
+        """One of the wheels leaves the road, or returns."""
+        front, rear = MODES[mode]
+        return _MODE_OF[(not front, rear) if limit == 0 else (front, not rear)]
+
+    def event(self, mode: str, successor: str) -> str:
+        """Which wheels have left the road, and which have returned."""
+        return ", ".join(
+            f"{axle}_{LIFT_OFF if flies else TOUCHDOWN}"
+            for axle, flew, flies in zip(AXLES, MODES[mode], MODES[successor], strict=True)
+            if flew != flies
+        )
+
+    # Where the roads jump.
+
+    @cached_property
+    def jolts(self) -> tuple[float, ...]:
+        """The instants at which state points jump, s."""
+        return tuple(sorted({t for axle in self.axles for t in axle.jolts}))
+
+    def jolted(self, mode: str, states: States, time: float) -> States:
+        """The state points after a kerb under either wheel."""
+        front, rear = self.axles
+        flies = MODES[mode]
+        return (
+            *front.jolted(flies[0], states[:2], time),
+            *rear.jolted(flies[1], states[2:], time),
+        )
+
+    # What is read off.
+
+    def readings(
+        self,
+        mode: str,
+        states: States,
+        time: float,
+        previous: Mapping[str, float] | None,
+        elapsed: float,
+    ) -> dict[str, float]:
+        """All motions off the sheet, SI, as in AP57 eqs. 21 to 24 for either axle.
+
+        The control is the body's acceleration over either axle by the forces of its struts,
+        integrated twice (as AP57 eq. 25).
+        """
+        points = self.points(mode, states, Window(time))
+        read: dict[str, float] = {}
+        by_forces = self.masses.accelerations(*(axle.strut_force(points) for axle in self.axles))
+        for axle, name, flies, by_force in zip(
+            self.axles, AXLES, MODES[mode], by_forces, strict=True
+        ):
+            read |= axle.readings(flies, points, time)
+            body = axle.body_motion(read)
+            names = (f"{name}_body_{what}" for what in ("displacement", "velocity", "acceleration"))
+            read |= dict(zip(names, body, strict=True))
+            read |= controlled(f"{name}_body", body, by_force, previous, elapsed)
+        return read

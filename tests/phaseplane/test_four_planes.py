@@ -1,0 +1,258 @@
+"""The construction of the half car with tyres in four planes, lift-off on each axle."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import log2
+
+import half_car_reference as reference
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from phaseplane.constructions import (
+    RULES,
+    AxleData,
+    HalfCarPlanes,
+    QuarterCarPlanes,
+    Strut,
+    Window,
+    march,
+    overlay,
+)
+from suspension import roads
+from suspension.characteristics import cubic, damper, linear
+from suspension.models import axle_masses
+
+G = 9.80665
+TO_FRONT, TO_REAR, MASS, SPEED = 1.2, 1.4, 600.0, 20.0
+BUMP = roads.bump(0.06, 1.2, SPEED)
+
+
+def loads(front: float, rear: float) -> tuple[float, float]:
+    base = TO_FRONT + TO_REAR
+    return (MASS * TO_REAR / base + front) * G, (MASS * TO_FRONT / base + rear) * G
+
+
+def car(gyration: float = 1.1, height: float = 0.06, **changes) -> HalfCarPlanes:
+    front, rear = loads(28.0, 32.0)
+    road = roads.bump(height, 1.2, SPEED)
+    m1, m2, m3 = axle_masses(MASS, gyration, TO_FRONT, TO_REAR)
+    data = {
+        "front": AxleData(28.0, linear(14000.0), damper(1800.0, 600.0), 150e3, 800.0, front, road),
+        "rear": AxleData(
+            32.0, cubic(17000.0, 2e6), damper(1500.0, 500.0), 170e3, 700.0, rear,
+            road.delayed((TO_FRONT + TO_REAR) / SPEED),
+        ),
+    }  # fmt: skip
+    return HalfCarPlanes(m1, m2, m3, **(data | changes))
+
+
+def referred(gyration: float, height: float = 0.06) -> reference.Car:
+    far = 1e3  # neither blow-off nor stops
+    return reference.Car(
+        MASS, gyration, TO_FRONT, TO_REAR,
+        (
+            reference.Axle(28.0, (150e3, 800.0), (14000.0, 0.0), (600.0, 600.0, 1800.0, 1800.0),
+                           (-far, 0.0, far), (far, 0.0, far, 0.0)),
+            reference.Axle(32.0, (170e3, 700.0), (17000.0, 2e6), (500.0, 500.0, 1500.0, 1500.0),
+                           (-far, 0.0, far), (far, 0.0, far, 0.0)),
+        ),
+        SPEED, height, 1.2,
+    )  # fmt: skip
+
+
+def column(drawing, name: str) -> np.ndarray:
+    return np.array([frame.readings[name] for frame in drawing])
+
+
+axle_data = st.builds(
+    AxleData,
+    unsprung_mass=st.floats(5.0, 200.0),
+    spring=st.builds(cubic, st.floats(1e3, 1e5), st.floats(0.0, 1e6)),
+    damper=st.builds(damper, st.floats(0.0, 5e3), st.floats(0.0, 5e3), st.just(400.0)),
+    tyre_stiffness=st.floats(5e4, 1e6),
+    tyre_damping=st.floats(0.0, 3e3),
+    static_load=st.floats(100.0, 1e4),
+    road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
+    initial=st.tuples(
+        st.floats(-0.1, 0.1), st.floats(-3.0, 3.0), st.floats(-0.1, 0.1), st.floats(-3.0, 3.0)
+    ),
+)
+cars = st.builds(
+    HalfCarPlanes,
+    front_mass=st.floats(100.0, 1000.0),
+    rear_mass=st.floats(100.0, 1000.0),
+    coupling_mass=st.floats(-95.0, 95.0),
+    front=axle_data,
+    rear=axle_data,
+    plane_scales=st.tuples(st.floats(0.3, 3.0), st.floats(0.3, 3.0)),
+    plane_distance=st.floats(0.05, 1.0),
+)
+modes = st.sampled_from(["contact", "front_flight", "rear_flight", "flight"])
+
+
+@given(cars, modes, st.builds(Window, st.floats(0.0, 0.2), st.floats(1e-4, 0.01)))
+def test_projection_gives_the_feet_of_the_formulas(one, mode, window):
+    """The feet of all normals against -y''/Omega^2 from AP57 eq. 1 solved for the accelerations."""
+    points = one.points(mode, one.initial, window)
+    flies = {"contact": (0, 0), "front_flight": (1, 0), "rear_flight": (0, 1), "flight": (1, 1)}
+    strut, tyre = [], []
+    for data, air in zip((one.front, one.rear), flies[mode], strict=True):
+        y, rate, height, velocity = data.initial
+        strut.append(data.spring.force(y) + data.damper.force(rate))
+        road, c, k = data.road, data.tyre_stiffness, data.tyre_damping
+        rise = road.value(window.end) - road.value(window.start)
+        h = (c * road.integral(window.start, window.end) + k * rise) / window.duration
+        tyre.append(data.static_load if air else c * height + k * velocity - h)
+    body = np.linalg.solve(
+        [[one.front_mass, one.coupling_mass], [one.coupling_mass, one.rear_mass]],
+        -np.array(strut),
+    )
+    wheels = [
+        (s - t) / data.unsprung_mass
+        for s, t, data in zip(strut, tyre, (one.front, one.rear), strict=True)
+    ]
+    accelerations = [body[0] - wheels[0], wheels[0], body[1] - wheels[1], wheels[1]]
+    reach = max(abs(p) for p in points.values())
+    a, b = one.plane_scales
+    for plane, acceleration in zip(one.planes, accelerations, strict=True):
+        axis, n = plane.displacement, plane.number
+        foot = points[plane.foot]
+        read = (foot - points[f"Q{n}"]).real * axis.direction.real / axis.scale
+        wanted = acceleration / plane.angular_frequency**2
+        tolerance = 1e-9 * (abs(wanted) + 1.0) + 1e-11 * reach / axis.scale * (1 + a / b + b / a)
+        assert abs(read - wanted) < tolerance * 100.0
+        assert foot.imag == axis.origin.imag
+
+
+@given(cars, modes)
+def test_both_readings_of_the_accelerations_agree(one, mode):
+    read = one.readings(mode, one.initial, 0.01, None, 0.0)
+    for axle in ("front", "rear"):
+        by_planes, by_forces = (
+            read[f"{which}{axle}_body_acceleration"] for which in ("", "control_")
+        )
+        size = abs(by_forces) + abs(read[f"{axle}_wheel_acceleration"]) + 1e3
+        assert abs(by_planes - by_forces) < 1e-7 * size
+
+
+@pytest.mark.parametrize("gyration", [1.0, 1.5])
+def test_the_march_follows_an_independent_solution_with_lift_off_on_both_axles(gyration):
+    """Body and wheels, and where the wheels leave the road and return; M3 of either sign."""
+    one = car(gyration)
+    assert (one.coupling_mass > 0.0) == (gyration < 1.2)
+    errors = []
+    for step in (0.001, 0.0005):
+        drawing = march(one, step=step, duration=0.35)
+        rows = [f for f in drawing if abs(f.time / 0.005 - round(f.time / 0.005)) < 1e-6]
+        wanted, events = reference.solve(referred(gyration), np.array([f.time for f in rows]))
+        names = ("front_body", "rear_body", "front_wheel", "rear_wheel")
+        found = np.array([[f.readings[f"{n}_displacement"] for f in rows] for n in names])
+        errors.append(np.max(np.abs(found - wanted)))
+    made = [(f.event, f.time) for f in drawing if f.event]
+    assert [event for event, _ in made][:4] == [
+        "front_lift_off", "front_touchdown", "rear_lift_off", "rear_touchdown",
+    ]  # fmt: skip
+    assert len(made) == len(events)
+    for (_, time), (wanted_time, _) in zip(made, events, strict=True):
+        assert abs(time - wanted_time) < 1e-4
+    assert errors[0] < 2e-4
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=1.0)
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_a_rule_converges_with_its_order(rule):
+    """Over a bump too low to leave; the reference is an exact solution of the same car."""
+    one = car(1.5, 0.01)
+    wanted, events = reference.solve(referred(1.5, 0.01), np.array([0.0, 0.1]))
+    assert not events
+    errors = []
+    for n in (100, 200, 400):
+        last = march(one, rule, step=0.1 / n, steps=n).frames[-1].points
+        ends = [plane.displacement.read(last[f"{plane.state}'"]) for plane in one.planes]
+        found = np.array([ends[0] + ends[1], ends[2] + ends[3], ends[1], ends[3]])
+        errors.append(np.max(np.abs(found - wanted[:, -1])))
+    orders = [log2(e / f) for e, f in pairwise(errors)]
+    assert orders[-1] == pytest.approx(rule.order, abs=0.35)
+
+
+def test_without_coupling_there_are_two_quarter_cars():
+    base = (TO_FRONT * TO_REAR) ** 0.5
+    one = car(base)
+    assert abs(one.coupling_mass) < 1e-12
+    both = march(one, step=0.001, duration=0.3)
+    for axle, data, mass in (
+        ("front", one.front, one.front_mass), ("rear", one.rear, one.rear_mass),
+    ):  # fmt: skip
+        quarter = QuarterCarPlanes(
+            mass, data.unsprung_mass, data.spring, data.damper, data.tyre_stiffness,
+            data.tyre_damping, data.road,
+        )  # fmt: skip
+        alone = march(quarter, step=0.001, duration=0.3)
+        end, single = both.frames[-1].readings, alone.frames[-1].readings
+        for name in ("body_displacement", "wheel_displacement", "suspension_deflection"):
+            assert end[f"{axle}_{name}"] == pytest.approx(single[name], abs=2e-5)
+        events = [f.time for f in both if f.event.startswith(axle)]
+        assert events == pytest.approx([f.time for f in alone if f.event], abs=2e-5)
+
+
+@pytest.mark.parametrize("tyre", [None, Strut(cubic(150e3, 1e8), linear(800.0))])
+@pytest.mark.parametrize("rule", [RULES["osculating_circle"], RULES["delta"]], ids=lambda r: r.name)
+def test_every_point_that_the_schemes_join_is_there(rule, tyre):
+    one = car()
+    if tyre:
+        data = {**one.front.__dict__, "tyre": tyre, "tyre_stiffness": 0.0, "tyre_damping": 0.0}
+        one = car(front=AxleData(**data))
+    drawing = march(one, rule, step=0.002, duration=0.25)
+    assert {f.scheme for f in drawing} >= {"contact", "front_flight", "rear_flight"}
+    for frame in drawing:
+        scheme = drawing.schemes[frame.scheme]
+        names = {mark.point for mark in scheme.marks}
+        names |= {n for s in scheme.strokes for n in (s.start, s.end)}
+        names |= {n for arc in scheme.arcs for n in (arc.centre, arc.start, arc.end)}
+        assert names <= set(frame.points)
+        parts = (*scheme.marks, *scheme.strokes, *scheme.arcs)
+        assert {part.stage for part in parts} == set(range(len(scheme.stages)))
+    labels = {curve.label for curve in drawing.curves}
+    assert labels >= {"I1", "II1", "I2", "II2", "III", "IV", "dtau11", "dtau22"}
+
+
+def test_laid_over_its_own_march_it_does_not_drift():
+    drawing = march(car(), step=0.001, duration=0.25)
+    rows = [
+        column(drawing, name)
+        for axle in ("front", "rear")
+        for name in (
+            f"{axle}_suspension_deflection", f"{axle}_suspension_deflection_rate",
+            f"{axle}_wheel_displacement", f"{axle}_wheel_velocity",
+        )
+    ]  # fmt: skip
+    flying = [
+        (f.scheme in ("front_flight", "flight"), f.scheme in ("rear_flight", "flight"))
+        for f in drawing
+    ]
+    laid = overlay(car(), [f.time for f in drawing], *rows, airborne=flying)
+    for plane in drawing.planes:
+        assert max(column(laid, f"{plane.name}_drift")) < 1e-13
+    assert [f.event for f in laid if f.event] == [f.event for f in drawing if f.event]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"plane_scales": (1.0, -1.0)}, "plane scale b = -1.0"),
+        ({"plane_distance": 0.0}, "plane_distance = 0.0"),
+    ],
+)
+def test_what_cannot_be_drawn_is_refused(changes, message):
+    with pytest.raises(ValueError, match=message):
+        car(**changes)
+
+
+def test_an_axle_that_cannot_be_drawn_is_refused():
+    with pytest.raises(ValueError, match=r"tyre_stiffness = 0\.0"):
+        AxleData(30.0, linear(1e4), linear(1e3))
+    with pytest.raises(ValueError, match="four finite numbers"):
+        AxleData(30.0, linear(1e4), linear(1e3), 1e5, initial=(0.0, 0.0, 0.0, float("inf")))
