@@ -8,6 +8,7 @@ rule (`RULES`) goes from there to the next state; `march` and `frames` string th
 from __future__ import annotations
 
 from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.equation import EquationPlane
 from phaseplane.constructions.four_planes import AxleData, HalfCarPlanes
 from phaseplane.constructions.inertial import HalfCarRigidTyresPlanes
 from phaseplane.constructions.laws import Strut
@@ -27,6 +28,7 @@ from phaseplane.constructions.primitives import (
 )
 from phaseplane.constructions.rules import RULES, Rule, delta, rule_named, tangent, velocity
 from phaseplane.constructions.two_planes import QuarterCarPlanes
+from phaseplane.constructions.yielding import ElastoplasticPlane
 
 __all__ = [
     "RULES",
@@ -36,6 +38,8 @@ __all__ = [
     "Construction",
     "Curve",
     "Drawing",
+    "ElastoplasticPlane",
+    "EquationPlane",
     "Frame",
     "HalfCarPlanes",
     "HalfCarRigidTyresPlanes",

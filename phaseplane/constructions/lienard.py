@@ -44,6 +44,11 @@ class Lienard:
         """P of a displacement, m, and its rate, m/s."""
         return state_point(self.plane, displacement, velocity)
 
+    def values(self, p: complex) -> tuple[float, float]:
+        """y and y' off the sheet."""
+        y_bar = self.plane.scaled_velocity.read(p)
+        return self.plane.displacement.read(p), self.plane.angular_frequency * y_bar
+
     def raised(self, p: complex) -> tuple[complex, complex, complex]:
         """Q, the foot of P; A, where the parallel to the y axis meets the curve; A*, its foot."""
         axis = self.plane.displacement

@@ -66,7 +66,7 @@ class OnePlane(Construction):
         """The plane with its auxiliary curves."""
 
     @abstractmethod
-    def shift(self, window: Window) -> float:
+    def shift(self, states: States, window: Window) -> float:
         """How far D lies from A* along the y axis: the mean of the excitation over the window, m."""
 
     @cached_property
@@ -78,7 +78,7 @@ class OnePlane(Construction):
         """P, Q, A, A* and D of figure 2, the excitation as its mean over the window."""
         p = states[0]
         q, a, foot = self.lienard.raised(p)
-        shift = self.lienard.plane.displacement.scale * self.shift(window)
+        shift = self.lienard.plane.displacement.scale * self.shift(states, window)
         return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift}
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
@@ -153,7 +153,7 @@ class OneDofPlane(OnePlane):
         """The state point at time 0."""
         return (self.lienard.state(self.initial_deflection, self.initial_rate),)
 
-    def shift(self, window: Window) -> float:
+    def shift(self, states: States, window: Window) -> float:
         """-xi'' / Omega^2, its mean over the window, m."""
         acceleration = self.jumps.mean_acceleration(window.start, window.duration)
         return -acceleration / self.angular_frequency**2

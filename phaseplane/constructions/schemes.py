@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from phaseplane.constructions.primitives import Arc, Mark, Scheme, Stroke
 
@@ -36,3 +37,8 @@ def scheme(*stages: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
         tuple(Stroke(p.role, p.start, p.end, i) for i, p in placed if isinstance(p, Stroke)),
         tuple(Arc(p.role, p.centre, p.start, p.end, i) for i, p in placed if isinstance(p, Arc)),
     )
+
+
+def with_mark(scheme: Scheme, role: str, letter: str) -> Scheme:
+    """The scheme with one more lettered point from its first stage on."""
+    return replace(scheme, marks=(*scheme.marks, Mark(role, letter, 0, letter)))

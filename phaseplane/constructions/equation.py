@@ -1,0 +1,129 @@
+"""The construction of any equation of second order, x'' + f(x', x, t) = 0 (Lienard's own case).
+
+With x' = Omega x-bar the normal goes through D = (-delta, 0), x + delta = f / Omega^2. The auxiliary
+curves x = -epsilon(x-bar; x_i), epsilon = f(Omega x-bar, x_i, 0) / Omega^2 - x_i, are those of the
+start; what f has changed by since shifts D from A*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+from phaseplane.constructions.construction import CONTACT, Window
+from phaseplane.constructions.laws import check_finite, check_positive
+from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
+from phaseplane.constructions.primitives import Scheme
+from phaseplane.constructions.sheet import plane_at
+from phaseplane.constructions.steps import States
+
+Function = Callable[[float, float, float], float]
+"""f(x', x, t) of x'' + f = 0."""
+
+_GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
+
+
+@dataclass(frozen=True)
+class EquationPlane(OnePlane):
+    """The phase plane of x'' + f(x', x, t) = 0.
+
+    Parameters
+    ----------
+    function : f(x', x, t)
+    autonomous : whether f does not depend on t
+    angular_frequency : Omega, rad/s; it sets the scale of the x-bar axis, and best is about that of
+        the motion
+    scale : of the sheet, m of paper for a unit of x
+    initial_displacement, initial_velocity : x and x' at time 0
+    protractor_at : vertex of the turn angle on the sheet, m of paper; left out, below the plane
+    auxiliary_levels : the x_i of the auxiliary curves, between which A is interpolated; none: A lies
+        on the curve of P's own x
+    words : the equation, for the title
+
+    Raises
+    ------
+    ValueError : a frequency or scale that is not positive, an initial value that is not finite, an f
+        that is not a finite number at the start.
+    """
+
+    function: Function
+    autonomous: bool = False
+    angular_frequency: float = 1.0
+    scale: float = 0.02
+    initial_displacement: float = 0.0
+    initial_velocity: float = 0.0
+    protractor_at: complex | None = None
+    auxiliary_levels: tuple[float, ...] = ()
+    words: str = "x'' + f(x', x, t) = 0"
+
+    schemes: ClassVar[Mapping[str, Scheme]] = {
+        CONTACT: one_plane_scheme(
+            "From A* along the x axis by what f has changed by since the start, its mean over the "
+            "step: D."
+        )
+    }
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(self, ("angular_frequency", "scale"))
+        check_finite(self, ("initial_displacement", "initial_velocity"))
+        check_finite(self, ("initial_force",))
+
+    @property
+    def title(self) -> str:
+        """The equation."""
+        return f"{self.words} in its phase plane"
+
+    @property
+    def initial_force(self) -> float:
+        """F at the start."""
+        return self.function(self.initial_velocity, self.initial_displacement, 0.0)
+
+    @cached_property
+    def lienard(self) -> Lienard:
+        """The plane with its auxiliary curves."""
+        omega, function = self.angular_frequency, self.function
+        return Lienard(
+            plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="x", unit=""),
+            lambda x_bar, x: function(omega * x_bar, x, 0.0) / omega**2 - x,
+            levels=self.auxiliary_levels,
+        )
+
+    @cached_property
+    def initial(self) -> States:
+        """The state point at time 0."""
+        return (self.lienard.state(self.initial_displacement, self.initial_velocity),)
+
+    @cached_property
+    def protractor(self) -> complex:
+        """The vertex of the turn angle on the sheet."""
+        return self.scale * (-3.0 - 4.0j) if self.protractor_at is None else self.protractor_at
+
+    def shift(self, states: States, window: Window) -> float:
+        """What f has changed by since the start, its mean over the window at this state, / -Omega^2."""
+        if self.autonomous:
+            return 0.0
+        x, velocity = self.lienard.values(states[0])
+        times = ((window.start + part * window.duration, weight) for part, weight in _GAUSS)
+        mean = sum(weight * self.function(velocity, x, t) for t, weight in times)
+        return (self.function(velocity, x, 0.0) - mean) / self.angular_frequency**2
+
+    def readings(
+        self,
+        mode: str,
+        states: States,
+        time: float,
+        previous: Mapping[str, float] | None,
+        elapsed: float,
+    ) -> dict[str, float]:
+        """Displacement, velocity and acceleration off the sheet (as AP57 eq. 11)."""
+        points = self.points(mode, states, Window(time))
+        q = points["Q"]
+        return {
+            "displacement": self.lienard.displacement(q),
+            "velocity": self.lienard.velocity(points["P"], q),
+            "acceleration": self.lienard.acceleration(q, points["D"]),
+        }

@@ -1,0 +1,229 @@
+"""The construction of an oscillator whose spring yields (H83 example 40, CP75).
+
+    m u'' + C u' + q(u) = f(t),    q = k (u - R), or on a line of flow +-q_y + h (u -+ q_y / k)
+
+R is the permanent set, which the spring remembers: it is drawn as a point on the u axis, through which
+the auxiliary line of the elastic spring goes. The spring flows until the velocity reverses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import sqrt
+from typing import ClassVar
+
+from phaseplane.constructions.construction import Window
+from phaseplane.constructions.laws import check_finite, check_number, check_positive
+from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
+from phaseplane.constructions.primitives import Curve, Frame, Scheme
+from phaseplane.constructions.schemes import with_mark
+from phaseplane.constructions.sheet import plane_at
+from phaseplane.constructions.steps import Points, States
+from suspension.roads import Signal, constant
+
+ELASTIC = "elastic"
+FLOWS = {"yielding_up": 1.0, "yielding_down": -1.0}
+"""The sense of the velocity, by mode."""
+YIELD, UNLOAD = "yielding", "unloading"
+
+_NOTHING = constant()
+
+
+@dataclass(frozen=True)
+class ElastoplasticPlane(OnePlane):
+    """One mass on a damper and a spring that yields, under a force.
+
+    Parameters
+    ----------
+    mass : m, kg
+    damping : C, N s/m
+    spring_rate : k, N/m
+    yield_force : q_y, N
+    hardening : h, slope of the lines of flow, N/m, below k
+    load : f(t), N
+    scale : of the sheet, paper per displacement (a : 1)
+    initial_displacement, initial_velocity : u and u' at time 0, m and m/s
+    permanent_set : R at time 0, m
+    protractor_at : vertex of the turn angle on the sheet, m of paper; left out, below the plane
+
+    Raises
+    ------
+    ValueError : mass, rate, yield force or scale that are not positive, a negative damping, a hardening
+        that is not below the rate, a value that is not finite.
+    """
+
+    mass: float
+    damping: float
+    spring_rate: float
+    yield_force: float
+    hardening: float = 0.0
+    load: Signal = _NOTHING
+    scale: float = 30.0
+    initial_displacement: float = 0.0
+    initial_velocity: float = 0.0
+    permanent_set: float = 0.0
+    protractor_at: complex | None = None
+
+    title: ClassVar[str] = "Oscillator with a spring that yields in its phase plane"
+    schemes: ClassVar[Mapping[str, Scheme]] = {
+        mode: with_mark(
+            one_plane_scheme("From A* along the u axis by f/k, the load's mean over the step: D."),
+            "excitation",
+            "R",
+        )
+        for mode in (ELASTIC, *FLOWS)
+    }
+
+    def __post_init__(self) -> None:
+        """Check what was given."""
+        check_positive(self, ("mass", "spring_rate", "yield_force", "scale"))
+        check_number("damping", self.damping, 0.0)
+        check_number("hardening", self.hardening, 0.0)
+        if self.hardening >= self.spring_rate:
+            raise ValueError(
+                f"hardening = {self.hardening:g} N/m: must be below the spring rate, "
+                f"{self.spring_rate:g} N/m"
+            )
+        check_finite(self, ("initial_displacement", "initial_velocity", "permanent_set"))
+
+    @cached_property
+    def angular_frequency(self) -> float:
+        """Omega = sqrt(k / m), rad/s."""
+        return sqrt(self.spring_rate / self.mass)
+
+    @cached_property
+    def lienards(self) -> Mapping[str, Lienard]:
+        """The plane by mode; in the elastic one with the auxiliary line of a spring without set."""
+        omega, rate = self.angular_frequency, self.spring_rate
+        plane = plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="u")
+        lag = self.damping * omega / rate
+
+        def flowing(sense: float) -> Lienard:
+            return Lienard(plane, lambda u_bar, u: lag * u_bar + self.flow(sense, u) / rate - u)
+
+        elastic = Lienard(plane, lambda u_bar, u: lag * u_bar)
+        return {ELASTIC: elastic} | {mode: flowing(sense) for mode, sense in FLOWS.items()}
+
+    @property
+    def lienard(self) -> Lienard:
+        """The plane with the auxiliary line of the elastic spring."""
+        return self.lienards[ELASTIC]
+
+    def flow(self, sense: float, u: float) -> float:
+        """The upper (1) or lower (-1) line of flow, N."""
+        return sense * self.yield_force + self.hardening * (
+            u - sense * self.yield_force / self.spring_rate
+        )
+
+    @cached_property
+    def initial(self) -> States:
+        """The state point at time 0, and the permanent set as a point of the axis."""
+        return (
+            self.lienard.state(self.initial_displacement, self.initial_velocity),
+            self.lienard.state(self.permanent_set, 0.0),
+        )
+
+    @cached_property
+    def protractor(self) -> complex:
+        """The vertex of the turn angle on the sheet."""
+        if self.protractor_at is not None:
+            return self.protractor_at
+        return self.scale * self.yield_force / self.spring_rate * (-3.0 - 4.0j)
+
+    # The construction.
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """P, Q, A, A*, D and R; the elastic auxiliary line is moved so that it goes through R."""
+        p, r = states
+        q, a, foot = self.lienards[mode].raised(p)
+        if mode == ELASTIC:
+            a, foot = a + r.real, foot + r.real
+        shift = self.scale * self.mean_load(window) / self.spring_rate
+        return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift, "R": r}
+
+    def shift(self, states: States, window: Window) -> float:
+        """f / k, the mean over the window, m."""
+        return self.mean_load(window) / self.spring_rate
+
+    def mean_load(self, window: Window) -> float:
+        """Mean of the force over the window, N."""
+        if window.duration == 0.0:
+            return self.load.value(window.start)
+        return self.load.integral(window.start, window.end) / window.duration
+
+    def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
+        """The auxiliary line of the spring without set, and the curves while it flows."""
+        flowing = {frame.scheme for frame in frames} & FLOWS.keys()
+        return tuple(
+            curve
+            for mode in (ELASTIC, *sorted(flowing, reverse=True))
+            for curve in self.lienards[mode].curves(frames)
+        )
+
+    # Yielding and unloading.
+
+    def remembered(self, states: States, before: States | None) -> States:
+        """The permanent set that a spring has in this state, if it had that other one before."""
+        known = states if len(states) > 1 else before or self.initial
+        u = self.lienard.displacement(states[0])
+        least, most = (u - self.flow(sense, u) / self.spring_rate for sense in (1.0, -1.0))
+        r = min(max(self.lienard.displacement(known[1]), least), most)
+        return states[0], self.lienard.state(r, 0.0)
+
+    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
+        """Elastic: how far from either line of flow; flowing: the velocity in its sense; in m."""
+        if mode != ELASTIC:
+            return (FLOWS[mode] * states[0].imag / self.scale,)
+        u, r = (self.lienard.displacement(p) for p in states)
+        up, down = (self.flow(sense, u) / self.spring_rate for sense in (1.0, -1.0))
+        return (up - (u - r), u - r - down)
+
+    def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
+        """Flowing where the spring is on a line of flow and moves outwards."""
+        room = self.margins(ELASTIC, states, time)
+        least = 1e-9 * self.yield_force / self.spring_rate
+        flowing = (
+            mode
+            for (mode, sense), left in zip(FLOWS.items(), room, strict=True)
+            if left <= least and sense * states[0].imag > 0.0
+        )
+        return next(flowing, ELASTIC)
+
+    def succeeding(self, mode: str, limit: int) -> str:
+        """The spring flows up or down, or it unloads."""
+        return tuple(FLOWS)[limit] if mode == ELASTIC else ELASTIC
+
+    def event(self, mode: str, successor: str) -> str:
+        """Yielding, or unloading."""
+        return UNLOAD if successor == ELASTIC else YIELD
+
+    def readings(
+        self,
+        mode: str,
+        states: States,
+        time: float,
+        previous: Mapping[str, float] | None,
+        elapsed: float,
+    ) -> dict[str, float]:
+        """Displacement, velocity and acceleration off the sheet (as AP57 eq. 11), SI.
+
+        The spring's force is k AP / a less that of the damper; the set is where it would be without.
+        """
+        points = self.points(mode, states, Window(time))
+        p, q = points["P"], points["Q"]
+        lienard = self.lienard
+        velocity = lienard.velocity(p, q)
+        pull = self.spring_rate * lienard.displacement_between(points["A"], p)
+        force = pull - self.damping * velocity
+        displacement = lienard.displacement(q)
+        return {
+            "displacement": displacement,
+            "velocity": velocity,
+            "acceleration": lienard.acceleration(q, points["D"]),
+            "spring_force": force,
+            "permanent_set": displacement - force / self.spring_rate,
+            "load_force": self.load.value(time),
+        }
