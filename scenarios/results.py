@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .errors import FolderError, one_line
+from .tables import read_table, write_table
 
 if TYPE_CHECKING:
     import numpy as np
@@ -56,20 +57,9 @@ class Results:
 
 
 def write_results(results: Results, folder: Path) -> None:
-    """Write the table and the summary of the files that now lie in the folder.
-
-    The table is in FMPy's own form (`fmpy.util.read_csv`): a line of names, then numbers that give
-    back the same bits; Boolean columns are 0 and 1.
-    """
-    names = list(results.columns)
-    columns = [
-        (column.astype(int) if column.dtype == bool else column).tolist()
-        for column in results.columns.values()
-    ]
-    with (folder / TABLE).open("w", encoding="ascii", newline="\n") as table:
-        table.write(",".join(f'"{name}"' for name in names) + "\n")
-        for row in zip(*columns, strict=True):
-            table.write(",".join(map(repr, row)) + "\n")
+    """Write the table, and the summary of the files that now lie in the folder."""
+    table = folder / str(results.summary.get("table", TABLE))
+    write_table(results.columns, results.summary, table)
     files = sorted({SUMMARY, *(path.name for path in folder.iterdir())})
     (folder / SUMMARY).write_text(
         as_json({_MARK: _LAYOUT, **results.summary, "files": files}) + "\n", encoding="utf-8"
@@ -91,31 +81,24 @@ def _finite(data: Any) -> Any:
     return data
 
 
-def read_results(folder: Path) -> Results:
-    """Read a results folder.
+def read_results(path: Path) -> Results:
+    """Read a results folder, or a table by itself, whose summary is what it carries.
 
     Raises
     ------
-    FolderError : not a results folder of ours, or one that is damaged.
+    InputError : not a results folder of ours, or one that is damaged; or a file that is no table.
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
-    summary = read_summary(folder)
+    if path.is_file():
+        return Results(*read_table(path))
+    summary = read_summary(path)
     if summary is None:
         raise FolderError(
-            one_line(f"{folder} is no results folder: it holds no {SUMMARY} written by a run")
+            one_line(f"{path} is no results folder: it holds no {SUMMARY} written by a run")
         )
-    try:
-        heading, *rows = (folder / TABLE).read_text(encoding="ascii").splitlines()
-        names = [name.strip('"') for name in heading.split(",")]
-        if "time" not in names or not rows:
-            raise ValueError("no column time" if rows else "no rows")
-        values = np.loadtxt(rows, delimiter=",", ndmin=2)
-        if values.shape[1] != len(names):
-            raise ValueError(f"{len(names)} names over {values.shape[1]} columns")
-    except (OSError, ValueError) as error:
-        raise FolderError(one_line(f"cannot read {folder / TABLE}: {error}", 300)) from None
-    return Results(dict(zip(names, values.T.copy(), strict=True)), summary)
+    columns, _ = read_table(path / str(summary.get("table", TABLE)))
+    if "time" not in columns:
+        raise FolderError(one_line(f"cannot read {path / TABLE}: no column time"))
+    return Results(columns, summary)
 
 
 def read_summary(folder: Path) -> dict[str, Any] | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import platform
 import signal
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -213,6 +215,9 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
         "source": scene.source,
         "model": scene.fmu.model,
         "fmu": str(scene.fmu.path) if scene.fmu.path else scene.fmu.model,
+        "table": scene.show.table,
+        "versions": _versions(),
+        "hash": scene.hash,
         "duration": scene.duration,
         "output_interval": scene.show.output_interval,
         "parameters": scene.all_parameters,
@@ -238,6 +243,15 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
         "build_time": build_time,
         "run_time": drive.run_time,
     }
+
+
+def _versions() -> dict[str, str]:
+    """What took part in a run."""
+    found = {"python": platform.python_version()}
+    for name in ("phaseplane", "fmpy", "pythonfmu", "numpy"):
+        with suppress(PackageNotFoundError):  # run from its sources
+            found[name] = version(name)
+    return found
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
@@ -37,6 +38,8 @@ from .fields import (
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, parse_override, read_layers
 from .measures import catalogue, default_measures
+from .results import TABLE
+from .tables import check_ending
 
 Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
 Detail = Literal["trail", "steps", "stages"]
@@ -73,6 +76,7 @@ class Show(Strict):
     views : what the recording shows
     planes : pairs of outputs, displacement and rate, whose phase planes the recording shows in
         place of the construction's
+    table : name of the file of the results; its ending says in which form
     """
 
     outputs: list[str] | Literal["all"] | None = None
@@ -82,6 +86,15 @@ class Show(Strict):
     recording: Detail | Literal[False] = False
     views: Annotated[tuple[str, ...], BeforeValidator(list_of(get_args(View)))] = get_args(View)
     planes: Annotated[tuple[tuple[str, str], ...], BeforeValidator(pairs_of_names)] = ()
+    table: str = TABLE
+
+    @field_validator("table")
+    @classmethod
+    def _form(cls, value: str) -> str:
+        if Path(value).name != value:
+            raise ValueError("must be the name of a file, without folders")
+        check_ending(Path(value))
+        return value
 
     @field_validator("outputs", mode="before")
     @classmethod
@@ -266,6 +279,15 @@ class Scene(Strict):
     def all_parameters(self) -> dict[str, Value]:
         """The parameters of the scene over the FMU's defaults."""
         return {name: v.start for name, v in self.fmu.parameters().items()} | self.parameters
+
+    @property
+    def hash(self) -> str:
+        """Of all that decides the motion and what is read of it; equal for equal runs."""
+        said = (
+            self.fmu.model, str(self.fmu.path or ""), self.duration, self.show.output_interval,
+            sorted(self.all_parameters.items()), self.columns,
+        )  # fmt: skip
+        return sha256(repr(said).encode()).hexdigest()[:16]
 
     @property
     def construction_time(self) -> float:

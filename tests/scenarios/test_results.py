@@ -11,7 +11,7 @@ from fmpy.util import read_csv
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenarios.errors import FolderError
+from scenarios.errors import FolderError, InputError
 from scenarios.results import (
     SUMMARY,
     TABLE,
@@ -167,7 +167,7 @@ def test_no_folder_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     ("table", "words"),
     [
         (None, "No such file"),
-        ("", "not enough values"),
+        ("", "no rows"),
         ('"time","x"\n', "no rows"),
         ('"time","x"\n1.0\n', "2 names over 1 columns"),
         ('"time","x"\n1.0,abc\n', "abc"),
@@ -179,7 +179,7 @@ def test_damaged_results(tmp_path: Path, table: str | None, words: str) -> None:
     (tmp_path / "out" / TABLE).unlink()
     if table is not None:
         (tmp_path / "out" / TABLE).write_text(table)
-    with pytest.raises(FolderError, match="cannot read") as caught:
+    with pytest.raises(InputError, match="cannot read") as caught:
         read_results(tmp_path / "out")
     assert words in str(caught.value)
     assert str(caught.value).isprintable()

@@ -1,0 +1,68 @@
+"""Tables in every form: the same bits and the same metadata come back, and bad files are told."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from scenarios.errors import InputError
+from scenarios.tables import ENDINGS, read_table, write_table
+
+METADATA = {"scene": "größer", "measures": {"x": [1.5, None]}, "holds": True}
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@settings(deadline=None, max_examples=30)
+@given(values=st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=9))
+def test_numbers_and_metadata_come_back(
+    tmp_path_factory: pytest.TempPathFactory, ending: str, values: list[float]
+) -> None:
+    path = tmp_path_factory.mktemp("tables") / f"results{ending}"
+    columns = {
+        "time": np.arange(len(values)) / 3.0,
+        "body_displacement": np.array(values),
+        "airborne": np.arange(len(values)) % 2 == 1,
+        "lift_off_count": np.arange(len(values), dtype=np.int32),
+    }
+    write_table(columns, METADATA, path)
+    read, metadata = read_table(path)
+    assert list(read) == list(columns) or ending == ".h5"  # whose names are sorted
+    for name, column in columns.items():
+        assert read[name].astype(float).tobytes() == column.astype(float).tobytes()
+    assert metadata == ({} if ending == ".csv" else METADATA)
+
+
+def test_names_that_matlab_does_not_allow_come_back(tmp_path: Path) -> None:
+    columns = {"wheel[1].x": np.ones(2), "_n": np.zeros(2), "x" * 63: np.full(2, 3.0)}
+    write_table(columns, METADATA, tmp_path / "t.mat")
+    read, _ = read_table(tmp_path / "t.mat")
+    assert {name: column.tolist() for name, column in read.items()} == {
+        name: column.tolist() for name, column in columns.items()
+    }
+    with pytest.raises(InputError, match="same name in MATLAB"):
+        write_table({"a.b": np.ones(1), "a-b": np.ones(1)}, {}, tmp_path / "t.mat")
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("content", [b"", b"time\n", b"\xff\xfe rubbish"])
+def test_a_file_that_is_no_table_is_told_in_one_line(
+    tmp_path: Path, ending: str, content: bytes
+) -> None:
+    path = tmp_path / f"bad{ending}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="cannot read") as caught:
+        read_table(path)
+    assert str(caught.value).isprintable()
+
+
+def test_endings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InputError, match=r"must end in \.csv, .*did you mean '\.parquet'"):
+        read_table(tmp_path / "x.parket")
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(InputError, match=r"pip install 'phaseplane\[hdf5\]'"):
+        read_table(tmp_path / "x.h5")
