@@ -10,8 +10,6 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict
 
 from suspension.units import nearest, to_si
 
-from .measures import COUNT
-
 
 class Strict(BaseModel):
     """A table of a scene: only the keys it has, only values of their types."""
@@ -21,26 +19,28 @@ class Strict(BaseModel):
     )
 
 
-def quantity(unit: str) -> BeforeValidator:
-    """A positive number in SI, or a text with a unit."""
+def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
+    """A positive number in SI (or zero), or a text with a unit."""
 
     def read(value: object) -> float:
         if isinstance(value, str):
             value = to_si(value, unit)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"must be a number{_of(unit)} or a text such as '1.5 {unit}'")
+            raise ValueError(f"must be a number{unit_words(unit)} or a text such as '1.5 {unit}'")
         try:
             number = float(value)
         except OverflowError:
             number = inf
-        if not (isfinite(number) and number > 0.0):
-            raise ValueError(f"must be greater than 0{_of(unit)} and finite")
+        if not (isfinite(number) and (number > 0.0 or (zero and number == 0.0))):
+            least = "at least" if zero else "greater than"
+            raise ValueError(f"must be {least} 0{unit_words(unit)} and finite")
         return number
 
     return BeforeValidator(read)
 
 
-def _of(unit: str) -> str:
+def unit_words(unit: str) -> str:
+    """How a unit is named in a message."""
     return "" if unit == "1" else f" in {unit}"
 
 
@@ -68,6 +68,13 @@ def list_of(choices: Sequence[str]) -> Callable[[object], tuple[str, ...]]:
     return read
 
 
+def tuple_from(value: object) -> object:
+    """A list as the tuple that is kept of it."""
+    if isinstance(value, list | tuple):
+        return tuple(value)
+    raise ValueError("must be a list")
+
+
 def pair(value: object) -> tuple[object, object]:
     """A list of two values."""
     if not isinstance(value, list | tuple) or len(value) != 2:
@@ -89,44 +96,6 @@ def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
 
 
 Seconds = Annotated[float, quantity("s")]
+Instant = Annotated[float, quantity("s", zero=True)]
 Metres = Annotated[float, quantity("m")]
 Factor = Annotated[float, quantity("1")]
-
-
-class Bounds(Strict):
-    """What a measure must keep to, in SI; at least one of the two."""
-
-    min: float | None = None
-    max: float | None = None
-
-    def hold(self, value: object) -> bool:
-        """Whether a measured value keeps to them; one that could not be measured does not."""
-        if not isinstance(value, int | float):
-            return False
-        return (self.min is None or value >= self.min) and (self.max is None or value <= self.max)
-
-
-def bounds_from(raw: object, unit: str) -> Bounds:
-    """`{min, max}` in numbers or texts with units; for what is counted also a whole number."""
-    if unit == COUNT and isinstance(raw, int) and not isinstance(raw, bool):
-        raw = {"min": raw, "max": raw}
-    if not isinstance(raw, dict) or not raw:
-        raise ValueError(
-            "must be a whole number, or min and/or max"
-            if unit == COUNT
-            else f"must be min and/or max{_of(unit)}"
-        )
-    bounds = {}
-    for key, value in raw.items():
-        number = to_si(value, unit if unit != COUNT else "1") if isinstance(value, str) else value
-        if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"{key} must be a number{_of(unit)}")
-        try:
-            bounds[key] = float(number)
-        except OverflowError:
-            bounds[key] = inf
-        if not isfinite(bounds[key]):
-            raise ValueError(f"{key} must be finite")
-    if bounds.get("min", -inf) > bounds.get("max", inf):
-        raise ValueError("min is above max")
-    return Bounds.model_validate(bounds)

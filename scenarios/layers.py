@@ -24,6 +24,7 @@ KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
 # holds; how it is solved must not matter.
 MOTION = ("fmu", "duration", "parameters")
 SOLVER = "parameters.solver."
+REFERENCE = "reference"  # a table within [expect]
 _LARGEST_FILE = 10_000_000
 
 
@@ -40,7 +41,10 @@ class Layers:
         """Lay another layer over what is there; paths in it count from `folder`."""
         if any(key.split(".")[0] in MOTION and not key.startswith(SOLVER) for key in layer):
             outdated = [key for key in self.content if key.split(".")[0] == "expect"]
-            measures = (re.sub(r"^expect\.|\.(min|max)$", "", key) for key in outdated)
+            measures = (
+                re.sub(r"^expect\.|\.(min|max|file|tolerance|columns)$", "", key)
+                for key in outdated
+            )
             self.unchecked += tuple(dict.fromkeys(measures))
             self._drop(outdated)
         tables = {table for key in self.content for table in _parents(key)}
@@ -76,7 +80,7 @@ class Layers:
         expected = tables.get("expect", {})
         for key, value in expected.items() if isinstance(expected, dict) else ():
             name, _, bound = key.rpartition(".")
-            if bound in ("min", "max"):
+            if bound in ("min", "max") or name == REFERENCE:
                 bounds.setdefault(name, {})[bound] = value
             else:
                 bounds[key] = value

@@ -114,7 +114,7 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
             more = f" and {len(instants) - 8} more" if len(instants) > 8 else ""
             listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
             yield _line(f"{axle}{what}", f"{listed} ms{more}")
-    if count > len(values["lift_offs"] or ()):
+    if values["lift_offs"] is not None and count > len(values["lift_offs"]):
         yield _line("", f"{count} lift-offs in all; several lie within one output interval")
     if count and values["airborne_time"] is not None:
         yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")

@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, RunError, one_line
+from .expectations import judged_measures
 from .kept import kept
 from .measures import Run, catalogue, outputs_needed, take
 from .results import Results
@@ -174,7 +175,7 @@ def _driven(
 def _read_in(scene: Scene) -> list[str]:
     """The outputs read at every step: what is shown, what is measured, and whether all is well."""
     measured = outputs_needed(catalogue(scene.fmu.outputs()), scene.measures)
-    wanted = {*scene.columns, *measured, "ok"}
+    wanted = {*scene.columns, *measured, *scene.outputs_expected, "ok"}
     return [name for name in scene.fmu.outputs() if name in wanted]
 
 
@@ -228,13 +229,13 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
             for name, reading in readings.items()
         },
         "expectations": [
-            {
-                "measure": name,
-                **bounds.model_dump(),
-                "value": readings[name].value,
-                "holds": bounds.hold(readings[name].value),
-            }
-            for name, bounds in scene.expect.items()
+            *judged_measures(scene.expect, readings),
+            *(during.judged(outputs, drive.columns) for during in scene.during),
+            *(
+                [scene.reference.judged(scene.reference_path, drive.columns)]
+                if scene.reference
+                else []
+            ),
         ],
         "unchecked": list(scene.unchecked),
         "units": {"time": "s", **{name: outputs[name].unit for name in scene.columns}},

@@ -22,24 +22,24 @@ from suspension.models import build
 from suspension.units import nearest
 from suspension.variables import MODELS, ParameterError, Value, refuse_unknown
 
-from .errors import SceneError, one_line, shown
+from .errors import InputError, SceneError, one_line, shown
+from .expectations import Bounds, During, Reference, bounds_from
 from .fields import (
-    Bounds,
     Factor,
     Metres,
     Seconds,
     Strict,
-    bounds_from,
     list_of,
     one_of,
     pair,
     pairs_of_names,
+    tuple_from,
 )
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, parse_override, read_layers
 from .measures import catalogue, default_measures
 from .results import TABLE
-from .tables import check_ending
+from .tables import check_ending, read_table
 
 Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
 Detail = Literal["trail", "steps", "stages"]
@@ -59,6 +59,7 @@ _SHOWN = (
 _DRAWN = (
     "_displacement", "_velocity", "_acceleration", "_deflection", "_elevation", "airborne",
 )  # fmt: skip
+_EXPECTED_APART = ("during", "reference")  # in the file within [expect]
 _MOST_ROWS = 5_000_000
 _MOST_STEPS = 100_000
 
@@ -169,6 +170,8 @@ class Scene(Strict):
     duration : s
     parameters : what differs from the FMU's defaults, in SI
     expect : bounds on measures by name
+    during : bounds on outputs within a time; in the file `expect.during`
+    reference : what the run must come close to; in the file `expect.reference`
     unchecked : measures that a base scene bounds but that no longer hold, the motion being another
     """
 
@@ -181,6 +184,9 @@ class Scene(Strict):
     show: Show = Show()
     construction: Construction = Construction()
     expect: dict[str, Bounds] = Field(default_factory=dict)
+    during: Annotated[tuple[During, ...], BeforeValidator(tuple_from)] = ()
+    reference: Reference | None = None
+    reference_folder: Path = Path()
     unchecked: tuple[str, ...] = ()
 
     @field_validator("fmu", mode="before")
@@ -245,6 +251,12 @@ class Scene(Strict):
                         f"show.outputs: {self.fmu.model} has no output {shown(name)}"
                         + nearest(name, outputs),
                     )
+        for number, during in enumerate(self.during, 1):
+            try:
+                during.bounds(outputs)
+            except ValueError as error:
+                raise _at("expect.during", f"expect.during, number {number}: {error}") from None
+        self._check_reference()
         for name in self.show.measures or ():
             if name not in (known := catalogue(outputs)):
                 raise _at(
@@ -274,6 +286,42 @@ class Scene(Strict):
                 f"{self.construction_time:g} s; allowed: {_MOST_STEPS}",
             )
         return self
+
+    def _check_reference(self) -> None:
+        if self.reference is None:
+            return
+        try:
+            columns, _ = read_table(self.reference_path)
+        except InputError as error:
+            raise _at("expect.reference", f"expect.reference.file: {error}") from None
+        known = [name for name in self.fmu.outputs() if name in columns]
+        for name in self.reference.columns or ():
+            if name not in known:
+                raise _at(
+                    "expect.reference",
+                    f"expect.reference.columns: {shown(name)} is not in the file and an output of "
+                    f"{self.fmu.model}{nearest(name, known)}",
+                )
+        if "time" not in columns or not known:
+            raise _at(
+                "expect.reference",
+                f"expect.reference.file: {self.reference_path} has no column time, or none that is "
+                f"an output of {self.fmu.model}",
+            )
+
+    @property
+    def reference_path(self) -> Path:
+        """The file of the reference."""
+        return self.reference_folder / (self.reference.file if self.reference else "")
+
+    @property
+    def outputs_expected(self) -> set[str]:
+        """The outputs that `during` and `reference` look at."""
+        wanted = {during.output for during in self.during}
+        if self.reference is not None:
+            columns, _ = read_table(self.reference_path)
+            wanted |= set(self.reference.columns or columns) & set(self.fmu.outputs())
+        return wanted
 
     @property
     def all_parameters(self) -> dict[str, Value]:
@@ -342,6 +390,11 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
     path = find_scene(reference)
     layers = read_layers(path, overrides)
     content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
+    expected = content.get("expect")
+    if isinstance(expected, dict):
+        content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}
+        content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
+        content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
     try:
         return Scene.model_validate(content, context={"folder": layers.folders.get("fmu")})
     except ValidationError as error:
@@ -389,6 +442,8 @@ def _at(key: str, message: str) -> PydanticCustomError:
 def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
     """A validation error as one line."""
     parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
+    if parts[:1] and parts[0] in _EXPECTED_APART:
+        parts.insert(0, "expect")
     key = ".".join(parts)
     if error["type"] == "told":
         key = str(error["ctx"]["key"])
@@ -414,5 +469,9 @@ def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
 
 def _fields(sections: Sequence[str]) -> list[str]:
     """The keys a section of the scene may have."""
-    models: dict[str, type[BaseModel]] = {"show": Show, "construction": Construction}
-    return list(models[sections[0]].model_fields) if sections and sections[0] in models else []
+    models: dict[str, type[BaseModel]] = {
+        "show": Show, "construction": Construction, "expect.during": During,
+        "expect.reference": Reference,
+    }  # fmt: skip
+    model = models.get(".".join(sections))
+    return [field.alias or name for name, field in model.model_fields.items()] if model else []
