@@ -313,19 +313,20 @@ def damper(
     return polyline(corners, first, last)
 
 
-def table(points: Sequence[tuple[float, float]]) -> Characteristic:
+def table(points: Sequence[tuple[float, float]], level: bool = False) -> Characteristic:
     """Straight lines through measured points; beyond the ends the outer slopes go on.
 
     Parameters
     ----------
     points : at least two (x, F) pairs with ascending x
+    level : let the curve be level beyond the ends instead
 
     Raises
     ------
     ValueError : fewer than two points, or x not ascending.
     """
     slopes = _slopes(points)
-    return polyline(points, slopes[0], slopes[-1])
+    return polyline(points, 0.0, 0.0) if level else polyline(points, slopes[0], slopes[-1])
 
 
 def monotone_table(points: Sequence[tuple[float, float]]) -> Characteristic:

@@ -7,10 +7,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf
 
 from . import characteristics, roads
-from .characteristics import Characteristic
+from .parts import (
+    blaming,
+    points,
+    road_from,
+    suspension_elements,
+    tyre_element,
+    tyre_stiffness,
+)
 from .signals import Signal
 from .systems import Axle, Element, Load, Motion, System
 from .variables import ParameterError, Value, checked_parameters
@@ -23,6 +29,7 @@ __all__ = [
     "System",
     "axle_masses",
     "build",
+    "elastoplastic",
     "half_car",
     "half_car_rigid_tyres",
     "one_dof",
@@ -33,128 +40,6 @@ __all__ = [
 ]
 
 _SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a displacement
-
-
-def _points(name: str, text: str) -> list[tuple[float, float]]:
-    """Read `x:F, x:F, ...`."""
-    try:
-        points = [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
-    except ValueError:
-        raise ParameterError(
-            f"{name} = {text!r}: must be pairs such as '-0.1:-1500, 0:0, 0.1:1500'"
-        ) from None
-    return points
-
-
-def _law_from_table(name: str, text: str) -> Characteristic:
-    """A characteristic from its table, which must pass through the origin (forces count from there)."""
-    try:
-        law = characteristics.table(_points(name, text))
-    except ParameterError:
-        raise
-    except ValueError as error:
-        raise ParameterError(f"{name}: {error}") from None
-    largest = max(abs(force) for _, force in _points(name, text))
-    if abs(law.force(0.0)) > 1e-9 * largest:
-        raise ParameterError(
-            f"{name}: gives {law.force(0.0):g} N at 0; forces count from static equilibrium, "
-            "so the table must pass through 0:0"
-        )
-    return law
-
-
-def suspension_elements(
-    p: Mapping[str, Value], direction: tuple[float, ...], axle: str = "", road: str = ""
-) -> tuple[Element, ...]:
-    """Spring, damper and end stops of one axle; those that can never act are left out.
-
-    Parameters
-    ----------
-    p : checked parameters
-    direction : b
-    axle : empty, or what the names of its parameters (`front.`) and elements (`front_`) begin with
-    road : name of the signal under them if they stand on the road itself
-    """
-    of, prefix = _prefixes(axle)
-    spring_table, damper_table = str(p[f"{of}spring.table"]), str(p[f"{of}damper.table"])
-    number = {k: v for k, v in p.items() if isinstance(v, int | float)}
-    spring = (
-        _law_from_table(f"{of}spring.table", spring_table)
-        if spring_table
-        else characteristics.cubic(number[f"{of}spring.rate"], number[f"{of}spring.cubic"])
-    )
-    damper = (
-        _law_from_table(f"{of}damper.table", damper_table)
-        if damper_table
-        else characteristics.damper(
-            *(
-                number[f"{of}damper.{name}"]
-                for name in (
-                    "rebound_rate", "bump_rate", "rebound_limit", "bump_limit", "limit_slope"
-                )
-            )
-        )
-    )  # fmt: skip
-    stops = (
-        (name, make(number[f"{of}{name}.gap"], number[f"{of}{name}.stiffness"]))
-        for name, make in (
-            ("bump_stop", characteristics.bump_stop),
-            ("rebound_stop", characteristics.rebound_stop),
-        )
-    )
-    elements = (
-        Element(f"{prefix}spring", direction, spring=spring, road=road),
-        Element(f"{prefix}damper", direction, damper=damper, road=road),
-        *(Element(f"{prefix}{name}", direction, spring=stop, road=road) for name, stop in stops),
-    )
-    return tuple(e for e in elements if not (e.spring.is_zero and e.damper.is_zero))
-
-
-def tyre_element(
-    p: Mapping[str, Value], direction: tuple[float, ...], static_load: float, axle: str = ""
-) -> Element:
-    """The tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
-
-    Parameters
-    ----------
-    p : checked parameters
-    direction : b
-    static_load : N; where it is zero (no gravity) there is no lift-off
-    axle : as for `suspension_elements`
-    """
-    of, prefix = _prefixes(axle)
-    return Element(
-        f"{prefix}tyre",
-        direction,
-        spring=characteristics.linear(float(p[f"{of}tyre.stiffness"])),
-        damper=characteristics.linear(float(p[f"{of}tyre.damping"])),
-        road=f"{prefix}road",
-        limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
-    )
-
-
-def _prefixes(axle: str) -> tuple[str, str]:
-    """What the names of an axle's parameters and of all else of it begin with."""
-    return (f"{axle}.", f"{axle}_") if axle else ("", "")
-
-
-def road_from(p: Mapping[str, Value]) -> Signal:
-    """The road that the parameters describe; for shape `input` a level one, to be set from outside."""
-    shape = p["road.shape"]
-    height, length, start = float(p["road.height"]), float(p["road.length"]), float(p["road.start"])
-    speed = float(p["speed"])
-    if shape in ("input", "flat"):
-        return roads.constant()
-    if shape == "table":
-        text = str(p["road.table"])
-        try:
-            return roads.table(_points("road.table", text), speed, start)
-        except ParameterError:
-            raise
-        except ValueError as error:
-            raise ParameterError(f"road.table: {error}") from None
-    make = {"bump": roads.bump, "obstacle": roads.obstacle, "sine": roads.sine}[str(shape)]
-    return make(height, length, speed, start)
 
 
 def one_dof(p: Mapping[str, Value]) -> System:
@@ -190,7 +75,7 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     body, wheel = float(p["sprung_mass"]), float(p["unsprung_mass"])
     load = (body + wheel) * float(p["gravity"])
     road = road_from(p)
-    scale = road.scale or load / float(p["tyre.stiffness"]) or _SMALL
+    scale = road.scale or load / tyre_stiffness(p) or _SMALL
     return System(
         coordinates=("body", "wheel"),
         mass=((body, 0.0), (0.0, wheel)),
@@ -317,8 +202,8 @@ def half_car(p: Mapping[str, Value]) -> System:
     scale = (
         body.signals["front_road"].scale
         or max(
-            front_load / float(p["front.tyre.stiffness"]),
-            rear_load / float(p["rear.tyre.stiffness"]),
+            front_load / tyre_stiffness(p, "front"),
+            rear_load / tyre_stiffness(p, "rear"),
         )
         or _SMALL
     )
@@ -347,11 +232,45 @@ def half_car(p: Mapping[str, Value]) -> System:
     )
 
 
+def elastoplastic(p: Mapping[str, Value]) -> System:
+    """Oscillator whose spring yields (H83 example 40; CP75).
+
+    m u'' + C u' + q(u) = f(t), q elastic up to the yield force, then flowing with `hardening`
+
+    Parameters
+    ----------
+    p : checked parameters of `Elastoplastic`
+    """
+    rate, yield_force = float(p["spring.rate"]), float(p["yield_force"])
+    if not float(p["hardening"]) < rate:
+        raise ParameterError(
+            f"hardening = {float(p['hardening']):g}: must be below spring.rate = {rate:g} N/m"
+        )
+    table = str(p["force.table"])
+    with blaming("force.table"):
+        course = roads.table(points("force.table", table)) if table else roads.constant()
+    return System(
+        coordinates=("",),
+        mass=((float(p["mass"]),),),
+        elements=(
+            Element(
+                "spring", (1.0,), characteristics.linear(rate), yield_force=yield_force,
+                hardening=float(p["hardening"]), permanent_set=float(p["initial.permanent_set"]),
+            ),
+            Element("damper", (1.0,), damper=characteristics.linear(float(p["damper.rate"]))),
+        ),
+        signals={"force": roads.constant(), "force_table": course},
+        loads=(Load((1.0,), "force"), Load((1.0,), "force_table")),
+        scales=(yield_force / rate,),
+    )  # fmt: skip
+
+
 _BUILDERS = {
     "OneDof": one_dof,
     "QuarterCar": quarter_car,
     "HalfCarRigidTyres": half_car_rigid_tyres,
     "HalfCar": half_car,
+    "Elastoplastic": elastoplastic,
 }
 
 

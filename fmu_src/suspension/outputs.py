@@ -9,16 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from operator import mul
 from typing import Any, Protocol
 
 from .signals import Signal
-from .systems import Axle, Motion, System
+from .systems import Axle, Element, Motion, System
 from .variables import Value
 
 Read = Callable[[], Value]
 
-_SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop")
+_SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop", "friction")
 
 
 @dataclass(slots=True)
@@ -49,12 +50,8 @@ class State:
     def __init__(
         self, system: System, integrator: Any, signals: Mapping[str, Signal], time: float
     ) -> None:
-        self._system, self._integrator, self._sources, self._time = (
-            system,
-            integrator,
-            signals,
-            time,
-        )
+        self._system, self._integrator = system, integrator
+        self._sources, self._time = signals, time
         self.q: Sequence[float] = integrator.sample_q
         self.v: Sequence[float] = integrator.sample_v
 
@@ -120,7 +117,11 @@ def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
         "ok": lambda: run.ok,
     }
     for i, name in enumerate(system.coordinates):
-        read |= _of_coordinate(i, name, run)
+        read |= _of_coordinate(i, f"{name}_" if name else "", run)
+    for e, element in enumerate(system.elements):
+        read |= _of_element(e, element, integrator, run)
+    if not system.axles:
+        read["applied_force"] = lambda: sum(run.state.signals[m.signal][0] for m in system.loads)
     for motion in system.motions:
         read |= _of_motion(motion, run)
     for axle in system.axles:
@@ -133,10 +134,19 @@ def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
 
 def _of_coordinate(i: int, name: str, run: Run) -> dict[str, Read]:
     return {
-        f"{name}_displacement": lambda: run.state.q[i],
-        f"{name}_velocity": lambda: run.state.v[i],
-        f"{name}_acceleration": lambda: run.state.a[i],
+        f"{name}displacement": lambda: run.state.q[i],
+        f"{name}velocity": lambda: run.state.v[i],
+        f"{name}acceleration": lambda: run.state.a[i],
     }
+
+
+def _of_element(e: int, element: Element, integrator: Any, run: Run) -> dict[str, Read]:
+    """Force of an element, and how one stands that may yield."""
+    read: dict[str, Read] = {f"{element.name}_force": lambda: run.state.forces[e]}
+    if element.yield_force < inf:
+        read["permanent_set"] = lambda: run.state.permanent_sets[e]
+        read["yielding"] = lambda: integrator.yielding(e)
+    return read
 
 
 def _of_motion(motion: Motion, run: Run) -> dict[str, Read]:

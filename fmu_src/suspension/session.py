@@ -14,6 +14,7 @@ from math import inf, isfinite, nan
 from typing import Any
 
 from .engine import FAILURES, KINDS, Integrator
+from .equilibrium import static_equilibrium
 from .models import build
 from .outputs import Contact, State, readers
 from .signals import Segment, Signal
@@ -60,10 +61,10 @@ class Session:
         self._inputs = {v.name: 0.0 for v in declared if v.causality == "input"}
         self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
         system = build(model, self.parameters)
-        self._sampled = self.parameters["road.shape"] == "input"
+        self._sampled = self.parameters.get("road.shape") == "input"
         self._changed: set[str] = set()
         self._roads = tuple(axle.road for axle in system.axles) if self._sampled else ()
-        self._forces = tuple(load.signal for load in system.loads)
+        self._forces = tuple(m.signal for m in system.loads if m.signal in self._inputs)
         self._velocity_given = dict.fromkeys(self._roads, False)
         # instant and elevation
         self._sample_before = dict.fromkeys(self._roads, (start_time, 0.0))
@@ -71,7 +72,29 @@ class Session:
         self.contacts = {axle.prefix: Contact() for axle in system.axles if axle.tyre}
         self._signals = dict(system.signals)
         self._attach(system, self._new_integrator(system))
+        self._start_moving()
         self._sample()
+
+    def _start_moving(self) -> None:
+        """From static equilibrium on the road as it is just before, plus what is given in addition.
+
+        Forces from outside act from the start on: what they do is no equilibrium.
+        """
+        system = self._system
+        levels = {axle.road: self._signals[axle.road].before(self.time) for axle in system.axles}
+        given = [
+            [
+                float(self.parameters[f"initial.{name}_{what}".replace("._", ".")])
+                for name in system.coordinates
+            ]
+            for what in ("displacement", "velocity")
+        ]
+        rest = static_equilibrium(system, levels) if any(levels.values()) else [0.0] * len(given[0])
+        if any(rest) or any(map(any, given)):
+            self._integrator.set_state(
+                [r + q for r, q in zip(rest, given[0], strict=True)], given[1]
+            )
+            self._behind = self._integrator.snapshot()
 
     def _new_integrator(self, system: System) -> Any:
         """An integrator at the present time, by the solver's parameters."""
@@ -212,6 +235,7 @@ class Session:
         for name in self._roads:
             elevation = self._inputs[f"{name}_elevation"]
             held[name] = (elevation, self._velocity(name, elevation), 0.0, 0.0)
+        moved_at_start = False
         for number, name in enumerate(self._system.signals):
             if name in held:
                 segment = Segment(-inf, self.time, held[name])
@@ -219,6 +243,9 @@ class Session:
                     self._signals[name] = Signal((segment,))
                     # a road that is elsewhere at the start has always been there: no jump
                     self._integrator.set_signal(number, held[name], self.time > self._start)
+                    moved_at_start = moved_at_start or self.time == self._start
+        if moved_at_start:
+            self._start_moving()
         self._compare_contacts()
 
     def _velocity(self, road: str, elevation: float) -> float:

@@ -7,7 +7,7 @@ integrator evaluates every one of them by one formula and lands on every joint.
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -140,6 +140,11 @@ class Signal:
     def value(self, t: float) -> float:
         """Elevation in m (or force in N) at t."""
         return self.derivatives(t)[0]
+
+    def before(self, t: float) -> float:
+        """Value that the signal comes from at t: to the left of a joint."""
+        here = bisect_left(self.segments, t, lo=1, key=_start) - 1
+        return self.segments[here].derivatives(t)[0]
 
     def rate(self, t: float) -> float:
         """First derivative at t."""

@@ -40,6 +40,8 @@ UNITS: dict[str, Unit] = {
     "rad": Unit({"rad": 1}, {"deg": pi / 180.0, "mrad": 1e-3}),
     "rad/s": Unit({"rad": 1, "s": -1}, {"deg/s": pi / 180.0}),
     "rad/s2": Unit({"rad": 1, "s": -2}, {"deg/s2": pi / 180.0}),
+    "m3": Unit({"m": 3}, {"cm3": 1e-6, "mm3": 1e-9}),
+    "Hz": Unit({"s": -1}, {"kHz": 1e3, "1/min": 1 / 60.0}),
     "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
     "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF}),

@@ -519,7 +519,7 @@ class Integrator:
         whether it slips or sticks, and then has the force that sticking takes; what has yielded
         knows its set, which goes to `sample_set`.
         """
-        if self.in_step:
+        if self.in_step or self.step_end <= self.step_start:
             self.net.keep_branches()
         self.net.read_forces(
             t, self.sample_q, self.sample_v, self.sample_a, self.sample_f, self.sample_set
@@ -541,6 +541,11 @@ class Integrator:
     def at_limit(self, e):
         """Whether element e is at its limit now: a tyre off the road."""
         return self.net.branch[_KINDS * e + _CONTACT] != 0
+
+    def yielding(self, e):
+        """Whether element e, which may yield, did so in the last step."""
+        branch = self.net.branch if self.in_step else self.net.kept_branch
+        return branch[_KINDS * e + _SPRING] != 1
 
     def permanent_set(self, e):
         """Deflection at which element e, which yields, would be free of force now, m."""

@@ -1,0 +1,213 @@
+"""The variables of the parts that models are made of: suspension, wheel, road, solver.
+
+Start values are those of the worked example of AP57 section 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .units import KGF
+from .variable import Variable, output, parameter, tunable
+
+ROAD_SHAPES = (
+    "input", "flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole",
+    "random", "table", "spline",
+)  # fmt: skip
+ROAD_CLASSES = tuple("ABCDEFGH")
+INTERPOLATIONS = ("linear", "monotone")
+METHODS = ("extrapolated", "equilibrium", "mean", "tangent")
+
+SUSPENSION = tunable(  # between body and wheel (or road)
+    parameter("spring.rate", 1500 * KGF, "linear spring rate", "N/m",
+               display="N/mm", minimum=0.0),
+    parameter("spring.cubic", 0.0, "cubic spring rate: F = rate y + cubic y^3 "
+               "(negative: softening)", "N/m3", display="N/mm3"),
+    parameter("spring.table", "", "spring characteristic as 'deflection:force, ...' "
+               "in m and N, extension positive, through 0:0; replaces rate and cubic"),
+    parameter("spring.interpolation", "linear", "how the points of spring.table are joined: by "
+              "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS),
+    parameter("spring.preload", 0.0, "compressive force that the spring bears at rest; where it is "
+              "given, rate, cubic and table count from the spring's free length, and its static "
+              "deflection is found; 0: they count from static equilibrium", "N", display="kN",
+              minimum=0.0),
+    parameter("damper.rebound_rate", 200 * KGF, "damping rate in rebound (extension)",
+               "N.s/m", display="kN.s/m", minimum=0.0),
+    parameter("damper.bump_rate", 50 * KGF, "damping rate in bump (compression)",
+               "N.s/m", display="kN.s/m", minimum=0.0),
+    parameter("damper.rebound_limit", 0.0, "blow-off force in rebound, 0 = none",
+               "N", display="kN", minimum=0.0),
+    parameter("damper.bump_limit", 0.0, "blow-off force in bump (its magnitude), "
+               "0 = none", "N", display="kN", minimum=0.0),
+    parameter("damper.limit_slope", 0.0, "slope of the damper force beyond blow-off",
+               "N.s/m", display="kN.s/m", minimum=0.0),
+    parameter("damper.saturation_force", 0.0, "force that the damper approaches smoothly, as "
+              "force tanh(rate v / force); 0 = none; replaces blow-off", "N", display="kN",
+              minimum=0.0),
+    parameter("damper.table", "", "damper characteristic as 'rate:force, ...' in m/s "
+               "and N, rebound positive, through 0:0; replaces rates and limits"),
+    parameter("damper.interpolation", "linear", "how the points of damper.table are joined: by "
+              "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS),
+    parameter("damper.deflection_table", "", "factor on the damper force as 'deflection:factor, "
+              "...' in m, extension positive, level beyond the ends; empty: 1 everywhere"),
+    parameter("friction", 0.0, "dry friction of the suspension, as of a leaf spring: that force "
+              "while it slips, up to it while it sticks", "N", minimum=0.0),
+    parameter("bump_stop.gap", 0.08, "compression from static equilibrium at which "
+               "the bump stop is met", "m", display="mm", minimum=0.0),
+    parameter("bump_stop.stiffness", 0.0, "stiffness of the bump stop, 0 = none",
+               "N/m", display="N/mm", minimum=0.0),
+    parameter("rebound_stop.gap", 0.08, "extension from static equilibrium at which "
+               "the rebound stop is met", "m", display="mm", minimum=0.0),
+    parameter("rebound_stop.stiffness", 0.0, "stiffness of the rebound stop, 0 = none",
+               "N/m", display="N/mm", minimum=0.0),
+)  # fmt: skip
+
+WHEEL = (
+    parameter("unsprung_mass", 3 * KGF, "mass of wheel and axle share", "kg",
+               positive=True),
+    parameter("tyre.stiffness", 15000 * KGF, "radial stiffness of the tyre", "N/m",
+               display="N/mm", positive=True, tunable=True),
+    parameter("tyre.table", "", "tyre characteristic as 'deflection:force, ...' in m and N, "
+              "extension positive, through 0:0, rising; replaces stiffness", tunable=True),
+    parameter("tyre.interpolation", "linear", "how the points of tyre.table are joined: by "
+              "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS, tunable=True),
+    parameter("tyre.damping", 100 * KGF, "radial damping of the tyre", "N.s/m",
+               display="kN.s/m", minimum=0.0, tunable=True),
+)  # fmt: skip
+
+
+def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
+    """The road: what `road.shape` means, and which wheel is the first to meet it."""
+    return (
+        parameter("road.shape", "bump", shape, choices=ROAD_SHAPES),
+        parameter("road.height", 0.05, "height of bump, obstacle, plank, step or ramp, depth of "
+                  "pothole, double amplitude of sine and sweep (negative: the other way)", "m",
+                  display="mm"),
+        parameter("road.length", 1.0, "length of bump, obstacle, plank, pothole or ramp, wave length "
+                  "of sine (a washboard)", "m", positive=True),
+        parameter("road.ramp_length", 0.0, "length of the ramps up and down of plank and pothole, "
+                  "within their length; 0: edges without a ramp", "m", minimum=0.0),
+        parameter("road.start", 0.0, f"instant at which {first} reaches the road's first point",
+                   "s"),
+        parameter("speed", 20.0, "speed of travel", "m/s", display="km/h", positive=True),
+        parameter("road.first_frequency", 0.5, "frequency at which the sweep begins", "Hz",
+                  minimum=0.0),
+        parameter("road.last_frequency", 20.0, "frequency at which the sweep ends", "Hz",
+                  minimum=0.0),
+        parameter("road.duration", 10.0, "duration of the sweep", "s", positive=True),
+        parameter("road.class", "C", "class of the random road (ISO 8608), from A, very good, to H",
+                  choices=ROAD_CLASSES),
+        parameter("road.roughness", 0.0, "displacement spectral density of the random road at 0.1 "
+                  "cycles/m; 0: that of its class", "m3", display="cm3", minimum=0.0),
+        parameter("road.seed", 1, "number that the random road is drawn from", minimum=0),
+        parameter("road.profile_length", 200.0, "length of the random road", "m", positive=True),
+        parameter("road.table", "", "road as 'position:elevation, ...' in m, joined by straight "
+                   "lines (table) or by a cubic spline (spline)"),
+    )  # fmt: skip
+
+
+SOLVER_PARAMETERS = (
+    parameter("solver.method", "extrapolated", "variant of the incremental method",
+               choices=METHODS),
+    parameter("solver.step", 0.0, "fixed step; 0 = chosen from the tolerance", "s", display="ms",
+               minimum=0.0),
+    parameter("solver.tolerance", 1e-6, "largest error wanted, relative to the peak", "1",
+               minimum=1e-12, maximum=1e-1),
+)  # fmt: skip
+
+SOLVER_OUTPUTS = (
+    output("energy_residual", "what the energy balance lacks", "J", nominal=1e-3),
+    output("stable_step", "largest stable step of the incremental method for the current tangent "
+            "(2 sqrt 3 / omega_max)", "s", display="ms", nominal=1e-3),
+    output("step_count", "internal steps taken so far", start=0),
+    output("ok", "false once the run has failed; all other outputs are then not a number",
+            start=True),
+)  # fmt: skip
+
+GRAVITY = parameter("gravity", KGF, "acceleration of free fall; 0: no weight, no lift-off", "m/s2",
+                      minimum=0.0)  # fmt: skip
+LIFT_OFF = parameter("lift_off", True, "whether the tyre may leave the road")
+
+
+def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
+    """Displacement, velocity and acceleration of a coordinate."""
+    return (
+        output(f"{coordinate}_displacement", f"displacement of {what} from static equilibrium, "
+                "upwards positive", "m", display="mm", nominal=0.01),
+        output(f"{coordinate}_velocity", f"velocity of {what}, upwards positive", "m/s",
+                nominal=0.1),
+        output(f"{coordinate}_acceleration", f"acceleration of {what}, upwards positive", "m/s2",
+                nominal=1.0),
+    )  # fmt: skip
+
+
+def deflection(name: str, between: str) -> tuple[Variable, ...]:
+    """A deflection and its rate."""
+    return (
+        output(f"{name}_deflection", f"{between}, from static equilibrium, extension positive", "m",
+                display="mm", nominal=0.01),
+        output(f"{name}_deflection_rate", f"rate of change of {name} deflection, rebound positive",
+                "m/s", nominal=0.1),
+    )  # fmt: skip
+
+
+def force(element: str, what: str, nominal: float = 1e3) -> Variable:
+    """The force of an element."""
+    return output(f"{element}_force", f"{what}, from static equilibrium, positive in extension "
+                   "(pulls the body down)", "N", display="kN", nominal=nominal)  # fmt: skip
+
+
+def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
+    """What a run starts from, for coordinates by name with what they are of."""
+    return tuple(
+        parameter(f"initial.{name}{what}", 0.0, text.format(of), unit)
+        for name, of in coordinates.items()
+        for what, text, unit in (
+            ("_displacement", "displacement of {} at the start, from static equilibrium, upwards "
+             "positive", "m"),
+            ("_velocity", "velocity of {} at the start, upwards positive", "m/s"),
+        )
+    )  # fmt: skip
+
+
+ROAD_INPUTS = (
+    Variable("road_elevation", "elevation of the contact point, upwards positive "
+             "(used when road.shape is 'input')", "input", 0.0, "m", "mm", nominal=0.01),
+    Variable("road_velocity", "rate of change of road_elevation, upwards positive; carries the "
+             "elevation on within a communication step", "input", 0.0, "m/s", nominal=0.1),
+)  # fmt: skip
+
+
+def body_force(where: str) -> Variable:
+    """The input for a force on the body."""
+    return Variable("body_force", f"force on the body {where}, upwards positive", "input", 0.0,
+                    "N", "kN", nominal=1e3)  # fmt: skip
+
+
+GROUND = (
+    output("ground_elevation", "elevation of the road under the wheel, upwards positive", "m",
+            display="mm", nominal=0.01),
+    output("ground_velocity", "rate of change of ground_elevation, upwards positive", "m/s",
+            nominal=0.1),
+)  # fmt: skip
+
+SUSPENSION_FORCES = (
+    force("spring", "spring force"),
+    force("damper", "damper force"),
+    force("bump_stop", "bump stop force"),
+    force("rebound_stop", "rebound stop force"),
+    force("friction", "dry friction force"),
+)
+
+CONTACT = (
+    output("tyre_force", "tyre force, from static equilibrium, positive in extension (pulls the "
+            "wheel down)", "N", display="kN", nominal=1e3),
+    output("contact_force", "force of the road on the tyre, never negative (may be negative "
+            "where lift_off is false)", "N", display="kN", nominal=1e3),
+    output("airborne", "whether the wheel has left the road", start=False),
+    output("lift_off_count", "how often the wheel has left the road", start=0),
+    output("airborne_time", "time spent off the road so far", "s", display="ms", nominal=0.01),
+    output("last_lift_off", "instant of the latest lift-off, -1 before the first", "s", start=-1.0),
+    output("last_touchdown", "instant of the latest touchdown, -1 before the first", "s",
+            start=-1.0),
+)  # fmt: skip

@@ -1,0 +1,260 @@
+"""Elements and roads made from public parameters: what the named systems have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import contextmanager
+from itertools import pairwise
+from math import inf
+from typing import TYPE_CHECKING
+
+from . import characteristics, roads
+from .characteristics import Characteristic
+from .signals import Signal
+from .systems import Element
+from .variable import ParameterError, Value
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def points(name: str, text: str) -> list[tuple[float, float]]:
+    """Read `x:F, x:F, ...`, the value of the parameter `name`.
+
+    Raises
+    ------
+    ParameterError : something else.
+    """
+    try:
+        return [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
+    except ValueError:
+        raise ParameterError(
+            f"{name} = {text!r}: must be pairs such as '-0.1:-1500, 0:0, 0.1:1500'"
+        ) from None
+
+
+@contextmanager
+def blaming(name: str) -> Iterator[None]:
+    """Let what a parameter's value does not allow be said with its name."""
+    try:
+        yield
+    except ParameterError:
+        raise
+    except ValueError as error:
+        raise ParameterError(f"{name}: {error}") from None
+
+
+_JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
+
+
+def _table(p: Mapping[str, Value], part: str) -> Characteristic | None:
+    """The characteristic that the table of a part gives, if it has one."""
+    text = str(p[f"{part}.table"])
+    if not text:
+        return None
+    with blaming(f"{part}.table"):
+        return _JOINED[str(p[f"{part}.interpolation"])](points(f"{part}.table", text))
+
+
+def _through_zero(law: Characteristic, name: str) -> Characteristic:
+    """Refuse a law with a force at zero."""
+    rest = law.force(0.0)
+    if abs(rest) > 1e-9 * max(abs(piece.coefficients[0]) for piece in law.pieces):
+        raise ParameterError(
+            f"{name}: gives {rest:g} N at 0; forces count from static equilibrium, "
+            "so the table must pass through 0:0"
+        )
+    return law
+
+
+def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
+    """The spring of one axle, from static equilibrium."""
+    part = f"{of}spring"
+    law = _table(p, part) or characteristics.cubic(
+        float(p[f"{part}.rate"]), float(p[f"{part}.cubic"])
+    )
+    preload = float(p[f"{part}.preload"])
+    if preload == 0.0:
+        return _through_zero(law, f"{part}.table")
+    static = law.argument(-preload)
+    if not abs(static) < inf:
+        raise ParameterError(f"{part}.preload = {preload:g}: the spring never bears {preload:g} N")
+    return law.moved(static, -preload)
+
+
+def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
+    """The damper of one axle: its table, or smooth up to a force, or straight with blow-off."""
+    part = f"{of}damper"
+    table = _table(p, part)
+    if table is not None:
+        return _through_zero(table, f"{part}.table")
+    rebound, bump, most = (
+        float(p[f"{part}.{name}"]) for name in ("rebound_rate", "bump_rate", "saturation_force")
+    )
+    if most > 0.0:
+        with blaming(f"{part}.saturation_force"):
+            return characteristics.saturating(rebound, most, bump)
+    limits = ("rebound_limit", "bump_limit", "limit_slope")
+    return characteristics.damper(rebound, bump, *(float(p[f"{part}.{limit}"]) for limit in limits))
+
+
+def _modulation(name: str, text: str) -> Characteristic:
+    """The factor on a damper over deflection."""
+    if not text:
+        return characteristics.constant(1.0)
+    factors = points(name, text)
+    if min(factor for _, factor in factors) < 0.0:
+        raise ParameterError(f"{name} = {text!r}: a factor on a damper must not be negative")
+    with blaming(name):
+        return characteristics.table(factors, level=True)
+
+
+def suspension_elements(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str = "", road: str = ""
+) -> tuple[Element, ...]:
+    """Spring, damper, end stops and dry friction of one axle; those that never act are left out.
+
+    Parameters
+    ----------
+    p : checked parameters
+    direction : b
+    axle : empty, or what the names of its parameters (`front.`) and elements (`front_`) begin with
+    road : name of the signal under them if they stand on the road itself
+    """
+    of, prefix = _prefixes(axle)
+    modulation = _modulation(f"{of}damper.deflection_table", str(p[f"{of}damper.deflection_table"]))
+    stops = (
+        (name, make(float(p[f"{of}{name}.gap"]), float(p[f"{of}{name}.stiffness"])))
+        for name, make in (
+            ("bump_stop", characteristics.bump_stop),
+            ("rebound_stop", characteristics.rebound_stop),
+        )
+    )
+    elements = (
+        Element(f"{prefix}spring", direction, spring=_spring(p, of), road=road),
+        Element(f"{prefix}damper", direction, damper=_damper(p, of), road=road,
+                modulation=modulation),
+        *(Element(f"{prefix}{name}", direction, spring=stop, road=road) for name, stop in stops),
+        Element(f"{prefix}friction", direction, road=road, friction=float(p[f"{of}friction"])),
+    )  # fmt: skip
+    return tuple(
+        e for e in elements if not (e.spring.is_zero and e.damper.is_zero and not e.friction)
+    )
+
+
+def tyre_element(
+    p: Mapping[str, Value], direction: tuple[float, ...], static_load: float, axle: str = ""
+) -> Element:
+    """The tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
+
+    Parameters
+    ----------
+    p : checked parameters
+    direction : b
+    static_load : N; where it is zero (no gravity) there is no lift-off
+    axle : as for `suspension_elements`
+    """
+    of, prefix = _prefixes(axle)
+    return Element(
+        f"{prefix}tyre",
+        direction,
+        spring=_tyre(p, of),
+        damper=characteristics.linear(float(p[f"{of}tyre.damping"])),
+        road=f"{prefix}road",
+        limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
+    )
+
+
+def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
+    part = f"{of}tyre"
+    table = _table(p, part)
+    if table is None:
+        return characteristics.linear(float(p[f"{part}.stiffness"]))
+    forces = [force for _, force in points(f"{part}.table", str(p[f"{part}.table"]))]
+    for force, force_next in pairwise(forces):
+        if not force < force_next:
+            raise ParameterError(
+                f"{part}.table: forces must rise with deflection, but {force_next:g} follows {force:g}"
+            )
+    return _through_zero(table, f"{part}.table")
+
+
+def tyre_stiffness(p: Mapping[str, Value], axle: str = "") -> float:
+    """Stiffness of a tyre at rest, N/m."""
+    return _tyre(p, _prefixes(axle)[0]).tangent(0.0)
+
+
+def _prefixes(axle: str) -> tuple[str, str]:
+    """What the names of an axle's parameters and of all else of it begin with."""
+    return (f"{axle}.", f"{axle}_") if axle else ("", "")
+
+
+def road_from(p: Mapping[str, Value]) -> Signal:
+    """The road of `road.shape`; level where its signal comes from outside."""
+    shape = str(p["road.shape"])
+    if shape in ("input", "flat"):
+        return roads.constant()
+    with blaming(f"road.shape = {shape!r}"):
+        return _ROADS[shape](p)
+
+
+def _hump(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
+    """A road of height and length."""
+    return lambda p: make(
+        float(p["road.height"]), float(p["road.length"]), float(p["speed"]), float(p["road.start"])
+    )
+
+
+def _plank(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
+    """A road of height, length and equal ramps at both ends."""
+    return lambda p: make(
+        float(p["road.height"]), float(p["road.length"]), float(p["speed"]),
+        float(p["road.start"]), float(p["road.ramp_length"]), float(p["road.ramp_length"]),
+    )  # fmt: skip
+
+
+def _sweep(p: Mapping[str, Value]) -> Signal:
+    names = ("height", "first_frequency", "last_frequency", "duration", "start")
+    return roads.sweep(*(float(p[f"road.{name}"]) for name in names))
+
+
+def _random(p: Mapping[str, Value]) -> Signal:
+    return roads.random_profile(
+        float(p["road.roughness"]) or str(p["road.class"]), float(p["road.profile_length"]),
+        float(p["speed"]), int(p["road.seed"]), float(p["road.start"]),
+    )  # fmt: skip
+
+
+def _from_table(
+    make: Callable[..., Signal], **more: str
+) -> Callable[[Mapping[str, Value]], Signal]:
+    """A road through the points of `road.table`."""
+
+    def road(p: Mapping[str, Value]) -> Signal:
+        text = str(p["road.table"])
+        if not text:
+            raise ParameterError(
+                f"road.table is empty, but road.shape is {p['road.shape']!r}: give points such as "
+                "'0:0, 1:0.05, 2:0'"
+            )
+        with blaming("road.table"):
+            return make(
+                points("road.table", text), float(p["speed"]), float(p["road.start"]), **more
+            )
+
+    return road
+
+
+_ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
+    "bump": _hump(roads.bump),
+    "obstacle": _hump(roads.obstacle),
+    "sine": _hump(roads.sine),
+    "sweep": _sweep,
+    "step": lambda p: roads.step(float(p["road.height"]), float(p["road.start"])),
+    "ramp": _hump(roads.ramp),
+    "plank": _plank(roads.plank),
+    "pothole": _plank(roads.pothole),
+    "random": _random,
+    "table": _from_table(roads.table),
+    "spline": _from_table(roads.spline, ends="level"),
+}

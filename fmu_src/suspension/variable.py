@@ -1,0 +1,135 @@
+"""What one public variable is: name, unit, sign, default and range, and how a value is checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from .units import UnitError, nearest, to_si
+
+Value = float | bool | int | str
+
+
+class ParameterError(ValueError):
+    """A parameter with an unknown name, the wrong type or a value out of its range."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """One public variable.
+
+    Parameters
+    ----------
+    name : public name
+    description : what it is, with the sign of its axis
+    causality : `parameter`, `input` or `output`
+    start : default of a parameter, start of an input; its type is the variable's type
+    unit : key of `units.UNITS`, empty for text, Boolean and Integer
+    display : preferred display unit, or empty
+    minimum, maximum : bounds, inclusive; None for none
+    positive : whether zero is refused as well
+    nominal : a typical magnitude
+    choices : the texts allowed
+    tunable : whether a parameter may change during a run
+    """
+
+    name: str
+    description: str
+    causality: str
+    start: Value
+    unit: str = ""
+    display: str = ""
+    minimum: float | None = None
+    maximum: float | None = None
+    positive: bool = False
+    nominal: float | None = None
+    choices: tuple[str, ...] = ()
+    tunable: bool = False
+
+    def checked(self, value: object) -> Value:
+        """The value in SI and in the variable's own type.
+
+        Raises
+        ------
+        ParameterError : wrong type, unit or range.
+        """
+        if isinstance(self.start, str):
+            return self._checked_text(value)
+        if isinstance(self.start, bool):
+            if not isinstance(value, bool):
+                raise ParameterError(f"{self.name} = {value!r}: must be true or false")
+            return value
+        if isinstance(value, str):
+            try:
+                value = to_si(value, self.unit or "1")
+            except UnitError as error:
+                raise ParameterError(f"{self.name} = {value!r}: {error}") from None
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ParameterError(f"{self.name} = {value!r}: must be a number{self._in_unit()}")
+        if isinstance(self.start, int):
+            if value != int(value):
+                raise ParameterError(f"{self.name} = {value!r}: must be a whole number")
+            return int(self._checked_range(value))
+        return self._checked_range(float(value))
+
+    def _checked_text(self, value: object) -> str:
+        if not isinstance(value, str):
+            raise ParameterError(f"{self.name} = {value!r}: must be a text in quotes")
+        if self.choices and value not in self.choices:
+            raise ParameterError(
+                f"{self.name} = {value!r}: must be one of {', '.join(self.choices)}"
+                + nearest(value, self.choices)
+            )
+        return value
+
+    def _checked_range(self, value: float) -> float:
+        if (
+            not isfinite(value)
+            or (self.positive and value <= 0.0)
+            or (self.minimum is not None and value < self.minimum)
+            or (self.maximum is not None and value > self.maximum)
+        ):
+            raise ParameterError(f"{self.name} = {value:g}: must be {self.range_in_words()}")
+        return value
+
+    def _in_unit(self) -> str:
+        return f" in {self.unit}" if self.unit not in ("", "1") else ""
+
+    def range_in_words(self) -> str:
+        """The allowed values, as a phrase."""
+        bounds = ["finite"]
+        if self.positive:
+            bounds.append("greater than 0")
+        elif self.minimum is not None:
+            bounds.append(f"at least {self.minimum:g}")
+        if self.maximum is not None:
+            bounds.append(f"at most {self.maximum:g}")
+        return " and ".join(bounds[1:] or bounds) + self._in_unit()
+
+
+def parameter(
+    name: str, start: Value, description: str, unit: str = "", **more: object
+) -> Variable:
+    """A parameter with its default."""
+    return Variable(name, description, "parameter", start, unit, **more)  # type: ignore[arg-type]
+
+
+def output(
+    name: str, description: str, unit: str = "", start: Value = 0.0, **more: object
+) -> Variable:
+    """An output; the type of its start is its own."""
+    return Variable(name, description, "output", start, unit, **more)  # type: ignore[arg-type]
+
+
+def tunable(*declared: Variable) -> tuple[Variable, ...]:
+    """Parameters of what may be adjusted while it moves."""
+    return tuple(replace(variable, tunable=True) for variable in declared)
+
+
+def refuse_unknown(given: Iterable[str], known: Iterable[str], complaint: str) -> None:
+    """Refuse the first name that is not known, naming the nearest one that is."""
+    known = list(known)
+    for name in given:
+        if name not in known:
+            raise ParameterError(f"{complaint} {name!r}{nearest(name, known)}")
