@@ -58,6 +58,15 @@ def copy(tmp_path: Path) -> Path:
     [
         {},
         {"solver.method": "tangent", "solver.step": 2e-4},
+        {
+            "friction": 200.0,
+            "damper.saturation_force": 800.0,
+            "damper.deflection_table": "0:1, 0.1:2",
+            "spring.table": "-0.1:-3000, 0:0, 0.1:1500",
+            "spring.interpolation": "monotone",
+            "tyre.table": "-0.1:-30000, 0:0, 0.1:12000",
+            "road.shape": "sweep",
+        },
         {"solver.method": "mean", "solver.step": 2e-4, "spring.cubic": 1e6},
         {"spring.cubic": 1e6, "lift_off": False},
     ],

@@ -1,0 +1,317 @@
+"""Tests of a system or characteristic of one's own: what is wrong with it, in sentences.
+
+>>> from math import inf
+>>> from suspension.characteristics import Characteristic, Piece
+>>> from suspension.checking import check_characteristic
+>>> torn = Characteristic((Piece(-inf, 0.0, (0.0, 2e4, 0.0, 0.0)),
+...                        Piece(0.05, 0.05, (900.0, 5e4, 0.0, 0.0))))
+>>> print(*check_characteristic(torn, "spring"), sep="\\n")
+spring: the force jumps by -100 N at the corner 0.05; pieces must join
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
+from math import inf, isfinite, sqrt
+from operator import mul
+
+from .characteristics import Characteristic
+from .engine import FAILURES, Integrator
+from .systems import Element, System
+
+_CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
+_GAUSS = ((-sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (sqrt(0.6), 5.0 / 9.0))
+
+
+def raise_if_any(findings: Sequence[str]) -> None:
+    """Turn findings into an error.
+
+    Raises
+    ------
+    ValueError : there are any; they are its message, one on each line.
+    """
+    if findings:
+        raise ValueError("\n".join(findings))
+
+
+def check_system(system: System) -> list[str]:
+    """What is wrong with a system, one sentence each; empty if nothing is.
+
+    Shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
+    `check_characteristic`), dampers that feed energy in, tangents that are not those of a stable
+    rest; and, if all that is right, whether the integrator finds the accelerations that the
+    elements' forces give, and keeps the balance of energy.
+
+    Parameters
+    ----------
+    system : of any kind; nothing is changed
+    """
+    findings = [*_shapes(system), *_mass(system.mass)]
+    for element in system.elements:
+        findings += _element(element)
+    if not findings:
+        findings += _tangent_at_rest(system)
+        findings += _motion(system)
+    return findings
+
+
+def check_characteristic(
+    law: Characteristic, name: str = "characteristic", reach: float | None = None
+) -> list[str]:
+    """What is wrong with a characteristic, one sentence each; empty if nothing is.
+
+    Forces are finite, and continuous at the corners; the tangent agrees with differences of the
+    force, the potential with its work; no corner is missing from `corners`; and the pieces, which
+    are what the integrator evaluates, give the same force.
+
+    Parameters
+    ----------
+    law : anything with `force`, `tangent`, `potential`, `corners` and `pieces`
+    name : what to call it
+    reach : how far from zero to look, m or m/s; by default twice as far as its corners, at least 0.2
+    """
+    order = list(_pieces_in_order(law, name))
+    if order:
+        return order
+    corners = tuple(law.corners)
+    reach = reach or max([0.1, *map(abs, corners)]) * 2.0
+    stretches = list(pairwise((-reach, *(c for c in corners if abs(c) < reach), reach)))
+    points = [a + (b - a) * f for a, b in stretches for f in (0.03, 0.31, 0.5, 0.77, 0.97)]
+    values = [law.force(x) for x in points]
+    for x, value in zip(points, values, strict=True):
+        if not isfinite(value):
+            return [f"{name}: the force at {x:g} is {value}; it must be finite"]
+    size = max(map(abs, values)) or 1.0
+    return [
+        *_joints(law, name, size),
+        *_same_as_pieces(law, name, points, size),
+        *_tangents(law, name, points, stretches, size),
+        *_work(law, name, stretches, size),
+        *_hidden_corners(law, name, stretches, size),
+    ]
+
+
+def _pieces_in_order(law: Characteristic, name: str) -> Iterator[str]:
+    starts = [piece.start for piece in law.pieces]
+    if not starts or starts[0] != -inf:
+        yield f"{name}: the first piece must start at minus infinity"
+    for a, b in pairwise(starts):
+        if not a < b:
+            yield f"{name}: pieces must ascend, but one from {b:g} follows one from {a:g}"
+    for piece in law.pieces:
+        if not piece.scale > 0.0:
+            yield f"{name}: the scale of what saturates must be positive, {piece.scale:g} given"
+    if tuple(law.corners) != tuple(starts[1:]):
+        yield f"{name}: corners are {law.corners}, but its pieces meet at {tuple(starts[1:])}"
+
+
+def _joints(law: Characteristic, name: str, size: float) -> Iterator[str]:
+    for left, right in pairwise(law.pieces):
+        x = right.start
+        jump = right.force(x) - left.force(x)
+        if abs(jump) > 1e-9 * max(size, abs(left.force(x))):
+            yield f"{name}: the force jumps by {jump:g} N at the corner {x:g}; pieces must join"
+
+
+def _same_as_pieces(
+    law: Characteristic, name: str, points: Iterable[float], size: float
+) -> Iterator[str]:
+    plain = Characteristic(law.pieces)
+    for x in points:
+        if abs(plain.force(x) - law.force(x)) > 1e-9 * size:
+            yield (
+                f"{name}: force({x:g}) = {law.force(x):g} N, but its pieces, which the integrator "
+                f"evaluates, give {plain.force(x):g} N"
+            )
+            return
+
+
+def _tangents(
+    law: Characteristic,
+    name: str,
+    points: Iterable[float],
+    stretches: Sequence[tuple[float, float]],
+    size: float,
+) -> Iterator[str]:
+    ends = [end for stretch in stretches for end in stretch]
+    for x in points:
+        room = min(abs(x - end) for end in ends)
+        h = 1e-3 * room  # fourth-order difference, inside the piece
+        slope = (
+            8.0 * (law.force(x + h) - law.force(x - h))
+            - law.force(x + 2 * h)
+            + law.force(x - 2 * h)
+        ) / (12.0 * h)
+        allowed = _CLOSE * abs(slope) + 1e-14 * size / h + _CLOSE * size / room * 1e-3
+        if not abs(law.tangent(x) - slope) <= allowed:
+            yield (
+                f"{name}: tangent({x:g}) = {law.tangent(x):g}, but differences of the force give "
+                f"{slope:g}"
+            )
+            return
+
+
+def _work(
+    law: Characteristic, name: str, stretches: Sequence[tuple[float, float]], size: float
+) -> Iterator[str]:
+    if abs(law.potential(0.0)) > 1e-9 * size:
+        yield f"{name}: potential(0) = {law.potential(0.0):g} J; it must count from 0"
+    quarters = [
+        (a + (b - a) * f, a + (b - a) * (f + 0.25))
+        for a, b in stretches
+        for f in (0, 0.25, 0.5, 0.75)
+    ]
+    for a, b in quarters:
+        work, panel = 0.0, (b - a) / 16
+        for k in range(16):
+            middle = a + (k + 0.5) * panel
+            work += sum(w * law.force(middle + 0.5 * panel * s) for s, w in _GAUSS) * 0.5 * panel
+        found = law.potential(b) - law.potential(a)
+        if not abs(found - work) <= _CLOSE * (abs(work) + 1e-3 * size * (b - a)):
+            yield (
+                f"{name}: the potential rises by {found:g} J from {a:g} to {b:g}, but the work of "
+                f"the force is {work:g} J"
+            )
+            return
+
+
+def _hidden_corners(
+    law: Characteristic, name: str, stretches: Sequence[tuple[float, float]], size: float
+) -> Iterator[str]:
+    """A stretch whose slope changes as much over any part of it that is made smaller and smaller."""
+    for a, b in stretches:
+        width = (b - a) / 256
+        low = max((a + (k + 0.25) * width for k in range(255)), key=lambda x: _bend(law, x, width))
+        first = _bend(law, low, width)
+        while width > 1e-6 * (b - a):
+            width *= 0.5
+            low = max((low, low + width), key=lambda x: _bend(law, x, width))
+        if _bend(law, low, width) > max(0.1 * first, 1e-4 * size / (b - a)):
+            yield (
+                f"{name}: the slope jumps near {low + 0.5 * width:g}, inside a piece; corners must "
+                "be declared, or they are not landed on"
+            )
+
+
+def _bend(law: Characteristic, x: float, width: float) -> float:
+    """Change of slope from one end to the other of a short stretch from x."""
+    left, middle, right = (law.force(x + s * width) for s in (0.0, 0.5, 1.0))
+    return abs(right - 2.0 * middle + left) / (0.5 * width)
+
+
+def _shapes(system: System) -> Iterator[str]:
+    n = len(system.coordinates)
+    if len(system.mass) != n or any(len(row) != n for row in system.mass):
+        yield f"mass: must have {n} rows of {n}, one for each coordinate"
+    if len(set(system.coordinates)) < n:
+        yield "coordinates: two have the same name"
+    if len(system.scales) != n or not all(0.0 < scale < inf for scale in system.scales):
+        yield f"scales: must be {n} positive displacements, {system.scales} given"
+    names = [element.name for element in system.elements]
+    for name in {name for name in names if names.count(name) > 1}:
+        yield f"{name}: two elements have this name"
+    for element in system.elements:
+        if len(element.direction) != n or not any(element.direction):
+            yield f"{element.name}: direction must have {n} numbers that are not all 0"
+        if element.road and element.road not in system.signals:
+            yield f"{element.name}: its road {element.road!r} is not among the signals"
+        if not element.limit > 0.0:
+            yield f"{element.name}: limit = {element.limit:g} must be positive; without one, infinite"
+    for load in system.loads:
+        if len(load.direction) != n:
+            yield f"load {load.signal}: direction must have {n} numbers"
+        if load.signal not in system.signals:
+            yield f"load {load.signal}: is not among the signals"
+
+
+def _mass(mass: Sequence[Sequence[float]]) -> Iterator[str]:
+    n = len(mass)
+    if any(len(row) != n for row in mass):
+        return
+    for i in range(n):
+        for j in range(i):
+            if mass[i][j] != mass[j][i]:
+                yield f"mass: not symmetric, {mass[i][j]:g} in row {i + 1} and {mass[j][i]:g} across"
+    if not _definite(mass):
+        yield "mass: not positive definite; some motion would have no inertia"
+
+
+def _definite(matrix: Sequence[Sequence[float]], least: float = 0.0) -> bool:
+    """Whether elimination finds every pivot above `least` of its diagonal entry."""
+    rows = [list(row) for row in matrix]
+    for k, row in enumerate(rows):
+        if not (isfinite(row[k]) and row[k] > least * abs(matrix[k][k])):
+            return False
+        for other in rows[k + 1 :]:
+            ratio = other[k] / row[k]
+            other[:] = [x - ratio * y for x, y in zip(other, row, strict=True)]
+    return True
+
+
+def _element(element: Element) -> Iterator[str]:
+    laws = (("spring", element.spring), ("damper", element.damper))
+    for kind, law in (*laws, ("modulation", element.modulation)):
+        yield from check_characteristic(law, f"{element.name}.{kind}")
+    for v in (-3.0, -0.3, -1e-3, 1e-3, 0.3, 3.0):
+        if element.damper.force(v) * v < 0.0:
+            yield f"{element.name}.damper: pushes along at the rate {v:g} m/s: it feeds energy in"
+            break
+    for d in (-1.0, -0.1, 0.0, 0.1, 1.0, *element.modulation.corners):
+        if element.modulation.force(d) < 0.0:
+            yield f"{element.name}.modulation: negative at {d:g} m: the damper would feed energy in"
+            break
+
+
+def _tangent_at_rest(system: System) -> Iterator[str]:
+    """K = sum b k b' must not be negative in any direction, or rest is unstable."""
+    n = len(system.mass)
+    tangent = [[0.0] * n for _ in range(n)]
+    size = 0.0
+    for element in system.elements:
+        b, k = element.direction, element.spring.tangent(0.0)
+        size = max(size, *(abs(k) * x * x for x in b))
+        for i in range(n):
+            for j in range(n):
+                tangent[i][j] += b[i] * b[j] * k
+    for i in range(n):
+        tangent[i][i] += 1e-9 * size
+    if size > 0.0 and not _definite(tangent):
+        yield "the tangent stiffness at rest is negative in some direction: rest is unstable"
+
+
+def _motion(system: System) -> Iterator[str]:
+    """The integrator's forces against the elements' own, and its balance of energy."""
+    integrator = Integrator(system, tolerance=1e-9)
+    n = len(system.mass)
+    q = [(0.7 - 0.4 * i) * system.scales[i] for i in range(n)]
+    v = [(0.5 + 0.3 * i) * system.scales[i] for i in range(n)]
+    integrator.set_state(q, v)
+    integrator.sample(0.0)
+    integrator.sample_forces(0.0)
+    a, forces = list(integrator.sample_a), list(integrator.sample_f)
+    energy = 0.5 * sum(v[i] * system.mass[i][j] * v[j] for i in range(n) for j in range(n))
+    for element, found in zip(system.elements, forces, strict=True):
+        road = system.signals[element.road].derivatives(0.0) if element.road else (0.0, 0.0)
+        d = sum(map(mul, element.direction, q)) - road[0]
+        w = sum(map(mul, element.direction, v)) - road[1]
+        energy += abs(element.spring.potential(d))
+        own = element.damper.force(w) * element.modulation.force(d) + element.spring.force(d)
+        own = min(own, element.limit)
+        plain = element.yield_force == inf and element.friction == 0.0
+        if plain and abs(own - found) > 1e-9 * (abs(own) + abs(found)):
+            yield f"{element.name}: the integrator has {found:g} N where its own laws give {own:g} N"
+    for i in range(n):
+        terms = [system.mass[i][j] * a[j] for j in range(n)]
+        terms += [e.direction[i] * f for e, f in zip(system.elements, forces, strict=True)]
+        terms += [
+            -load.direction[i] * system.signals[load.signal].value(0.0) for load in system.loads
+        ]
+        if abs(sum(terms)) > 1e-9 * sum(map(abs, terms)):
+            yield f"{system.coordinates[i]}: the forces on it are out of balance by {sum(terms):g} N"
+    step = integrator.stable_step()
+    status = integrator.advance(10.0 * (step if step > 0.0 else 0.1))
+    if status:
+        yield f"a short run fails: {FAILURES[status]}"
+    elif abs(integrator.residual_end) > 1e-4 * energy:
+        yield f"a short run loses {integrator.residual_end:g} J that no element accounts for"

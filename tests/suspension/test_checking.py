@@ -1,0 +1,150 @@
+"""The check of one's own systems finds what is wrong, says so, and is silent about what is right."""
+
+from __future__ import annotations
+
+import doctest
+from dataclasses import dataclass, replace
+from math import inf
+
+import pytest
+
+from suspension import characteristics as law
+from suspension import checking, roads
+from suspension.characteristics import Characteristic, Piece
+from suspension.checking import check_characteristic, check_system, raise_if_any
+from suspension.models import build
+from suspension.systems import Element, System, damper_family
+from suspension.variables import MODELS
+
+RIGHT = {
+    "linear": law.linear(2e4),
+    "cubic": law.cubic(2e4, 1e6),
+    "softening": law.cubic(2e4, -1e5),
+    "table": law.table([(-0.1, -4e3), (0.0, 0.0), (0.1, 1e3)]),
+    "monotone": law.monotone_table([(-0.1, -4e3), (0.0, 0.0), (0.02, 50.0), (0.1, 1e3)]),
+    "damper": law.damper(3e3, 800.0, 900.0, 500.0, 40.0),
+    "saturating": law.saturating(4e3, 700.0, 900.0),
+    "stop": law.bump_stop(0.05, 1e6),
+    "far_stop": law.rebound_stop(5.0, 1e6),
+    "hat": law.hat([-0.02, 0.0, 0.05], 1),
+    "sum": law.saturating(4e3, 700.0) + law.bump_stop(0.05, 1e6),
+    "nothing": law.linear(0.0),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_right_characteristics_pass(name: str) -> None:
+    assert check_characteristic(RIGHT[name], name) == []
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_shipped_models_pass(model: str) -> None:
+    assert check_system(build(model, {})) == []
+
+
+def test_a_car_with_everything_in_it_passes() -> None:
+    parameters = {
+        "friction": 200.0, "damper.saturation_force": 900.0, "damper.deflection_table": "0:1, 0.1:2",
+        "spring.table": "-0.1:-4000, 0:0, 0.1:1500", "spring.interpolation": "monotone",
+        "tyre.table": "-0.1:-3e4, 0:0, 0.1:1e4", "bump_stop.stiffness": 1e6, "lift_off": True,
+    }  # fmt: skip
+    assert check_system(build("QuarterCar", parameters)) == []
+
+
+@dataclass(frozen=True)
+class Fake(Characteristic):
+    """A line of slope 100 that says something else where it is told to."""
+
+    wrong: str = ""
+
+    def force(self, x: float) -> float:
+        if self.wrong == "corner" and x > 0.0371:
+            return 100.0 * x + 300.0 * (x - 0.0371)
+        return 100.0 * x + (x * x if self.wrong == "force" else 0.0)
+
+    def tangent(self, x: float) -> float:
+        return 101.0 if self.wrong == "tangent" else super().tangent(x)
+
+    def potential(self, x: float) -> float:
+        return super().potential(x) * (1.001 if self.wrong == "potential" else 1.0)
+
+
+def test_a_fake_without_faults_passes() -> None:
+    assert check_characteristic(Fake(law.linear(100.0).pieces)) == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ("force", "but its pieces, which the integrator evaluates, give"),
+        ("tangent", r"tangent\(.*\) = 101, but differences of the force give 100"),
+        ("potential", "the potential rises by"),
+        ("corner", "the slope jumps near 0.0371, inside a piece"),
+    ],
+)
+def test_each_fault_of_a_characteristic_is_told(wrong: str, sentence: str) -> None:
+    findings = check_characteristic(Fake(law.linear(100.0).pieces, wrong), "mine")
+    with pytest.raises(ValueError, match=sentence):
+        raise_if_any(findings)
+    assert all(finding.startswith("mine: ") for finding in findings)
+
+
+def test_pieces_that_do_not_join_or_ascend() -> None:
+    torn = (Piece(-inf, 0.0, (0.0, 1e3, 0.0, 0.0)), Piece(0.1, 0.1, (90.0, 1e3, 0.0, 0.0)))
+    assert "jumps by -10 N at the corner 0.1" in check_characteristic(Characteristic(torn))[0]
+    swapped = (torn[0], replace(torn[1], start=0.2), torn[1])
+    assert "must ascend" in check_characteristic(Characteristic(swapped))[0]
+    assert "minus infinity" in check_characteristic(Characteristic(torn[1:]))[0]
+
+
+def strut(**more: object) -> System:
+    element = Element("strut", (1.0, -1.0), law.linear(2e4), law.linear(1e3))
+    tyre = Element("tyre", (0.0, 1.0), law.linear(2e5), road="road", limit=3e3)
+    parts = {
+        "coordinates": ("body", "wheel"),
+        "mass": ((300.0, 0.0), (0.0, 30.0)),
+        "elements": (element, tyre),
+        "signals": {"road": roads.bump(0.05, 1.0, 20.0)},
+        "scales": (0.05, 0.05),
+    }
+    return System(**{**parts, **more})  # type: ignore[arg-type]
+
+
+def with_strut(**changes: object) -> System:
+    right = strut()
+    return replace(right, elements=(replace(right.elements[0], **changes), right.elements[1]))
+
+
+@pytest.mark.parametrize(
+    ("system", "sentence"),
+    [
+        (strut(mass=((300.0, 1.0), (0.0, 30.0))), "not symmetric"),
+        (strut(mass=((300.0, 100.0), (100.0, 30.0))), "not positive definite"),
+        (strut(mass=((300.0, 0.0),)), "must have 2 rows of 2"),
+        (strut(scales=(0.05, 0.0)), "2 positive displacements"),
+        (strut(coordinates=("body", "body")), "same name"),
+        (strut(elements=2 * strut().elements), "two elements have this name"),
+        (strut(signals={}), "'road' is not among the signals"),
+        (with_strut(direction=(1.0,)), "must have 2 numbers"),
+        (with_strut(limit=-1.0), "limit = -1 must be positive"),
+        (with_strut(damper=law.linear(-50.0)), "feeds energy in"),
+        (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
+        (with_strut(spring=law.linear(-2e4)), "rest is unstable"),
+        (with_strut(spring=Fake(law.linear(100.0).pieces, "tangent")), "strut.spring: tangent"),
+    ],
+)
+def test_each_fault_of_a_system_is_told(system: System, sentence: str) -> None:
+    findings = check_system(system)
+    assert any(sentence in finding for finding in findings), findings
+
+
+def test_a_right_system_and_a_family_of_curves_pass() -> None:
+    family = damper_family(
+        "damper", (1.0, -1.0), {-0.02: law.linear(3e3), 0.03: law.saturating(1e3, 400.0)}
+    )
+    assert check_system(strut()) == []
+    assert check_system(strut(elements=(*strut().elements, *family))) == []
+
+
+def test_the_example_in_the_description_runs() -> None:
+    assert doctest.testmod(checking).failed == 0
