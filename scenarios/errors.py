@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+PICTURES = (".png", ".svg", ".pdf")
+
 
 class InputError(ValueError):
     """Bad input: the message names what was given and what is allowed."""
@@ -33,3 +37,16 @@ def shown(value: object, limit: int = 80) -> str:
     except ValueError:  # an integer with too many digits to print
         text = "a very large number"
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
+
+
+def check_picture(path: Path) -> None:
+    """Refuse the name of a picture before anything is computed.
+
+    Raises
+    ------
+    InputError : another ending, or a folder that does not exist.
+    """
+    if path.suffix not in PICTURES:
+        raise InputError(one_line(f"--figure {path}: must end in {', '.join(PICTURES)}"))
+    if not path.parent.is_dir():
+        raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))

@@ -14,7 +14,7 @@ from suspension.variables import Variable
 
 from .comparison import compared
 from .errors import shown
-from .fields import Factor, Instant, Strict, one_of, tuple_from, unit_words
+from .fields import Factor, Instant, Strict, choices, one_of, tuple_from, unit_words
 from .measures import COUNT, Reading
 
 if TYPE_CHECKING:
@@ -40,27 +40,28 @@ class Bounds(Strict):
 
 
 class During(Strict):
-    """What an output must keep to from one instant to another, in every row or in some row.
-
-    Parameters
-    ----------
-    output : its name
-    start, end : `from` and `to` in the file, s; from the beginning and to the end if left out
-    min, max : bounds, in the output's unit; for true or false `is`
-    when : "always" or "sometime"
-    """
+    """What an output must keep to from one instant to another, in every row or in some row."""
 
     model_config = ConfigDict(**{**Strict.model_config, "populate_by_name": True})
 
     output: str
+    """name of the output"""
     start: Annotated[Instant, Field(alias="from")] = 0.0
+    """from this instant on; from the beginning if left out"""
     end: Annotated[Instant | None, Field(alias="to")] = None
+    """to this instant; to the end if left out"""
     min: float | str | None = None
+    """lower bound, a number in SI or a text with a unit"""
     max: float | str | None = None
+    """upper bound, as min"""
     equals: Annotated[bool | None, Field(alias="is")] = None
+    """true or false, for outputs that are"""
     when: Annotated[
-        Literal["always", "sometime"], BeforeValidator(one_of(("always", "sometime")))
+        Literal["always", "sometime"],
+        BeforeValidator(one_of(("always", "sometime"))),
+        choices(("always", "sometime")),
     ] = "always"
+    """whether it must hold in every row of that time or in some row"""
 
     @model_validator(mode="after")
     def _whole(self) -> During:
@@ -109,18 +110,14 @@ class During(Strict):
 
 
 class Reference(Strict):
-    """Columns of a file to which the run must come close.
-
-    Parameters
-    ----------
-    file : CSV, Parquet, HDF5 or MAT with a column `time` (s) and outputs by name, in SI
-    tolerance : largest difference over the column's peak
-    columns : names; all that file and run have in common if left out
-    """
+    """Columns of a file to which the run must come close."""
 
     file: str
+    """CSV, Parquet, HDF5 or MAT with a column time (s) and outputs by name, in SI"""
     tolerance: Factor = _TOLERANCE
+    """largest difference over the column's peak"""
     columns: Annotated[tuple[str, ...], BeforeValidator(tuple_from)] | None = None
+    """names of columns; all that file and run have in common if left out"""
 
     def judged(self, path: Path, columns: Columns) -> dict[str, Any]:
         """Whether the worst column is close enough."""

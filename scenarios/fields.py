@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isfinite
 from typing import Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict
+from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 from suspension.units import nearest, to_si
 
@@ -15,7 +15,11 @@ class Strict(BaseModel):
     """A table of a scene: only the keys it has, only values of their types."""
 
     model_config = ConfigDict(
-        extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True
+        extra="forbid",
+        frozen=True,
+        strict=True,
+        arbitrary_types_allowed=True,
+        use_attribute_docstrings=True,
     )
 
 
@@ -75,6 +79,12 @@ def tuple_from(value: object) -> object:
     raise ValueError("must be a list")
 
 
+def choices(allowed: Sequence[str], *, many: bool = False) -> WithJsonSchema:
+    """In a JSON Schema: one of some texts, or a list of them."""
+    one = {"type": "string", "enum": list(allowed)}
+    return WithJsonSchema({"type": "array", "items": one} if many else one)
+
+
 def pair(value: object) -> tuple[object, object]:
     """A list of two values."""
     if not isinstance(value, list | tuple) or len(value) != 2:
@@ -95,7 +105,12 @@ def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
     return tuple((a, b) for a, b in pairs)  # type: ignore[misc]
 
 
-Seconds = Annotated[float, quantity("s")]
-Instant = Annotated[float, quantity("s", zero=True)]
-Metres = Annotated[float, quantity("m")]
-Factor = Annotated[float, quantity("1")]
+def _as_quantity(unit: str) -> WithJsonSchema:
+    """In a JSON Schema: a number in SI, or a text with a unit."""
+    return WithJsonSchema({"type": ["number", "string"], "unit": unit})
+
+
+Seconds = Annotated[float, quantity("s"), _as_quantity("s")]
+Instant = Annotated[float, quantity("s", zero=True), _as_quantity("s")]
+Metres = Annotated[float, quantity("m"), _as_quantity("m")]
+Factor = Annotated[float, quantity("1"), WithJsonSchema({"type": "number"})]

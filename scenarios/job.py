@@ -8,7 +8,7 @@ from typing import Any
 
 from suspension.variables import ParameterError, refuse_unknown
 
-from .errors import InputError, RunError, SceneError, one_line
+from .errors import InputError, RunError, SceneError, check_picture, one_line
 from .layers import find_scene
 from .results import (
     Results,
@@ -20,7 +20,6 @@ from .results import (
 )
 
 OUTPUT = Path("out")
-PICTURES = (".png", ".svg", ".pdf")
 
 
 def run_scene(
@@ -162,8 +161,7 @@ def _check_targets(recording: Path | None, figure: Path | None) -> None:
     """Refuse names of files before anything is computed."""
     if recording is not None and recording.suffix != ".rrd":
         raise InputError(one_line(f"--save {recording}: the name must end in .rrd"))
-    if figure is not None and figure.suffix not in PICTURES:
-        raise InputError(one_line(f"--figure {figure}: must end in {', '.join(PICTURES)}"))
-    for path in (recording, figure):
-        if path is not None and not path.parent.is_dir():
-            raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))
+    if figure is not None:
+        check_picture(figure)
+    if recording is not None and not recording.parent.is_dir():
+        raise InputError(one_line(f"{recording}: no folder {recording.parent}; make it first"))

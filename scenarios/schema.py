@@ -29,6 +29,7 @@ from .fields import (
     Metres,
     Seconds,
     Strict,
+    choices,
     list_of,
     one_of,
     pair,
@@ -50,6 +51,7 @@ Rule = Literal[
 ]  # fmt: skip
 FIGURES: tuple[Figure, ...] = get_args(Figure)
 RULES: tuple[Rule, ...] = get_args(Rule)
+VIEWS: tuple[View, ...] = get_args(View)
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
 _SHOWN = (
     "_displacement", "_velocity", "_acceleration", "_deflection", "_deflection_rate", "_elevation",
@@ -65,29 +67,28 @@ _MOST_STEPS = 100_000
 
 
 class Show(Strict):
-    """What is shown; nothing else is computed, read or written.
-
-    Parameters
-    ----------
-    outputs : names of outputs, or "all"
-    output_interval : s
-    measures : names of measures; None for those one looks at first
-    figures : which pictures are drawn
-    recording : detail of the recording, or false for none
-    views : what the recording shows
-    planes : pairs of outputs, displacement and rate, whose phase planes the recording shows in
-        place of the construction's
-    table : name of the file of the results; its ending says in which form
-    """
+    """What is shown; nothing else is computed, read or written."""
 
     outputs: list[str] | Literal["all"] | None = None
+    """names of outputs, or "all"; the motion, the road and the contact force if left out"""
     output_interval: Seconds = 1e-3
+    """time from row to row"""
     measures: tuple[str, ...] | None = None
-    figures: Annotated[tuple[str, ...], BeforeValidator(list_of(FIGURES))] = ()
+    """names of measures; those one looks at first if left out"""
+    figures: Annotated[
+        tuple[str, ...], BeforeValidator(list_of(FIGURES)), choices(FIGURES, many=True)
+    ] = ()
+    """which pictures are drawn"""
     recording: Detail | Literal[False] = False
-    views: Annotated[tuple[str, ...], BeforeValidator(list_of(get_args(View)))] = get_args(View)
+    """detail of the recording, or false for none"""
+    views: Annotated[
+        tuple[str, ...], BeforeValidator(list_of(VIEWS)), choices(VIEWS, many=True)
+    ] = VIEWS
+    """what the recording shows"""
     planes: Annotated[tuple[tuple[str, str], ...], BeforeValidator(pairs_of_names)] = ()
+    """pairs of outputs, displacement and rate, whose phase planes the recording shows"""
     table: str = TABLE
+    """name of the file of the results; its ending says in which form: .csv, .parquet, .h5, .mat"""
 
     @field_validator("table")
     @classmethod
@@ -142,22 +143,18 @@ class Show(Strict):
 
 
 class Construction(Strict):
-    """How the graphical construction is made.
+    """How the graphical construction is made."""
 
-    Parameters
-    ----------
-    rule : the rule of a step
-    step : s
-    duration : s; None for the duration of the scene
-    plane_distance : of the axes on the sheet, m of paper
-    plane_scales : paper over displacement, one for each plane
-    """
-
-    rule: Annotated[str, BeforeValidator(one_of(RULES))] = "delta"
+    rule: Annotated[str, BeforeValidator(one_of(RULES)), choices(RULES)] = "delta"
+    """how a step is made"""
     step: Seconds = 2.5e-3
+    """time of a step"""
     duration: Seconds | None = None
+    """how long it goes on; as long as the scene if left out"""
     plane_distance: Metres = 0.25
+    """distance of the planes' axes on the sheet of paper"""
     plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] = (1.0, 2.5)
+    """paper over displacement, one for each plane"""
 
 
 class Scene(Strict):

@@ -5,8 +5,9 @@ Figures are made with its object interface alone: no window, no global state, no
 
 from __future__ import annotations
 
+from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
 from phaseplane.figures.style import save
 
-__all__ = ["construction_sheet", "phase_planes", "save", "time_histories"]
+__all__ = ["columns", "comparison", "construction_sheet", "phase_planes", "save", "time_histories"]

@@ -1,0 +1,104 @@
+"""Any columns over time, each in a panel of its own: those of one run, or of two against each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from phaseplane.figures.style import BLUE, DARK, LIGHT, ORANGE, Palette, new_figure
+
+
+def columns(
+    values: Mapping[str, npt.ArrayLike],
+    time: npt.ArrayLike,
+    units: Mapping[str, str],
+    *,
+    title: str = "",
+    dark: bool = False,
+) -> Figure:
+    """Columns of one run, one under the other.
+
+    Parameters
+    ----------
+    values : columns by name, shape (n,) each
+    time : s, shape (n,)
+    units : of the columns, where known
+    title : written above
+    dark : on a dark ground
+
+    Raises
+    ------
+    ValueError : no columns.
+    """
+    palette = DARK if dark else LIGHT
+    figure, panels = _panels(list(values), units, palette, title)
+    for axes, column in zip(panels, values.values(), strict=True):
+        axes.plot(time, column, color=BLUE, linewidth=1.2)
+    return figure
+
+
+def comparison(
+    values: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]],
+    times: tuple[npt.ArrayLike, npt.ArrayLike],
+    units: Mapping[str, str],
+    *,
+    labels: tuple[str, str],
+    dark: bool = False,
+) -> Figure:
+    """Columns of two runs, laid over each other.
+
+    Parameters
+    ----------
+    values : both columns by name, of shapes (n,) and (m,)
+    times : of both runs, s, of shapes (n,) and (m,)
+    units : of the columns, where known
+    labels : what the runs are called
+    dark : on a dark ground
+
+    Raises
+    ------
+    ValueError : no columns.
+    """
+    palette = DARK if dark else LIGHT
+    figure, panels = _panels(list(values), units, palette, "")
+    for axes, pair in zip(panels, values.values(), strict=True):
+        for time, column, label, colour, style in zip(
+            times, pair, labels, (BLUE, ORANGE), ("-", "--"), strict=True
+        ):
+            axes.plot(time, column, style, color=colour, linewidth=1.3, label=label)
+    panels[0].legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, frameon=False, fontsize=9.0,
+        labelcolor=palette.ink,
+    )  # fmt: skip
+    return figure
+
+
+def _panels(
+    names: list[str], units: Mapping[str, str], palette: Palette, title: str
+) -> tuple[Figure, list[Axes]]:
+    if not names:
+        raise ValueError("no columns to be drawn")
+    height = 0.9 + 1.5 * len(names)
+    figure = new_figure(8.5, height, palette)
+    panels = list(figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0])
+    for axes, name in zip(panels, names, strict=True):
+        unit = units.get(name, "")
+        words = name.replace("_", " ").replace(" ", "\n", 1)
+        axes.set_ylabel(f"{words}\n[{unit}]" if unit not in ("", "1") else words, fontsize=8.5)
+        axes.set_facecolor(palette.paper)
+        axes.grid(color=palette.grid, linewidth=0.6)
+        axes.tick_params(colors=palette.ink, labelsize=8.0)
+        axes.yaxis.label.set_color(palette.ink)
+        for spine in axes.spines.values():
+            spine.set_color(palette.faint)
+    panels[-1].set_xlabel("time [s]", color=palette.ink)
+    if title:
+        figure.suptitle(title, color=palette.ink, fontsize=11.0)
+    figure.align_ylabels(panels)
+    figure.subplots_adjust(
+        left=0.14, right=0.97, bottom=0.5 / height, top=1.0 - 0.4 / height, hspace=0.15
+    )
+    return figure, panels

@@ -1,0 +1,34 @@
+"""What helps to write scenes: their keys, and a template."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..console import json_option
+
+
+@click.command()
+@click.argument("model", required=False)
+@json_option
+def schema(model: str | None, as_data: bool) -> None:
+    """Tell what a scene may say; with MODEL also its parameters, outputs and measures.
+
+    As JSON it is a JSON Schema, which editors can check scene files by.
+    """
+    from ..guide import guide, json_schema  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    click.echo(as_json(json_schema(model)) if as_data else guide(model))
+
+
+@click.command()
+@click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
+@click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
+def new(path: Path, model: str) -> None:
+    """Write a scene to begin with, every choice explained."""
+    from ..template import write_template  # noqa: PLC0415
+
+    write_template(path, model)
+    click.echo(f"{path}: run it with 'phaseplane run {path}'")

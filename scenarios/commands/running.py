@@ -1,0 +1,112 @@
+"""Scenes run, FMUs packed, constructions replayed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..console import (
+    DONE,
+    FAILED,
+    complain,
+    figure_option,
+    json_option,
+    output_option,
+    progress_bar,
+    set_option,
+)
+from ..errors import InputError
+
+
+@click.command()
+@click.argument("scene")
+@set_option
+@output_option
+@json_option
+def run(scene: str, overrides: tuple[str, ...], output: Path | None, as_data: bool) -> int:
+    """Run SCENE: the name of a case (see `list`) or a scene file."""
+    from ..job import run_scene  # noqa: PLC0415
+    from ..report import failures, report  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    with progress_bar(scene) as progress:
+        summary, folder = run_scene(scene, overrides, output, progress)
+    click.echo(as_json(summary) if as_data else report(summary, folder))
+    told = failures(summary)
+    if told:
+        more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
+        complain(f"{summary['scene']}: {told[0]}{more}")
+    return FAILED if told else DONE
+
+
+@click.command()
+@click.argument("models", nargs=-1, metavar="[MODEL]...")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    required=True,
+    metavar="DIR",
+    help="Folder for the FMUs.",
+)
+@json_option
+def build(models: tuple[str, ...], output: Path, as_data: bool) -> None:
+    """Pack FMUs: the MODELs named, or all."""
+    from ..job import build_models  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    files = [str(path) for path in build_models(models, output)]
+    click.echo(as_json({"files": files}) if as_data else "\n".join(files))
+
+
+@click.command("list")
+@json_option
+def list_cases(as_data: bool) -> None:
+    """List the scenes that come with the package."""
+    from ..layers import case_titles  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    titles = case_titles()
+    width = max(map(len, titles))
+    click.echo(
+        as_json(titles)
+        if as_data
+        else "\n".join(f"{name:<{width}}  {title}" for name, title in titles.items())
+    )
+
+
+@click.command()
+@click.argument("what", metavar="SCENE|RESULTS")
+@set_option
+@click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
+@click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
+@click.option(
+    "--save", type=click.Path(path_type=Path), metavar="F.rrd", help="Write a rerun recording."
+)
+@figure_option("the phase planes")
+@json_option
+def replay(
+    *,
+    what: str,
+    overrides: tuple[str, ...],
+    rule: str | None,
+    step: str | None,
+    save: Path | None,
+    figure: Path | None,
+    as_data: bool,
+) -> None:
+    """Replay the graphical construction of a SCENE, or lay it over the RESULTS of a run."""
+    from ..job import replay as make  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    if save is None and figure is None:
+        raise InputError("replay: nothing to write; give --save F.rrd or --figure F.png or both")
+    extra = (("construction.rule", rule), ("construction.step", step))
+    settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
+    told = make(what, settings, save, figure)
+    click.echo(
+        as_json(told)
+        if as_data
+        else f"{told['title']}: {told['steps']} steps in {', '.join(told['files'])}"
+    )

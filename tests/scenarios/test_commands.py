@@ -1,0 +1,146 @@
+"""Commands that show, compare, explain and begin: what they say of good and of bad input."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from pydantic import BaseModel
+
+from scenarios.cli import main
+from scenarios.expectations import During, Reference
+from scenarios.guide import json_schema
+from scenarios.schema import Construction, Show, load_scene
+from scenarios.tables import write_table
+from suspension.variables import MODELS
+
+
+def phaseplane(*arguments: str) -> Result:
+    return CliRunner().invoke(main, arguments)
+
+
+@pytest.fixture
+def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two tables that differ a little, in the current folder."""
+    monkeypatch.chdir(tmp_path)
+    time = np.linspace(0.0, 1.0, 101)
+    for name, factor in (("a.csv", 1.0), ("b.parquet", 1.001)):
+        columns = {"time": time, "x": factor * np.sin(9.0 * time), "y": np.cos(9.0 * time)}
+        write_table(columns, {"units": {"x": "m"}}, tmp_path / name)
+    return tmp_path
+
+
+# -- show and compare ------------------------------------------------------------------------------
+
+
+def test_show_tells_and_draws_what_is_in_a_table(tables: Path) -> None:
+    told = json.loads(phaseplane("show", "b.parquet", "--figure", "b.svg", "--json").stdout)
+    assert told["rows"] == 101
+    assert told["columns"]["x"]["unit"] == "m"
+    assert told["columns"]["y"]["first"] == 1.0
+    assert told["files"] == ["b.svg"]
+    drawn = (tables / "b.svg").read_text()
+    assert "time [s]" in drawn
+    only = phaseplane("show", "a.csv", "--column", "y").stdout
+    assert [line.split()[0] for line in only.splitlines()] == ["101", "column", "y"]
+
+
+def test_show_reports_a_run(fmu: Path, tables: Path) -> None:
+    bare = ("--set", "show.figures=[]", "--set", "show.recording=false")
+    ran = phaseplane(
+        "run", "ap57", "--set", f"fmu={fmu}", *bare, "--set", "show.table=r.mat"
+    ).stdout
+    shown = phaseplane("show", "out/ap57").stdout
+    assert ran.splitlines()[:12] == shown.splitlines()[:12]
+    assert "body_displacement" in shown
+    inside = json.loads(phaseplane("show", "out/ap57/r.mat", "--json").stdout)["summary"]
+    assert inside["hash"] == json.loads((tables / "out/ap57/summary.json").read_text())["hash"]
+    assert set(inside["versions"]) >= {"python", "fmpy"}
+
+
+def test_compare_tells_the_largest_differences_first(tables: Path) -> None:
+    result = phaseplane("compare", "a.csv", "b.parquet", "--figure", "d.png", "--json")
+    told = json.loads(result.stdout)
+    assert result.exit_code == 1
+    assert "x by 0.000999 of its peak" in result.stderr
+    assert [d["name"] for d in told["differences"]] == ["x", "y"]
+    assert told["differences"][1]["largest"] == 0.0
+    assert (tables / "d.png").read_bytes().startswith(b"\x89PNG")
+    equal = phaseplane("compare", "a.csv", "b.parquet", "--tolerance", "1e-2")
+    assert (equal.exit_code, equal.stdout.splitlines()[-1]) == (0, "equal to 0.01")
+    assert phaseplane("compare", "a.csv", "b.parquet", "--column", "y").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["show", "nowhere"], "is no results folder"),
+        (["show", "a.csv", "--column", "z"], "no column 'z'"),
+        (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
+        (["compare", "a.csv", "c.csv"], "no results folder"),
+        (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
+        (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
+        (["schema", "QuaterCar"], "did you mean 'QuarterCar'?"),
+        (["new", "a.csv"], "is there already"),
+        (["new", "no/such/folder.toml"], "No such file or directory"),
+        (["new", "x.toml", "--model", "Bicycle"], "must be OneDof or"),
+    ],
+)
+@pytest.mark.usefixtures("tables")
+def test_bad_input_is_one_line_with_status_2(arguments: list[str], words: str) -> None:
+    result = phaseplane(*arguments)
+    assert result.exit_code == 2
+    assert len(result.stderr.splitlines()) == 1
+    assert words in result.stderr
+
+
+# -- schema and new --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [Show, Construction, During, Reference])
+def test_every_key_of_a_scene_is_explained(kind: type[BaseModel]) -> None:
+    told = phaseplane("schema").stdout
+    for name, field in kind.model_fields.items():
+        assert field.description, name
+        assert f"  {field.alias or name}" in told
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_schema_tells_a_models_parameters_outputs_and_measures(model: str) -> None:
+    told = phaseplane("schema", model).stdout
+    keys = {line.split()[0] for line in told.splitlines() if line[:2] == "  " and line[2] != " "}
+    for variable in MODELS[model]:
+        assert (variable.name in keys) == (variable.causality != "input"), variable.name
+    properties = json_schema(model)["properties"]
+    assert properties["parameters"]["properties"].keys() == {
+        v.name for v in MODELS[model] if v.causality == "parameter"
+    }
+    assert json.loads(phaseplane("schema", model, "--json").stdout) == json.loads(
+        json.dumps(json_schema(model))
+    )
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_new_scene_is_valid_as_it_stands_and_with_all_its_comments_taken_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, model: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert phaseplane("new", "mine.toml", "--model", model).exit_code == 0
+    text = Path("mine.toml").read_text()
+    assert load_scene("mine.toml").fmu.model == model
+    lines = [
+        line.removeprefix("# ") if line.startswith("# ") and " = " in line else line
+        for line in text.splitlines()
+    ]
+    Path("all.toml").write_text("\n".join(lines))
+    scene = load_scene("all.toml")
+    assert len(scene.parameters) >= 4
+    for name, variable in scene.fmu.parameters().items():
+        value = scene.all_parameters[name]
+        start = variable.start
+        assert value == (pytest.approx(start, rel=1e-5) if isinstance(start, float) else start)
+    assert tomllib.loads(text)["fmu"] == model
