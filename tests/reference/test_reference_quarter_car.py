@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import quarter_car_reference as reference
+import vehicle_reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from quarter_car_reference import (
@@ -376,3 +377,24 @@ def test_bad_input_is_refused(
 def test_comparing_different_instants_is_refused() -> None:
     with pytest.raises(ValueError, match="same instants"):
         largest_difference(solve({}, [0.0, 0.1]), solve({}, [0.0, 0.2]))
+
+
+@pytest.mark.parametrize("shape", ["bump", "obstacle", "sine"])
+def test_the_reference_of_all_vehicles_agrees(shape: str) -> None:
+    """DOP853 with switches of its own against matrix exponentials, everything acting."""
+    parameters = {
+        **DEFAULTS, "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995,
+        "damper.limit_slope": 200.0, "bump_stop.gap": 0.02, "bump_stop.stiffness": 3e5,
+        "rebound_stop.gap": 0.02, "rebound_stop.stiffness": 3e5, "road.shape": shape,
+        "road.length": 3.0 if shape == "sine" else 1.0,
+    }  # fmt: skip
+    times = np.linspace(0.0, 0.2, 11)
+    exact = solve(parameters, times)
+    other = vehicle_reference.solve("QuarterCar", parameters, times)
+    expected = np.column_stack([exact.body_displacement, exact.wheel_displacement])
+    assert np.abs(other.displacements - expected).max() < 1e-12 * exact.peak
+    ours = [(s.time, s.element) for s in other.switches if s.time > 0.0]
+    theirs = [(e.time, e.element) for e in exact.events if e.element != "road"]
+    assert len(ours) > 3
+    assert [what for _, what in ours] == [what for _, what in theirs]
+    assert [t for t, _ in ours] == pytest.approx([t for t, _ in theirs], abs=1e-11)

@@ -69,5 +69,5 @@ cdef class Elements(Laws):
     cdef double element_energy(self, int e, double d) noexcept nogil
     @cython.locals(rate=double, flow=double, p=double)
     cdef double _yielding_energy(self, int e, double d) noexcept nogil
-    @cython.locals(w=double, power=double)
+    @cython.locals(w=double, power=double, side=int)
     cdef double dissipation(self, int e) noexcept nogil

@@ -440,6 +440,8 @@ class Elements(Laws):
         if not self.branch[_KINDS * e + _CONTACT]:
             power += self.damper_force(e) * w
             if self.yields[e] and self.branch[_KINDS * e] != _ELASTIC:
-                # yield force times the rate of the set
-                power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * fabs(w)
+                # yield force times the rate of the set; signed, so that it stays smooth where a
+                # substep goes a little beyond the end of flow
+                side = self.branch[_KINDS * e] - _ELASTIC
+                power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * side * w
         return power
