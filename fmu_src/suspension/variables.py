@@ -209,18 +209,45 @@ MODELS: dict[str, tuple[Variable, ...]] = {
 }
 
 
+def _road_source() -> tuple[Variable, ...]:
+    """A road that others take as input: what it is, and what it is under both axles."""
+    road = _road("road under the front axle; the rear axle follows after wheelbase/speed",
+                 "the front axle")  # fmt: skip
+    shapes = tuple(shape for shape in ROAD_SHAPES if shape != "input")
+    return (
+        *(replace(v, choices=shapes) if v.name == "road.shape" else v for v in road),
+        _parameter("wheelbase", 2.5, "distance between the axles", "m", minimum=0.0),
+        *(
+            replace(variable, name=f"{axle}_{quantity}", description=f"{axle} axle: {what}")
+            for axle in ("front", "rear")
+            for variable, quantity, what in zip(
+                _GROUND,
+                ("elevation", "velocity"),
+                ("elevation of the road, upwards positive", "its rate of change"),
+                strict=True,
+            )
+        ),
+        _output("ok", "false once the run has failed; all other outputs are then not a number",
+                start=True),
+    )  # fmt: skip
+
+
+SOURCES: dict[str, tuple[Variable, ...]] = {"Road": _road_source()}
+
+
 def variables(model: str) -> tuple[Variable, ...]:
-    """The public variables of a model.
+    """The public variables of a model, or of a source that drives one.
 
     Raises
     ------
     ParameterError : no such model.
     """
-    if model not in MODELS:
+    known = MODELS | SOURCES
+    if model not in known:
         raise ParameterError(
-            f"model {model!r} is not known; there are {', '.join(MODELS)}{nearest(model, MODELS)}"
+            f"model {model!r} is not known; there are {', '.join(known)}{nearest(model, known)}"
         )
-    return MODELS[model]
+    return known[model]
 
 
 def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Value]:

@@ -14,22 +14,21 @@ import sys
 import zipfile
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
-from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
-from io import BytesIO
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory
+from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
 import suspension
 from suspension.engine import kernel_name
-from suspension.session import Session
 from suspension.variables import Value, refuse_unknown
 
-from . import slaves
+from . import slaves, systems
+from .archives import digest, digest_of, write_all, zipped
 from .manual import DOCUMENTATION, page
 from .model_description import completed
+from .reference import reference_files, session_of
 from .slaves.vehicle_slave import START_VALUES
 
 SUSPENSION = Path(suspension.__file__).parent
@@ -39,9 +38,8 @@ SCRIPTS = {
     "QuarterCar": "quarter_car.py",
     "HalfCarRigidTyres": "half_car_rigid_tyres.py",
     "HalfCar": "half_car.py",
+    "Road": "road.py",
 }
-
-_NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
 
 
 def build(
@@ -49,16 +47,21 @@ def build(
     folder: Path,
     *,
     parameters: Mapping[str, Mapping[str, object]] | None = None,
+    references: bool = False,
+    ssp: bool = False,
 ) -> list[Path]:
     """Pack models as FMI 2.0 co-simulation FMUs, `<model>.fmu` each.
 
-    Equal sources give equal files. Either all FMUs are written or none.
+    Equal sources give equal files. Either all files are written or none.
 
     Parameters
     ----------
     models : keys of `SCRIPTS`
     folder : where to; made if it is missing
     parameters : for each model, start values in place of the defaults, as `Session` takes them
+    references : whether a reference result is written beside each FMU
+    ssp : whether for each vehicle a system is written, `<model>.ssp`, in which the FMU `Road` gives it
+        its road
 
     Returns
     -------
@@ -72,14 +75,32 @@ def build(
     parameters = parameters or {}
     refuse_unknown(models, SCRIPTS, "there is no FMU of")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
-    archives: dict[Path, bytes] = {}
+    files: dict[str, bytes] = {}
     for model in models:
         given = parameters.get(model, {})
-        accepted = Session(model, given).parameters  # reads the tables, too
-        archives[Path(folder, f"{model}.fmu")] = _packed(model, {n: accepted[n] for n in given})
+        accepted = session_of(model, given).parameters  # reads the tables, too
+        start = {name: accepted[name] for name in given}
+        files[f"{model}.fmu"] = _packed(model, start)
+        if references:
+            files |= reference_files(model, start)
+        if ssp and systems.connections(model):
+            files[f"{model}.ssp"] = _system(model, accepted)
     Path(folder).mkdir(parents=True, exist_ok=True)
-    _write_all(archives)
-    return list(archives)
+    contents = {Path(folder, name): content for name, content in files.items()}
+    write_all(contents)
+    return list(contents)
+
+
+def _system(model: str, parameters: Mapping[str, Value]) -> bytes:
+    """The whole archive of a vehicle on its road."""
+    road, vehicle = systems.shared_out(model, parameters)
+    return zipped(
+        {
+            "SystemStructure.ssd": systems.description(model),
+            f"resources/{systems.ROAD}.fmu": _packed(systems.ROAD, road),
+            f"resources/{model}.fmu": _packed(model, vehicle),
+        }
+    )
 
 
 def content_key(model: str) -> str:
@@ -98,15 +119,8 @@ def content_key(model: str) -> str:
 # -- what goes in ----------------------------------------------------------------------------------
 
 
-def _digest(*parts: bytes) -> str:
-    digest = sha256()
-    for part in parts:
-        digest.update(len(part).to_bytes(8, "big") + part)
-    return digest.hexdigest()
-
-
 def _hashed(name: str, *parts: bytes) -> str:
-    return f"{name}_{_digest(*parts)[:12]}"
+    return f"{name}_{digest(*parts)[:12]}"
 
 
 def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
@@ -181,12 +195,13 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
         "documentation/licenses/license.txt": _text("license.txt"),
     }
     description = completed(members.pop("modelDescription.xml"), model, about, start)
-    description.set("guid", _guid({**members, "description": ElementTree.tostring(description)}))
+    content = digest_of({**members, "description": ElementTree.tostring(description)})
+    description.set("guid", str(UUID(hex=content[:32])))
     ElementTree.indent(description)
     members["modelDescription.xml"] = ElementTree.tostring(
         description, encoding="UTF-8", xml_declaration=True
     )
-    return _zipped(members)
+    return zipped(members)
 
 
 def _text(name: str) -> bytes:
@@ -207,40 +222,3 @@ def _about() -> dict[str, str]:
         "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {version('pythonfmu')}",
         "generationDateAndTime": made,  # no clock: it would make every build another one
     }
-
-
-def _guid(members: Mapping[str, bytes]) -> str:
-    parts = [part for name in sorted(members) for part in (name.encode(), members[name])]
-    return str(UUID(hex=_digest(*parts)[:32]))
-
-
-# -- archive ---------------------------------------------------------------------------------------
-
-
-def _zipped(members: Mapping[str, bytes]) -> bytes:
-    """A zip archive that depends on nothing but its members."""
-    buffer = BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in sorted(members):
-            entry = zipfile.ZipInfo(name, _NO_TIME)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.create_system = 3  # Unix, on every system
-            entry.external_attr = 0o644 << 16
-            archive.writestr(entry, members[name])
-    return buffer.getvalue()
-
-
-def _write_all(contents: Mapping[Path, bytes]) -> None:
-    """Write all files beside their targets, and only then put them in place."""
-    written: dict[Path, Path] = {}
-    try:
-        for target, content in contents.items():
-            with NamedTemporaryFile(dir=target.parent, suffix=".part", delete=False) as file:
-                written[target] = Path(file.name)
-                file.write(content)
-            written[target].chmod(0o644)
-        for target, part in written.items():
-            os.replace(part, target)
-    finally:
-        for part in written.values():
-            part.unlink(missing_ok=True)

@@ -1,7 +1,8 @@
 """FMI 2.0 mapped onto `suspension.session.Session`: no mechanics here, only what a host may call.
 
 Within an FMU this file and `suspension` go by names that carry a hash of their content, because all
-FMUs of a process share one `sys.modules`.
+FMUs of a process share one `sys.modules`. All that any FMU needs is imported here: modules are shared,
+and the folder of the FMU that brought them may be gone when the next one is instantiated.
 """
 
 from __future__ import annotations
@@ -27,8 +28,16 @@ from pythonfmu import (
 from pythonfmu.enums import Fmi2Status
 
 from suspension.engine import why_uncompiled
+from suspension.road_source import RoadSource
 from suspension.session import Session, SimulationError
-from suspension.variables import ParameterError, Value, Variable, checked_parameters, variables
+from suspension.variables import (
+    SOURCES,
+    ParameterError,
+    Value,
+    Variable,
+    checked_parameters,
+    variables,
+)
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
 
@@ -78,7 +87,7 @@ class VehicleSlave(Fmi2Slave):
         self._tolerance: float | None = None
         self._refusal = ""  # why the next step cannot be made
         self._initialised = False
-        self._session: Session | None = self._new_session()
+        self._session: Session | RoadSource | None = self._new_session()
         for variable in declared:
             self.register_variable(
                 _scalar_variable(
@@ -90,8 +99,9 @@ class VehicleSlave(Fmi2Slave):
 
     # -- initialisation ----------------------------------------------------------------------------
 
-    def _new_session(self) -> Session:
-        session = Session(self.model, self._parameters, self._start_time, self._tolerance)
+    def _new_session(self) -> Session | RoadSource:
+        kind = RoadSource if self.model in SOURCES else Session
+        session = kind(self.model, self._parameters, self._start_time, self._tolerance)
         for name, value in self._inputs.items():
             session.set_input(name, value)
         session.advance(self._start_time)  # outputs follow the inputs already at the start

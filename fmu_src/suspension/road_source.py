@@ -1,0 +1,100 @@
+"""A road as a source of signals for vehicles elsewhere: what the FMU `Road` does, without FMI."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from math import isfinite, nan
+
+from .models import road_from
+from .session import SimulationError
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+
+
+class RoadSource:
+    """Elevation and velocity of a road under two axles, at the present time; no state but that.
+
+    It is handled as a `Session` is.
+
+    Parameters
+    ----------
+    model : `Road`
+    parameters : public parameters by name, in SI or as texts with units; the others at their defaults
+    start_time : s
+    tolerance : not needed
+
+    Raises
+    ------
+    ParameterError : unknown parameter, wrong type, unit or range, unreadable table.
+    """
+
+    def __init__(
+        self,
+        model: str,
+        parameters: Mapping[str, object],
+        start_time: float = 0.0,
+        tolerance: float | None = None,
+    ) -> None:
+        self.model, self.time, self.ok = model, start_time, True
+        self.messages: list[tuple[str, str]] = []
+        self.parameters = p = checked_parameters(model, parameters)
+        front = road_from(p)
+        self._roads = {
+            "front": front,
+            "rear": front.delayed(float(p["wheelbase"]) / float(p["speed"])),
+        }
+        self._outputs = {v.name for v in variables(model) if v.causality == "output"}
+
+    def set_input(self, name: str, value: float) -> None:
+        """There are no inputs.
+
+        Raises
+        ------
+        ParameterError : always.
+        """
+        raise ParameterError(f"{name} = {value}: {self.model} has no inputs")
+
+    def set_parameter(self, name: str, value: object) -> None:
+        """No parameter is tunable.
+
+        Raises
+        ------
+        ParameterError : always.
+        """
+        raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
+
+    def advance(self, until: float) -> None:
+        """Go on to `until`, s.
+
+        Raises
+        ------
+        SimulationError : an instant that is none.
+        """
+        if not isfinite(until):
+            raise SimulationError(f"cannot step to {until} s")
+        self.time = until
+
+    def value(self, name: str) -> Value:
+        """An output or parameter at the present time; at a joint of the road, of what follows it.
+
+        Raises
+        ------
+        ParameterError : no such variable.
+        """
+        refuse_unknown([name], (*self._outputs, *self.parameters), "no variable")
+        if name == "ok":
+            return self.ok
+        if name not in self._outputs:
+            return self.parameters[name]
+        axle, quantity = name.split("_")
+        order = ("elevation", "velocity").index(quantity)
+        return self._roads[axle].derivatives(self.time)[order] if self.ok else nan
+
+    def snapshot(self) -> bytes:
+        """The whole state as bytes (JSON)."""
+        return json.dumps({"time": self.time, "ok": self.ok}).encode()
+
+    def restore(self, state: bytes) -> None:
+        """Return to a snapshot of the same road."""
+        kept = json.loads(state)
+        self.time, self.ok = kept["time"], kept["ok"]

@@ -1,0 +1,55 @@
+"""Zip archives that depend on nothing but what they hold, and files that are written all or none."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from collections.abc import Mapping
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+
+_NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
+
+
+def digest(*parts: bytes) -> str:
+    """A hash of the parts, of where one ends and of their order."""
+    total = sha256()
+    for part in parts:
+        total.update(len(part).to_bytes(8, "big") + part)
+    return total.hexdigest()
+
+
+def digest_of(members: Mapping[str, bytes]) -> str:
+    """A hash of named contents."""
+    return digest(*(part for name in sorted(members) for part in (name.encode(), members[name])))
+
+
+def zipped(members: Mapping[str, bytes]) -> bytes:
+    """A zip archive of named contents; equal contents give equal archives."""
+    buffer = BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(members):
+            entry = zipfile.ZipInfo(name, _NO_TIME)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, on every system
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, members[name])
+    return buffer.getvalue()
+
+
+def write_all(contents: Mapping[Path, bytes]) -> None:
+    """Write all files beside their targets, and only then put them in place."""
+    written: dict[Path, Path] = {}
+    try:
+        for target, content in contents.items():
+            with NamedTemporaryFile(dir=target.parent, suffix=".part", delete=False) as file:
+                written[target] = Path(file.name)
+                file.write(content)
+            written[target].chmod(0o644)
+        for target, part in written.items():
+            os.replace(part, target)
+    finally:
+        for part in written.values():
+            part.unlink(missing_ok=True)

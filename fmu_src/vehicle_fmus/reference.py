@@ -1,0 +1,92 @@
+"""What an FMU should give: a result to compare with, in the files that the FMI cross-check asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from suspension.road_source import RoadSource
+from suspension.session import Session
+from suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, variables
+
+STOP_TIME, STEP = 1.0, 0.005  # s
+TOLERANCE = 1e-12
+RELATIVE_TOLERANCE = 1e-6  # of a run with the FMU's own start values
+
+# Level up to the sample before this instant, then the step: read at the start of every communication
+# step and held, it is the same in every tool.
+_CHANGE = 0.5  # s
+_STEPS = {"body_force": 200.0, "force": 2.0}  # N
+
+_README = """\
+What {model}.fmu should give with its own start values.
+
+{model}_ref.csv
+    Outputs every {step:g} s, computed without the FMU by the same equations and the same method at a
+    tolerance of {tolerance:g}. In the sources, tests/reference holds independent solutions that the
+    method is compared with.
+{model}_in.csv (where there are inputs)
+    To be read at the start of every communication step and held during it.
+{model}_ref.opt
+    Start, stop, communication step, and the largest difference to be allowed relative to the peak.
+"""
+
+
+def session_of(
+    model: str, parameters: Mapping[str, object], tolerance: float | None = None
+) -> Session | RoadSource:
+    """What an FMU does, without the FMU, from time zero.
+
+    Raises
+    ------
+    ParameterError : unknown model or parameter, or a value that is refused.
+    """
+    kind: type[Session | RoadSource] = RoadSource if model in SOURCES else Session
+    return kind(model, parameters, 0.0, tolerance)
+
+
+def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:
+    """Reference result, inputs and options of an FMU, by file name.
+
+    Parameters
+    ----------
+    model : name of an FMU
+    start : parameters whose start values are not the defaults
+    """
+    declared = variables(model)
+    names = {v.name for v in declared}
+    strict = {"solver.tolerance": TOLERANCE} if "solver.tolerance" in names else {}
+    session = session_of(model, {**start, **strict})
+    of_solver = {v.name for v in SOLVER_OUTPUTS}
+    outputs = [
+        v.name
+        for v in declared
+        if v.causality == "output" and isinstance(v.start, float) and v.name not in of_solver
+    ]
+    inputs = [v.name for v in declared if v.causality == "input"]
+    steps = {name: _STEPS[name] for name in inputs if name in _STEPS}
+    rows = []
+    for k in range(round(STOP_TIME / STEP) + 1):
+        time = k * STEP
+        session.advance(time)
+        rows.append([time, *(session.value(name) for name in outputs)])
+        if time >= _CHANGE:
+            for name, value in steps.items():
+                session.set_input(name, value)
+    changes = [[t, *(steps.get(name, 0.0) * (t >= _CHANGE) for name in inputs)]
+               for t in (0.0, _CHANGE - STEP, _CHANGE, STOP_TIME)]  # fmt: skip
+    options = {"StartTime": 0.0, "StopTime": STOP_TIME, "StepSize": STEP,
+               "RelTol": RELATIVE_TOLERANCE}  # fmt: skip
+    files = {
+        f"{model}_ref.csv": _csv(["time", *outputs], rows),
+        f"{model}_ref.opt": "".join(f"{key}, {value!r}\n" for key, value in options.items()),
+        f"{model}_readme.txt": _README.format(model=model, step=STEP, tolerance=TOLERANCE),
+    }
+    if inputs:
+        files[f"{model}_in.csv"] = _csv(["time", *inputs], changes)
+    return {name: text.encode() for name, text in files.items()}
+
+
+def _csv(header: Sequence[str], rows: Iterable[Sequence[Value]]) -> str:
+    lines = [",".join(f'"{name}"' for name in header)]
+    lines.extend(",".join(f"{value:.15g}" for value in row) for row in rows)
+    return "\n".join(lines) + "\n"

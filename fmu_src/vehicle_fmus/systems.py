@@ -1,0 +1,120 @@
+"""A vehicle on its road as an SSP 1.0 system: the FMU `Road` connected with the vehicle's inputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element, SubElement
+
+from suspension.units import UNITS
+from suspension.variables import MODELS, SOURCES, Value, Variable, variables
+
+ROAD = "Road"
+
+_SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
+_SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
+_OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema/oms.xsd"
+_TYPES = {float: "Real", bool: "Boolean", int: "Integer"}
+_STOP_TIME, _STEP = "1", "0.001"  # s
+
+# what the road gives -> the vehicle's inputs: of a vehicle with one axle, of a half car
+_CONNECTIONS = (
+    {"front_elevation": "road_elevation", "front_velocity": "road_velocity"},
+    {
+        f"{axle}_{quantity}": f"{axle}_road_{quantity}"
+        for axle in ("front", "rear")
+        for quantity in ("elevation", "velocity")
+    },
+)
+
+
+def connections(model: str) -> dict[str, str]:
+    """Which output of the road goes to which input of the vehicle; empty for what has no road."""
+    inputs = {v.name for v in MODELS.get(model, ()) if v.causality == "input"}
+    return next((pairs for pairs in _CONNECTIONS if inputs.issuperset(pairs.values())), {})
+
+
+def shared_out(
+    model: str, parameters: Mapping[str, Value]
+) -> tuple[dict[str, Value], dict[str, Value]]:
+    """Parameters of a vehicle as start values of its two FMUs: of the road, and of the vehicle.
+
+    Parameters
+    ----------
+    model : a vehicle
+    parameters : all its parameters, checked
+    """
+    known = {v.name for v in SOURCES[ROAD] if v.causality == "parameter"}
+    road = {name: value for name, value in parameters.items() if name in known}
+    if road["road.shape"] == "input":
+        del road["road.shape"]
+    if "cg_to_front" in parameters:
+        road["wheelbase"] = float(parameters["cg_to_front"]) + float(parameters["cg_to_rear"])
+    defaults = {v.name: v.start for v in variables(model)}
+    changed = {n: v for n, v in parameters.items() if v != defaults[n] and n not in known}
+    return road, {**changed, "road.shape": "input"}
+
+
+def description(model: str) -> bytes:
+    """SystemStructure.ssd: both components with all they offer, and their connections.
+
+    Start values stand in the FMUs themselves, because not every tool reads them from here.
+    """
+    ElementTree.register_namespace("ssd", _SSD)
+    ElementTree.register_namespace("ssc", _SSC)
+    ElementTree.register_namespace("oms", _OMS)
+    root = Element(f"{{{_SSD}}}SystemStructureDescription", name=f"{model}OnRoad", version="1.0")
+    system = _in(root, "System", name=f"{model}OnRoad")
+    elements = _in(system, "Elements")
+    for name, source in (("road", ROAD), ("vehicle", model)):
+        component = _in(
+            elements, "Component", name=name, type="application/x-fmu-sharedlibrary",
+            source=f"resources/{source}.fmu",
+        )  # fmt: skip
+        connectors = _in(component, "Connectors")
+        for variable in variables(source):
+            if variable.causality in ("input", "output"):
+                _connector(connectors, variable)
+    links = _in(system, "Connections")
+    for output, inlet in connections(model).items():
+        _in(links, "Connection", startElement="road", startConnector=output,
+            endElement="vehicle", endConnector=inlet)  # fmt: skip
+    _openmodelica(system)
+    _units(root, model)
+    _in(root, "DefaultExperiment", startTime="0", stopTime=_STOP_TIME)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True)
+
+
+def _in(parent: Element, tag: str, **attributes: str) -> Element:
+    return SubElement(parent, f"{{{_SSD}}}{tag}", attributes)
+
+
+def _connector(connectors: Element, variable: Variable) -> None:
+    connector = _in(connectors, "Connector", name=variable.name, kind=variable.causality)
+    kind = SubElement(connector, f"{{{_SSC}}}{_TYPES[type(variable.start)]}")
+    if variable.unit:
+        kind.set("unit", variable.unit)
+
+
+def _units(root: Element, model: str) -> None:
+    units = _in(root, "Units")
+    for name in sorted({v.unit for v in (*variables(ROAD), *variables(model)) if v.unit}):
+        exponents = {base: str(power) for base, power in UNITS[name].exponents.items()}
+        SubElement(
+            SubElement(units, f"{{{_SSC}}}Unit", name=name), f"{{{_SSC}}}BaseUnit", exponents
+        )
+
+
+def _openmodelica(system: Element) -> None:
+    """The master algorithm, without which OMSimulator does not read a system."""
+    annotation = SubElement(
+        _in(system, "Annotations"), f"{{{_SSC}}}Annotation", type="org.openmodelica"
+    )
+    information = SubElement(
+        SubElement(annotation, f"{{{_OMS}}}Annotations"), f"{{{_OMS}}}SimulationInformation"
+    )
+    SubElement(
+        information, f"{{{_OMS}}}FixedStepMaster", description="oms-ma", stepSize=_STEP,
+        absoluteTolerance="1e-4", relativeTolerance="1e-4",
+    )  # fmt: skip

@@ -1,0 +1,181 @@
+"""The same experiment in hosts of others: libcosim, Ecos and FMPy agree."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy.ssp.simulation import simulate_ssp
+
+from suspension.road_source import RoadSource
+from suspension.session import Session
+from suspension.variables import MODELS
+from vehicle_fmus.build import SCRIPTS, build
+from vehicle_fmus.systems import connections
+
+STEP, STEPS = 0.005, 60
+# one of each kind, where a model has it
+START = {
+    "spring.rate": 2e4, "front.spring.rate": 2e4, "rear.damper.table": "-1:-600, 0:0, 1:2500",
+    "lift_off": False, "road.shape": "obstacle", "wheelbase": 2.0,
+}  # fmt: skip
+
+
+def needs(host: str) -> Any:
+    found = importlib.util.find_spec(host) is not None
+    return pytest.param(host, marks=pytest.mark.skipif(not found, reason=f"no {host}"))
+
+
+HOSTS = [needs("libcosimpy"), needs("ecospy")]
+
+
+def drive(host: str, jobs: list[dict[str, Any]], folder: Path) -> list[np.ndarray]:
+    """Run jobs in another process: these hosts end it where an FMU raises."""
+    file = folder / "jobs.json"
+    file.write_text(json.dumps(jobs))
+    done = subprocess.run(
+        [sys.executable, str(Path(__file__).parent / "masters.py"), host, str(file)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr[-2000:]
+    lines = [line for line in done.stdout.splitlines() if line.startswith("[[")]
+    return [np.array(rows) for rows in json.loads(lines[-1])]
+
+
+def difference(found: np.ndarray, expected: np.ndarray) -> list[float]:
+    """For each column the largest difference, relative to its peak."""
+    peaks = np.abs(expected).max(axis=0)
+    apart: np.ndarray = np.abs(found - expected).max(axis=0) / np.where(peaks > 0.0, peaks, 1.0)
+    assert not np.isnan(apart).any()
+    return list(apart)
+
+
+def real_outputs(vehicle: Any) -> list[str]:
+    return [
+        v.name
+        for v in vehicle.description.modelVariables
+        if v.causality == "output" and v.type == "Real"
+    ]
+
+
+@pytest.mark.parametrize("master", HOSTS)
+def test_another_master_gives_what_fmpy_gives(
+    master: str, fmus: dict[str, Path], folders: dict[str, str], host: Any, tmp_path: Path
+) -> None:
+    expected, jobs = [], []
+    for model in SCRIPTS:
+        vehicle = host(folders[model])
+        names = real_outputs(vehicle)
+        known = {v.name for v in vehicle.description.modelVariables}
+        start = {name: value for name, value in START.items() if name in known}
+        assert start
+        with vehicle.instance():
+            vehicle.start(**{name.replace(".", "__"): value for name, value in start.items()})
+            rows = []
+            for k in range(STEPS):
+                vehicle.step(k * STEP, (k + 1) * STEP)
+                rows.append([vehicle.get(name) for name in names])
+        expected.append(np.array(rows))
+        jobs.append({"file": str(fmus[model]), "step": STEP, "steps": STEPS, "start": start,
+                     "outputs": names})  # fmt: skip
+    for job, fmpys, theirs in zip(jobs, expected, drive(master, jobs, tmp_path), strict=True):
+        apart = difference(theirs, fmpys)
+        assert max(apart) < 1e-9, job["outputs"][apart.index(max(apart))]
+        assert np.abs(fmpys).max() > 0.04
+
+
+# -- systems ---------------------------------------------------------------------------------------
+
+SHOWN = {
+    "OneDof": ["body_displacement", "suspension_deflection_rate"],
+    "QuarterCar": ["body_displacement", "wheel_velocity", "contact_force"],
+    "HalfCarRigidTyres": ["pitch_angle", "rear_spring_force"],
+    "HalfCar": ["pitch_angle", "front_contact_force", "rear_contact_force"],
+}
+
+
+def on_road(model: str, step: float, steps: int, parameters: dict[str, Any]) -> np.ndarray:
+    """A vehicle stepped with samples of its road, in this process."""
+    wheelbase = 2.5
+    road = RoadSource("Road", {"wheelbase": wheelbase})
+    vehicle = Session(model, {**parameters, "road.shape": "input"})
+    rows = []
+    for k in range(steps):
+        for output, name in connections(model).items():
+            vehicle.set_input(name, float(road.value(output)))
+        vehicle.advance((k + 1) * step)
+        road.advance((k + 1) * step)
+        rows.append([vehicle.value(name) for name in SHOWN[model]])
+    return np.array(rows)
+
+
+@pytest.fixture(scope="module")
+def ssps(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("systems")
+    build(list(SHOWN), folder, ssp=True)
+    return {model: folder / f"{model}.ssp" for model in SHOWN}
+
+
+@pytest.mark.parametrize("master", HOSTS)
+def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_path: Path) -> None:
+    jobs = []
+    for model, ssp in ssps.items():
+        if master == "libcosimpy":
+            zipfile.ZipFile(ssp).extractall(tmp_path / model)
+        file = tmp_path / model if master == "libcosimpy" else ssp
+        jobs.append({"file": str(file), "step": 1e-3, "steps": 200, "outputs": SHOWN[model]})
+    for model, theirs in zip(ssps, drive(master, jobs, tmp_path), strict=True):
+        ours = on_road(model, 1e-3, 200, {})
+        assert max(difference(theirs, ours)) < 1e-9
+
+
+def test_fmpy_runs_a_system(ssps: dict[str, Path], monkeypatch: pytest.MonkeyPatch,
+                            tmp_path: Path) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    result = simulate_ssp(str(ssps["HalfCar"]), stop_time=0.2, step_size=1e-3)
+    found = np.array([result[f"vehicle.{name}"] for name in SHOWN["HalfCar"]]).T
+    # FMPy hands a road on one step late, because it connects what the same step has computed
+    ours = on_road("HalfCar", 1e-3, 200, {})
+    assert np.abs(found - ours).max(axis=0) == pytest.approx(0.0, abs=0.1 * np.abs(ours).max())
+    assert np.abs(result["vehicle.front_ground_elevation"]).max() > 0.045
+
+
+def test_the_error_of_a_connected_road_is_of_second_order() -> None:
+    exact = Session("QuarterCar", {"solver.tolerance": 1e-10})
+    exact.advance(0.2)
+    truth = float(exact.value("body_displacement"))
+    errors = [
+        abs(on_road("QuarterCar", 0.2 / n, n, {"solver.tolerance": 1e-10})[-1][0] - truth)
+        for n in (200, 400, 800)
+    ]
+    assert errors[0] / errors[2] > 2.0 ** (2 * 1.7)
+    assert errors[2] < 1e-5
+
+
+def test_what_has_no_road_gets_no_system(tmp_path: Path) -> None:
+    assert connections("Road") == {}
+    files = build(["Road"], tmp_path, ssp=True)
+    assert [file.name for file in files] == ["Road.fmu"]
+    assert all(connections(model) for model in MODELS if model in SHOWN)
+
+
+def test_a_systems_own_values_go_where_they_belong(tmp_path: Path, host: Any) -> None:
+    given = {"cg_to_rear": 1.5, "sprung_mass": 700.0, "road.height": 0.02, "speed": 10.0}
+    build(["HalfCar"], tmp_path, parameters={"HalfCar": given}, ssp=True)
+    with zipfile.ZipFile(tmp_path / "HalfCar.ssp") as archive:
+        archive.extractall(tmp_path / "ssp")
+    starts: dict[str, dict[str, str]] = {}
+    for name in ("Road", "HalfCar"):
+        description = host(str(tmp_path / "ssp" / "resources" / f"{name}.fmu")).description
+        starts[name] = {v.name: v.start for v in description.modelVariables}
+    assert starts["Road"]["wheelbase"] == "2.75"
+    assert (starts["Road"]["road.height"], starts["Road"]["speed"]) == ("0.02", "10.0")
+    assert starts["HalfCar"]["sprung_mass"] == "700.0"
+    assert starts["HalfCar"]["road.shape"] == "input"
