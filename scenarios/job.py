@@ -73,8 +73,12 @@ def run_scene(
     return read_summary(folder) or {}, folder
 
 
-def build_models(models: Sequence[str], folder: Path) -> list[Path]:
-    """Pack the FMUs of the models named, or of all.
+def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list[Path]:
+    """Pack the FMUs of the models named, or of all, each with a reference result beside it.
+
+    Parameters
+    ----------
+    ssp : whether each vehicle is packed on its road as a system, too
 
     Raises
     ------
@@ -86,7 +90,8 @@ def build_models(models: Sequence[str], folder: Path) -> list[Path]:
     try:
         refuse_unknown(models, SCRIPTS, "there is no FMU of")
         folder.mkdir(parents=True, exist_ok=True)
-        return build(list(dict.fromkeys(models)) or list(SCRIPTS), folder)
+        chosen = list(dict.fromkeys(models)) or list(SCRIPTS)
+        return build(chosen, folder, references=True, ssp=ssp)
     except ParameterError as error:
         raise InputError(str(error)) from None
     except OSError as error:

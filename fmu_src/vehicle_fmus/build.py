@@ -111,9 +111,8 @@ def content_key(model: str) -> str:
         for path in sorted(own.rglob("*"))
         if path.is_file() and path.suffix != ".pyc"
     }
-    parts = [part for path, content in (files | _suspension_sources()).items()
-             for part in (path.encode(), content)]  # fmt: skip
-    return _digest(model.encode(), json.dumps(_about()).encode(), *parts)[:24]
+    about = {"model": model.encode(), "about": json.dumps(_about()).encode()}
+    return digest_of({**files, **_suspension_sources(), **about})[:24]
 
 
 # -- what goes in ----------------------------------------------------------------------------------

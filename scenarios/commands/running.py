@@ -50,13 +50,14 @@ def run(scene: str, overrides: tuple[str, ...], output: Path | None, as_data: bo
     metavar="DIR",
     help="Folder for the FMUs.",
 )
+@click.option("--ssp", is_flag=True, help="Also pack each vehicle on its road as an SSP system.")
 @json_option
-def build(models: tuple[str, ...], output: Path, as_data: bool) -> None:
-    """Pack FMUs: the MODELs named, or all."""
+def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
+    """Pack FMUs: the MODELs named, or all; with a reference result beside each."""
     from ..job import build_models  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
 
-    files = [str(path) for path in build_models(models, output)]
+    files = [str(path) for path in build_models(models, output, ssp)]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
 
 

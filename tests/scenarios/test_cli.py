@@ -291,10 +291,12 @@ def test_list() -> None:
 
 
 def test_build_packs_what_runs() -> None:
-    names = [f"{Path('fmus', f'{model}.fmu')}\n" for model in SCRIPTS]
-    assert phaseplane("build", "-o", "fmus").stdout == "".join(names)
-    again = phaseplane("build", "QuarterCar", "-o", "fmus", "--json")
-    assert json.loads(again.stdout) == {"files": [str(Path("fmus", "QuarterCar.fmu"))]}
+    files = phaseplane("build", "-o", "fmus").stdout.splitlines()
+    assert {str(Path("fmus", f"{model}.fmu")) for model in SCRIPTS} <= set(files)
+    assert all(Path(file).stat().st_size for file in files)
+    again = phaseplane("build", "OneDof", "-o", "fmus", "--ssp", "--json")
+    kinds = {Path(file).suffix for file in json.loads(again.stdout)["files"]}
+    assert kinds == {".fmu", ".csv", ".opt", ".txt", ".ssp"}
     told = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", *BARE).stdout
     assert f"from {Path('fmus', 'QuarterCar.fmu')}" in told
 

@@ -13,10 +13,10 @@ from typing import Any
 
 def libcosimpy(job: dict[str, Any]) -> list[list[float]]:
     """By libcosim (Open Simulation Platform)."""
-    from libcosimpy.CosimEnums import CosimVariableType as Kind
-    from libcosimpy.CosimExecution import CosimExecution
-    from libcosimpy.CosimObserver import CosimObserver
-    from libcosimpy.CosimSlave import CosimLocalSlave
+    from libcosimpy.CosimEnums import CosimVariableType as Kind  # noqa: PLC0415
+    from libcosimpy.CosimExecution import CosimExecution  # noqa: PLC0415
+    from libcosimpy.CosimObserver import CosimObserver  # noqa: PLC0415
+    from libcosimpy.CosimSlave import CosimLocalSlave  # noqa: PLC0415
 
     nanoseconds = round(1e9 * job["step"])
     if job["file"].endswith(".fmu"):
@@ -47,7 +47,7 @@ def libcosimpy(job: dict[str, Any]) -> list[list[float]]:
 
 def ecospy(job: dict[str, Any]) -> list[list[float]]:
     """By Ecos."""
-    from ecospy import EcosSimulation, EcosSimulationStructure
+    from ecospy import EcosSimulation, EcosSimulationStructure  # noqa: PLC0415
 
     names = [f"vehicle::{name}" for name in job["outputs"]]
 

@@ -17,7 +17,7 @@ from fmpy import extract, read_model_description
 
 import suspension.session
 from suspension import engine
-from suspension.variables import MODELS, ParameterError
+from suspension.variables import MODELS, ParameterError, variables
 from vehicle_fmus import build as packing
 from vehicle_fmus.build import build
 
@@ -80,7 +80,7 @@ def test_what_an_fmu_holds(model: str, fmus: dict[str, Path]) -> None:
         assert b"libpython" in archive.read("documentation/externalDependencies.txt")
         own = [n for n in names if n.startswith("resources/") and "/pythonfmu/" not in n]
         texts = {n: archive.read(n).decode() for n in own if not n.endswith((".so", ".pyd"))}
-    assert all(f"<td>{variable.name}</td>" in page for variable in MODELS[model])
+    assert all(f"<td>{variable.name}</td>" in page for variable in variables(model))
     assert "<svg" in page
     assert "$" not in page
     assert "NTNU" in licence
@@ -171,6 +171,36 @@ def test_each_fmu_runs_its_own_code(
     assert all(after[name] is module for name, module in installed.items())
     again = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
     assert again == direct
+
+
+_ONE_AFTER_ANOTHER = """
+import shutil, sys
+from fmpy import read_model_description
+from fmpy.simulation import instantiate_fmu
+for folder in sys.argv[1:]:
+    description = read_model_description(folder)
+    fmu = instantiate_fmu(folder, description, "CoSimulation")
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    fmu.doStep(0.0, 0.05)
+    fmu.freeInstance()
+    shutil.rmtree(folder)
+print("all ran")
+"""
+
+
+@pytest.mark.parametrize("first", ["OneDof", "Road"])
+def test_an_fmu_does_not_need_the_folder_of_another(
+    first: str, folders: dict[str, str], tmp_path: Path
+) -> None:
+    order = sorted(folders, key=lambda model: model != first)
+    copies = [str(shutil.copytree(folders[model], tmp_path / model)) for model in order]
+    done = subprocess.run(
+        [sys.executable, "-c", _ONE_AFTER_ANOTHER, *copies],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (0, "all ran\n"), done.stderr
 
 
 # -- other hosts -----------------------------------------------------------------------------------

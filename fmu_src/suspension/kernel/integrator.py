@@ -168,6 +168,9 @@ class Integrator:
         """
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
+            # a damper at rest stands on its corner: the road's new velocity says on which side it acts
+            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+            self.stepper.refresh(self.time)
             self.net.impulse(signal, jump, self.stepper.v)
         self._leave_step()
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
