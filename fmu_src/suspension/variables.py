@@ -38,6 +38,7 @@ __all__ = [
     "ROAD_SHAPES",
     "SOLVER_OUTPUTS",
     "SOLVER_PARAMETERS",
+    "SOURCES",
     "ParameterError",
     "Value",
     "Variable",
@@ -211,24 +212,24 @@ MODELS: dict[str, tuple[Variable, ...]] = {
 
 def _road_source() -> tuple[Variable, ...]:
     """A road that others take as input: what it is, and what it is under both axles."""
-    road = _road("road under the front axle; the rear axle follows after wheelbase/speed",
-                 "the front axle")  # fmt: skip
     shapes = tuple(shape for shape in ROAD_SHAPES if shape != "input")
+    along = road("road under the front axle; the rear axle follows after wheelbase/speed",
+                 "the front axle")  # fmt: skip
     return (
-        *(replace(v, choices=shapes) if v.name == "road.shape" else v for v in road),
-        _parameter("wheelbase", 2.5, "distance between the axles", "m", minimum=0.0),
+        *(replace(v, choices=shapes) if v.name == "road.shape" else v for v in along),
+        parameter("wheelbase", 2.5, "distance between the axles", "m", minimum=0.0),
         *(
             replace(variable, name=f"{axle}_{quantity}", description=f"{axle} axle: {what}")
             for axle in ("front", "rear")
             for variable, quantity, what in zip(
-                _GROUND,
+                GROUND,
                 ("elevation", "velocity"),
                 ("elevation of the road, upwards positive", "its rate of change"),
                 strict=True,
             )
         ),
-        _output("ok", "false once the run has failed; all other outputs are then not a number",
-                start=True),
+        output("ok", "false once the run has failed; all other outputs are then not a number",
+               start=True),
     )  # fmt: skip
 
 

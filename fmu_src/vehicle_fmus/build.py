@@ -38,6 +38,7 @@ SCRIPTS = {
     "QuarterCar": "quarter_car.py",
     "HalfCarRigidTyres": "half_car_rigid_tyres.py",
     "HalfCar": "half_car.py",
+    "Elastoplastic": "elastoplastic.py",
     "Road": "road.py",
 }
 
