@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import click
 
-from .commands import authoring, results, running
+from .commands import authoring, modelling, results, running
 from .console import Commands
 
 
@@ -52,6 +52,7 @@ for _command in (
     running.list_cases,
     results.show,
     results.compare,
+    modelling.ladder,
     authoring.new,
     authoring.schema,
 ):

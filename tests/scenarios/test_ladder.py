@@ -1,0 +1,69 @@
+"""The model ladder: it proposes what serves, and says why the others do not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from click.testing import CliRunner
+
+from scenarios.cli import main
+
+SMOOTH = 'road.shape="sine"\nroad.height="5 mm"\nroad.length="40 m"\nspeed=10.0\n'
+
+
+def climbed(path: Path, text: str, *arguments: str) -> dict[str, Any]:
+    file = path / "scene.toml"
+    file.write_text(text)
+    result = CliRunner().invoke(main, ["ladder", str(file), "--json", *arguments])
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)
+
+
+def by_name(told: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    return {rung["name"]: rung for rung in told["rungs"]}
+
+
+def test_uncoupled_axles_are_two_quarter_cars(tmp_path: Path) -> None:
+    """With M3 = 0 the error is the integrator's; with M3 far from 0 it is not."""
+    text = f'fmu="HalfCar"\nduration="2 s"\n[show]\noutput_interval="4 ms"\n[parameters]\n{SMOOTH}'
+    told = climbed(tmp_path, text + "front.bump_stop.stiffness=1e6\n", "--tolerance", "1e-4")
+    rungs = by_name(told)
+    assert rungs["two quarter cars"]["error"] < 1e-5
+    assert rungs["without lift-off, bump stop"]["error"] < 1e-5
+    assert told["proposal"] == "two quarter cars"
+    assert rungs["rigid tyres"]["serves"] is False
+    coupled = by_name(climbed(tmp_path, text + "pitch_radius_of_gyration=0.9\n"))
+    assert coupled["two quarter cars"]["error"] > 0.02
+    assert "M3 = " in coupled["two quarter cars"]["argument"]
+
+
+def test_slow_excitation_allows_rigid_tyres_and_fast_does_not(tmp_path: Path) -> None:
+    text = (
+        f'fmu="QuarterCar"\nduration="8 s"\n[show]\noutput_interval="10 ms"\n'
+        f'outputs=["body_displacement"]\n[parameters]\n{SMOOTH}'
+    )
+    slow = climbed(tmp_path, text.replace("40 m", "80 m"), "--tolerance", "0.05")
+    assert slow["proposal"] == "rigid tyre"
+    assert "is below half" in by_name(slow)["rigid tyre"]["argument"]
+    fast = climbed(tmp_path, text.replace("40 m", "1 m"), "--tolerance", "0.05")
+    assert fast["proposal"] != "rigid tyre"
+    assert "is not below half" in by_name(fast)["rigid tyre"]["argument"]
+
+
+def test_what_acts_is_not_left_out_and_what_cannot_be_told_does_not_serve(tmp_path: Path) -> None:
+    told = climbed(
+        tmp_path, 'extends="ap57"\n[show]\noutputs=["contact_force","body_displacement"]\n'
+    )
+    rungs = by_name(told)
+    assert list(rungs) == ["as it stands", "rigid tyre"]  # the wheel leaves the road; no stops
+    assert rungs["rigid tyre"]["serves"] is False
+    assert rungs["rigid tyre"]["note"] == "does not tell contact_force"
+
+
+def test_a_model_without_a_smaller_one_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text('fmu="OneDof"\nduration=1')
+    result = CliRunner().invoke(main, ["ladder", str(tmp_path / "scene.toml")])
+    assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+    assert "OneDof has no smaller model" in result.stderr
