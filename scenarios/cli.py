@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import click
 
-from .commands import authoring, modelling, results, running
+from .commands import authoring, modelling, results, running, studies
 from .console import Commands
 
 
@@ -53,6 +53,7 @@ for _command in (
     results.show,
     results.compare,
     modelling.ladder,
+    studies.accuracy,
     authoring.new,
     authoring.schema,
 ):

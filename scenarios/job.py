@@ -17,6 +17,7 @@ from .results import (
     read_summary,
     replaced_whole,
     write_results,
+    write_summary,
 )
 
 OUTPUT = Path("out")
@@ -98,6 +99,56 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
         raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
     except RuntimeError as error:
         raise RunError(one_line(error)) from error
+
+
+def accuracy(
+    references: Sequence[str],
+    with_peers: bool,
+    repeats: int,
+    folder: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[dict[str, Any], str, Path]:
+    """Compare error against run time, and leave data, tables and a picture in a folder.
+
+    Parameters
+    ----------
+    references : names of problems or scenes; none for all problems
+    repeats : how often each run is timed
+    folder : replaced whole; None for `out/accuracy`
+
+    Returns
+    -------
+    The data, the tables as text, and the folder.
+
+    Raises
+    ------
+    InputError : no such problem or scene, or one that is no model of this project.
+    """
+    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+
+    from .studies.accuracy import as_data, measure, panels, solvers, table  # noqa: PLC0415
+    from .studies.problems import PROBLEMS, find_problem  # noqa: PLC0415
+
+    folder = folder or OUTPUT / "accuracy"
+    check_replaceable(folder)
+    problems = [find_problem(name) for name in references or PROBLEMS]
+    compared = solvers(with_peers=with_peers)
+    points = []
+    for k, problem in enumerate(problems):
+
+        def part(done: float, k: int = k) -> None:
+            if progress is not None:
+                progress((k + done) / len(problems))
+
+        points += measure(problem, compared, repeats, part)
+    data = as_data(problems, points, repeats)
+    tables = "\n\n".join(table(problem, points) for problem in problems)
+    with replaced_whole(folder) as draft:
+        figure = figures.work_precision(panels(problems, points), title="Error against run time")
+        figures.save(figure, draft / "accuracy.png")
+        (draft / "accuracy.txt").write_text(f"{tables}\n", encoding="utf-8")
+        write_summary(data, draft)
+    return data, tables, folder
 
 
 def replay(

@@ -60,9 +60,14 @@ def write_results(results: Results, folder: Path) -> None:
     """Write the table, and the summary of the files that now lie in the folder."""
     table = folder / str(results.summary.get("table", TABLE))
     write_table(results.columns, results.summary, table)
+    write_summary(results.summary, folder)
+
+
+def write_summary(summary: Mapping[str, Any], folder: Path) -> None:
+    """Write the summary, with the names of the files that now lie in the folder."""
     files = sorted({SUMMARY, *(path.name for path in folder.iterdir())})
     (folder / SUMMARY).write_text(
-        as_json({_MARK: _LAYOUT, **results.summary, "files": files}) + "\n", encoding="utf-8"
+        as_json({_MARK: _LAYOUT, **summary, "files": files}) + "\n", encoding="utf-8"
     )
 
 

@@ -9,5 +9,14 @@ from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
 from phaseplane.figures.style import save
+from phaseplane.figures.work_precision import work_precision
 
-__all__ = ["columns", "comparison", "construction_sheet", "phase_planes", "save", "time_histories"]
+__all__ = [
+    "columns",
+    "comparison",
+    "construction_sheet",
+    "phase_planes",
+    "save",
+    "time_histories",
+    "work_precision",
+]

@@ -1,0 +1,184 @@
+"""Error against run time, log over log, a panel for each problem."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import cycle
+from math import ceil
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
+
+from phaseplane.figures.style import (
+    BLUE,
+    DARK,
+    GREEN,
+    GREY,
+    LIGHT,
+    OCHRE,
+    ORANGE,
+    PINK,
+    RED,
+    TEAL,
+    VIOLET,
+    Palette,
+    new_figure,
+)
+
+_LARGEST, _FAILED, _SMALLEST = 1.0, 20.0, 1e-13  # errors: of the axis, of what failed
+_COLOURS = (ORANGE, GREEN, PINK, OCHRE, TEAL, VIOLET, RED)
+_MARKERS = "osD^vP"
+_DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """One solver on one problem.
+
+    Parameters
+    ----------
+    family : incremental, FMU, construction or peer; what is drawn alike
+    points : error (1) and run time (s) of each setting that gave a solution, coarse to fine
+    failed : run times of those that gave none, s
+    """
+
+    name: str
+    family: str
+    points: tuple[tuple[float, float], ...]
+    failed: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    colour: str
+    marker: str
+    width: float
+
+
+def work_precision(
+    panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", dark: bool = False
+) -> Figure:
+    """Run time over error, both on logarithmic scales, for several problems.
+
+    Accurate and fast is to the left and down. Runs without a solution stand as crosses in the shaded
+    strip at the right.
+
+    Parameters
+    ----------
+    panels : title and curves of each
+    title : written above
+    dark : on a dark ground
+
+    Raises
+    ------
+    ValueError : no panels.
+    """
+    if not panels:
+        raise ValueError("there is nothing to draw: no panels")
+    palette = DARK if dark else LIGHT
+    columns = min(len(panels), 3)
+    rows = ceil(len(panels) / columns)
+    names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
+    names.sort(key=lambda name: list(_DASHES).index(name[1]))
+    looks = _looks(names)
+    legend = 0.16 * ceil(len(names) / max(2 * columns, 3)) + 0.15
+    height = 3.3 * rows + legend + 0.4
+    figure = new_figure(max(4.0 * columns, 7.0), height, palette)
+    figure.subplots_adjust(
+        left=0.75 / figure.get_figwidth(),
+        right=1.0 - 0.15 / figure.get_figwidth(),
+        bottom=(legend + 0.45) / height,
+        top=1.0 - (0.65 if title else 0.35) / height,
+        wspace=0.22,
+        hspace=0.32,
+    )
+    for k, (heading, curves) in enumerate(panels):
+        axes = figure.add_subplot(rows, columns, k + 1)
+        _style(axes, palette)
+        axes.set_title(heading, fontsize=9, color=palette.ink)
+        for curve in curves:
+            _draw(axes, curve, looks[curve.name, curve.family])
+        if k % columns == 0:
+            axes.set_ylabel("run time", fontsize=8, color=palette.ink)
+        if k + columns >= len(panels):
+            axes.set_xlabel("largest error, relative to the peak", fontsize=8, color=palette.ink)
+    handles = [_handle(name, family, looks[name, family]) for name, family in names]
+    made = figure.legend(
+        handles=handles, loc="lower center", ncols=max(2 * columns, 3), fontsize=7,
+        frameon=False, handlelength=3.2, labelcolor=palette.ink,
+    )  # fmt: skip
+    made.set_in_layout(False)
+    if title:
+        figure.suptitle(title, fontsize=11, color=palette.ink, y=1.0 - 0.12 / height, va="top")
+    return figure
+
+
+def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
+    """The project's own way first in blue and heavy, its FMU beside it; the rest by turns."""
+    colours, markers = cycle(_COLOURS), cycle(_MARKERS)
+    looks = {}
+    own = next((name for name in names if name[1] == "incremental"), None)
+    for name in names:
+        if name == own:
+            looks[name] = _Look(BLUE, "o", 2.2)
+        elif name[1] == "FMU":
+            looks[name] = _Look(BLUE, "s", 1.2)
+        elif name[1] == "construction":
+            looks[name] = _Look(GREY, next(markers), 1.0)
+        else:
+            looks[name] = _Look(next(colours), next(markers), 1.1)
+    return looks
+
+
+def _style(axes: Axes, palette: Palette) -> None:
+    axes.set_facecolor(palette.paper)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(_SMALLEST, _FAILED * 5.0)
+    axes.axvspan(_LARGEST * 2.0, _FAILED * 5.0, color=palette.shade, lw=0)
+    axes.text(
+        0.985, 0.02, "failed", transform=axes.transAxes, fontsize=7, color=palette.faint,
+        ha="right", va="bottom", rotation=90,
+    )  # fmt: skip
+    axes.xaxis.set_major_locator(FixedLocator([10.0**k for k in range(-12, 1, 2)]))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_minor_locator(FixedLocator([10.0**k for k in range(-13, 1, 2)]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda seconds, _: _time(seconds)))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.grid(color=palette.grid, lw=0.6)
+    axes.tick_params(labelsize=7, colors=palette.ink, which="both")
+    for spine in axes.spines.values():
+        spine.set_color(palette.faint)
+
+
+def _time(seconds: float) -> str:
+    """10 us, 1 ms, 2 s."""
+    for unit, size in (("s", 1.0), ("ms", 1e-3)):
+        if seconds >= 0.999 * size:
+            return f"{seconds / size:g} {unit}"
+    return f"{seconds * 1e6:g} µs"
+
+
+def _draw(axes: Axes, curve: Curve, look: _Look) -> None:
+    order = {"incremental": 3.0, "FMU": 2.5}.get(curve.family, 2.0)
+    axes.plot(
+        [max(error, 1.5 * _SMALLEST) for error, _ in curve.points],
+        [seconds for _, seconds in curve.points],
+        _DASHES.get(curve.family, "-"), color=look.colour, marker=look.marker, markersize=3.0,
+        lw=look.width, zorder=order + 0.5 * (look.width > 2.0),
+    )  # fmt: skip
+    axes.plot(
+        [_FAILED] * len(curve.failed), curve.failed, "x", color=look.colour, markersize=4.5,
+        zorder=order, clip_on=True,
+    )  # fmt: skip
+
+
+def _handle(name: str, family: str, look: _Look) -> Line2D:
+    label = name if family in ("incremental", "peer") else f"{family}: {name}"
+    return Line2D(
+        [], [], color=look.colour, marker=look.marker, markersize=3.0, lw=look.width,
+        ls=_DASHES.get(family, "-"), label=label,
+    )  # fmt: skip

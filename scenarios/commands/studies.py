@@ -1,0 +1,39 @@
+"""How good the integrator is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..console import json_option, progress_bar
+
+
+@click.command()
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@click.option("--peers", is_flag=True, help="Compare with other integrators, where installed.")
+@click.option(
+    "--repeats",
+    type=click.IntRange(1, 1000),
+    default=7,
+    show_default=True,
+    help="How often each run is timed.",
+)
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of data, tables and picture, replaced whole. [default: out/accuracy]",
+)
+@json_option
+def accuracy(
+    *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
+) -> None:
+    """Compare error against run time, on SCENEs or on the problems that come with the package."""
+    from ..job import accuracy as compare  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    with progress_bar("accuracy") as progress:
+        data, tables, folder = compare(scenes, peers, repeats, output, progress)
+    click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")

@@ -1,0 +1,341 @@
+"""The branches of every element of `equations`, kept until a guard says that one is left."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
+from copy import copy
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from suspension.characteristics import Piece
+
+from .equations import LATE, Equations, Guard
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+_ELASTIC = 1  # the middle one of the three pieces of an element that yields
+_TURNS = 100  # switches at one instant
+
+
+class ChatterError(ArithmeticError):
+    """Switches that follow each other at one instant without end."""
+
+
+class Branches:
+    """In which branch every element is, as the numbers p of the equations.
+
+    Parameters
+    ----------
+    equations : of the system
+    t, y : s, and the state at the start, shape (2n,)
+    guards : those of the equations, compiled; None to run them as Python
+    """
+
+    def __init__(
+        self,
+        equations: Equations,
+        t: float,
+        y: Vector,
+        guards: Callable[[float, Vector, Vector, Vector], Any] | None = None,
+    ) -> None:
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        self.equations = equations
+        self.system = equations.system
+        self.p: Vector = np.zeros(equations.size)
+        self._g: Vector = np.zeros(len(equations.guards))
+        self._guards = guards or equations.functions()["guards"]
+        self._of_element: list[list[int]] = [[] for _ in self.system.elements]
+        for k, guard in enumerate(equations.guards):
+            self._of_element[guard.element].append(k)
+        elements = self.system.elements
+        self._known: dict[tuple[int, ...], tuple[Any, Any]] = {}  # shared by all copies
+        self.segment = [0] * len(equations.courses)
+        self.spring = [0] * len(elements)
+        self.damper = [0] * len(elements)
+        self.modulation = [0] * len(elements)
+        self.limited = [False] * len(elements)
+        self.slip = [0] * len(elements)  # -1, 1, or 0 where friction sticks
+        self.permanent_set = [element.permanent_set for element in elements]
+        self.events: list[tuple[float, str, str]] = []
+        self._enter_segments(t)
+        self._locate(t, y)
+        for i, element in enumerate(elements):
+            if element.yield_force < inf:
+                self._start_yielding(i, t, y)
+        self._write()
+        self.settle(t, y)
+
+    def copy(self) -> Branches:
+        """Another one in the same branches, to go its own way."""
+        other = copy(self)
+        for name, value in vars(self).items():
+            if isinstance(value, list):
+                setattr(other, name, value.copy())
+        other.p, other._g = self.p.copy(), self._g.copy()
+        return other
+
+    # -- where things stand ------------------------------------------------------------------------
+
+    def deflection(self, i: int, t: float, y: Vector) -> tuple[float, float]:
+        """Deflection of element i and its rate, m and m/s."""
+        element, n = self.system.elements[i], self.equations.n
+        u, du = self._road(element.road, t)
+        d = sum(b * y[k] for k, b in enumerate(element.direction)) - u
+        return d, sum(b * y[n + k] for k, b in enumerate(element.direction)) - du
+
+    def _road(self, name: str, t: float) -> tuple[float, float]:
+        if not name:
+            return 0.0, 0.0
+        k = self.equations.names.index(name)
+        value, rate, *_ = self.equations.courses[k].segments[self.segment[k]].derivatives(t)
+        return value, rate
+
+    def next_joint(self, t: float) -> float:
+        """The next instant at which a signal changes segment."""
+        starts = (
+            course.segments[now + 1].start
+            for course, now in zip(self.equations.courses, self.segment, strict=True)
+            if now + 1 < len(course.segments)
+        )
+        return min((s for s in starts if s > t), default=inf)
+
+    # -- signals -----------------------------------------------------------------------------------
+
+    def _enter_segments(self, t: float) -> None:
+        for k, course in enumerate(self.equations.courses):
+            starts = [segment.start for segment in course.segments[1:]]
+            self.segment[k] = bisect_right(starts, t)
+
+    def pass_joint(self, t: float, y: Vector) -> None:
+        """Signals go on to their next segments; a jump of a road acts through its dampers."""
+        before = {name: self._road(name, t)[0] for name in self.equations.names}
+        self._enter_segments(t)
+        for i, element in enumerate(self.system.elements):
+            jump = self._road(element.road, t)[0] - before.get(element.road, 0.0)
+            if element.road and abs(jump) > 1e-12 * abs(before[element.road]) + 1e-15:
+                self._impulse(i, jump, t, y)
+        self._locate(t, y)
+        self._write()
+        self.settle(t, y)
+
+    def _impulse(self, i: int, jump: float, t: float, y: Vector) -> None:
+        element, n = self.system.elements[i], self.equations.n
+        if not self.limited[i]:
+            d, w = self.deflection(i, t, y)
+            slope = element.damper.pieces[self.damper[i]].tangent(w)
+            slope *= element.modulation.force(d)
+            for k, push in enumerate(self.equations.spread(element.direction)):
+                y[n + k] += push * slope * jump
+
+    # -- branches ----------------------------------------------------------------------------------
+
+    def _locate(self, t: float, y: Vector) -> None:
+        """Every branch that follows from the state alone."""
+        for i, element in enumerate(self.system.elements):
+            d, w = self.deflection(i, t, y)
+            if element.yield_force == inf:
+                self.spring[i] = bisect_right(element.spring.corners, d)
+            self.damper[i] = bisect_right(element.damper.corners, w)
+            self.modulation[i] = bisect_right(element.modulation.corners, d)
+            force = element.spring.force(d) + element.modulation.force(d) * element.damper.force(w)
+            self.limited[i] = force > element.limit
+            if element.friction > 0.0 and (self.slip[i] != 0 or abs(w) > 1e-12):
+                self.slip[i] = int(w > 0.0) - int(w < 0.0)
+
+    def _start_yielding(self, i: int, t: float, y: Vector) -> None:
+        """One that stands beyond its elastic range at the start has flowed there."""
+        self.spring[i] = _ELASTIC
+        d, _ = self.deflection(i, t, y)
+        for side in (-1, 1):
+            if (d - self._flow_corner(i, side)) * side > 0.0:
+                self.spring[i] = _ELASTIC + side
+                self._unload(i, d)
+
+    def _flow_corner(self, i: int, side: int) -> float:
+        """Where the elastic line meets that of flow."""
+        element = self.system.elements[i]
+        rate, flow = element.spring.tangent(0.0), element.hardening
+        line = element.yield_force * (1.0 - flow / rate)
+        return (rate * self.permanent_set[i] + side * line) / (rate - flow)
+
+    def _unload(self, i: int, d: float) -> None:
+        element = self.system.elements[i]
+        force = self._yielding_piece(i).force(d)
+        self.permanent_set[i] = d - force / element.spring.tangent(0.0)
+        self.spring[i] = _ELASTIC
+
+    def _yielding_piece(self, i: int) -> Piece:
+        element, side = self.system.elements[i], self.spring[i] - _ELASTIC
+        rate, flow = element.spring.tangent(0.0), element.hardening
+        if side == 0:
+            return Piece(-inf, self.permanent_set[i], (0.0, rate, 0.0, 0.0))
+        line = element.yield_force * (1.0 - flow / rate)
+        return Piece(-inf, 0.0, (side * line, flow, 0.0, 0.0))
+
+    def leave(self, t: float, y: Vector) -> None:
+        """Leave the branch whose guard has just been found at zero, and every other one beyond its."""
+        self._guards(t, y, self._g, self.p)
+        self.switch(self.equations.guards[int(self._g.argmin())], t, y)
+        self.settle(t, y)
+
+    def settle(self, t: float, y: Vector) -> None:
+        """Leave every branch whose guard is not positive; several may meet at one instant.
+
+        Raises
+        ------
+        ChatterError : they do not come to an end.
+        """
+        if not len(self._g):
+            return
+        for _ in range(_TURNS):
+            self._guards(t, y, self._g, self.p)
+            worst = int(self._g.argmin())
+            if self._g[worst] > 0.0:
+                return
+            self.switch(self.equations.guards[worst], t, y)
+        raise ChatterError(f"more than {_TURNS} switches at {t:.9g} s")
+
+    def switch(self, guard: Guard, t: float, y: Vector) -> None:
+        """The element goes over to the branch beyond the guard; y may change (what sticks stops)."""
+        i, kind, side = guard.element, guard.kind, guard.side
+        element = self.system.elements[i]
+        if element.yield_force < inf and kind == "damper":
+            self._unload(i, self.deflection(i, t, y)[0])
+        elif kind == "spring":
+            self.spring[i] += side
+        elif kind == "damper":
+            self.damper[i] += side
+        elif kind == "modulation":
+            self.modulation[i] += side
+        elif kind == "contact":
+            self.limited[i] = side > 0
+        elif kind == "friction":
+            self.slip[i] = 0
+            self._stop(i, t, y)
+        else:
+            self.slip[i] = side
+        self.events.append((t, element.name, kind))
+        self._write_element(i)
+        if kind in ("friction", "multiplier"):
+            self._write_sticking()
+
+    def _stop(self, i: int, t: float, y: Vector) -> None:
+        """Take the last of its rate from what has begun to stick."""
+        n, b = self.equations.n, self.system.elements[i].direction
+        spread = self.equations.spread(b)
+        rate = self.deflection(i, t, y)[1]
+        reach = sum(x * s for x, s in zip(b, spread, strict=True))
+        for k, s in enumerate(spread):
+            y[n + k] -= s * rate / reach
+
+    # -- into p ------------------------------------------------------------------------------------
+
+    def _write(self) -> None:
+        equations, p = self.equations, self.p
+        for course, now in zip(equations.courses, self.segment, strict=True):
+            if course.at >= 0:
+                numbers = course.numbers(course.segments[now])
+                p[course.at : course.at + len(numbers)] = numbers
+        for i in range(len(self.system.elements)):
+            self._write_element(i)
+        self._write_sticking()
+
+    def _write_element(self, i: int) -> None:
+        """What p holds of element i: worked out once for every branch that has no memory."""
+        where = (
+            i,
+            self.spring[i],
+            self.damper[i],
+            self.modulation[i],
+            self.limited[i],
+            self.slip[i],
+        )
+        known = self._known.get(where)
+        if known is not None:
+            self.p[known[0]] = known[1]
+            return
+        written = list(self._numbers(i))
+        for k, number in written:
+            self.p[k] = number
+        if self.system.elements[i].yield_force == inf:
+            import numpy as np  # noqa: PLC0415  (heavy)
+
+            at, numbers = zip(*written, strict=True) if written else ((), ())
+            self._known[where] = (np.array(at, int), np.array(numbers, float))
+
+    def _numbers(self, i: int) -> Iterator[tuple[int, float]]:
+        """Places in p and what stands there while element i is in its present branch."""
+        equations, element = self.equations, self.system.elements[i]
+        for law, now in (
+            (equations.springs[i], self.spring[i]),
+            (equations.dampers[i], self.damper[i]),
+            (equations.modulations[i], self.modulation[i]),
+        ):
+            if law.at >= 0:
+                yields = law is equations.springs[i] and element.yield_force < inf
+                piece = self._yielding_piece(i) if yields else law.pieces[now]
+                yield from enumerate(law.numbers(piece), law.at)
+        if i in equations.contacts:
+            yield from enumerate(
+                (0.0, element.limit) if self.limited[i] else (1.0, 0.0), equations.contacts[i]
+            )
+        if i in equations.slips:
+            yield equations.slips[i], self.slip[i] * element.friction
+        for k in self._of_element[i]:
+            yield from enumerate(self._guard(equations.guards[k]), equations.bounds + 2 * k)
+
+    def _guard(self, guard: Guard) -> tuple[float, float]:
+        """side (bound - x), contact and multiplier in parts of their bound; 1 where there is none."""
+        bound = self._bound(guard)
+        if bound is None:
+            return 0.0, 1.0
+        element = self.system.elements[guard.element]
+        unit = {"contact": element.limit, "multiplier": element.friction}.get(guard.kind, 1.0)
+        return -guard.side / unit, guard.side * bound / unit
+
+    def _write_sticking(self) -> None:
+        """The inverse of b' M^-1 b over what sticks, zero elsewhere."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        equations, rubbing = self.equations, self.equations.rubbing
+        stuck = [j for j, i in enumerate(rubbing) if self.slip[i] == 0]
+        whole = np.zeros((len(rubbing), len(rubbing)))
+        if stuck:
+            directions = np.array([self.system.elements[rubbing[j]].direction for j in stuck])
+            coupling = directions @ np.array(equations.inverse) @ directions.T
+            whole[np.ix_(stuck, stuck)] = np.linalg.inv(coupling)
+        at = equations.sticking
+        self.p[at : at + whole.size] = whole.ravel()
+
+    def _bound(self, guard: Guard) -> float | None:
+        """Where the present branch ends on that side, a little late; None where it does not."""
+        i, side = guard.element, guard.side
+        element = self.system.elements[i]
+        yields = element.yield_force < inf
+        if guard.kind == "contact":
+            if self.limited[i] == (side < 0):
+                return element.limit * (1.0 + side * LATE)
+            return None
+        if guard.kind == "friction":
+            return side * LATE if self.slip[i] == -side else None
+        if guard.kind == "multiplier":
+            return side * element.friction * (1.0 + LATE) if self.slip[i] == 0 else None
+        if yields and guard.kind == "damper":
+            return side * LATE if self.spring[i] == _ELASTIC - side else None
+        if yields:
+            flows = self.spring[i] != _ELASTIC
+            return None if flows else self._flow_corner(i, side) + side * LATE
+        law, now = {
+            "spring": (element.spring, self.spring[i]),
+            "damper": (element.damper, self.damper[i]),
+            "modulation": (element.modulation, self.modulation[i]),
+        }[guard.kind]
+        if not 0 <= now + min(side, 0) < len(law.corners):
+            return None
+        return law.corners[now + min(side, 0)] + side * LATE

@@ -1,0 +1,357 @@
+"""A system as switched first-order equations, for solvers that know nothing of suspensions.
+
+    y = (q, q'),   y' = f(t, y, p),   M q'' = sum l F - sum b f(b' q - u, b' q' - u')
+
+The numbers p say in which branch each element is and in which segment each signal; between two
+switches they stay, and f is smooth. Guards g(t, y, p) are positive inside the branches and pass zero
+where one is left. Both are written down as source text from the numbers of the system, so that the same
+equations run in plain Python, compiled by numba, or on the symbols of a Taylor integrator. Nothing of
+the project's own kernel is used.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from suspension.characteristics import Characteristic, Piece
+from suspension.signals import Segment, Signal
+from suspension.systems import Element, System
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+# By which a branch reaches beyond its corner, relative for forces, else in m and m/s: more than the
+# error of locating it, so that no switch repeats; forces being continuous, it costs its square.
+LATE = 1e-11
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """One side of one branch: `kind` of variable of `element` below (-1) or above (+1) its bound."""
+
+    element: int
+    kind: str  # spring, damper, modulation, contact, friction, multiplier
+    side: int
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """Where p holds the present piece of a characteristic; `at` < 0 for one that never changes.
+
+    Parameters
+    ----------
+    degrees : those of s = x - origin that occur in any piece
+    saturates : whether any piece has a tanh
+    """
+
+    pieces: tuple[Piece, ...]
+    degrees: tuple[int, ...]
+    saturates: bool
+    at: int = -1
+
+    def numbers(self, piece: Piece) -> list[float]:
+        """Origin, coefficients, and the tanh's height and steepness as they stand in p."""
+        tanh = [piece.saturation, 1.0 / piece.scale] if self.saturates else []
+        return [piece.origin, *(piece.coefficients[k] for k in self.degrees), *tanh]
+
+    def text(self, x: str) -> str:
+        """The force at x, of the piece in p or the only one there is."""
+        if self.at < 0:
+            return piece_text(self.pieces[0], x)
+        names = [f"p[{self.at + k}]" for k in range(len(self.numbers(self.pieces[0])))]
+        s = f"({x} - {names[0]})"
+        text = _horner(dict(zip(self.degrees, names[1:], strict=False)), s)
+        return f"{text} + {names[-2]} * tanh({s} * {names[-1]})" if self.saturates else text
+
+    def choosing_text(self, x: str) -> str:
+        """The force at x, the piece being chosen by x itself."""
+        text = piece_text(self.pieces[-1], x)
+        for piece, above in zip(self.pieces[-2::-1], self.pieces[:0:-1], strict=True):
+            text = f"({piece_text(piece, x)} if {x} < {above.start!r} else {text})"
+        return text
+
+
+def piece_text(piece: Piece, x: str) -> str:
+    """One piece as an expression."""
+    terms = {k: repr(c) for k, c in enumerate(piece.coefficients) if c != 0.0}
+    s = f"({x} - {piece.origin!r})" if piece.origin else x
+    text = _horner(terms, s)
+    if piece.saturation:
+        text += f" + {piece.saturation!r} * tanh({s} * {1.0 / piece.scale!r})"
+    return text
+
+
+def _horner(terms: dict[int, str], s: str) -> str:
+    """sum terms[k] s^k."""
+    if not terms:
+        return "0.0"
+    text = ""
+    for k in range(max(terms), -1, -1):
+        if text:
+            text = f"{s} * ({text})" if k + 1 < max(terms) else f"{s} * {text}"
+        if k in terms:
+            text = f"{terms[k]} + {text}" if text else terms[k]
+    return text if text else "0.0"
+
+
+def _sum(terms: Iterable[tuple[float, str]]) -> str:
+    """sum factor * name, without what is zero."""
+    text = "".join(
+        f" {'-' if factor < 0.0 else '+'} "
+        + (name if abs(factor) == 1.0 else f"{abs(factor)!r} * {name}")
+        for factor, name in terms
+        if factor
+    )
+    return text.removeprefix(" + ").replace(" - ", "-", 1 if text.startswith(" - ") else 0) or "0.0"
+
+
+def _degrees(all_coefficients: Iterable[Sequence[float]]) -> tuple[int, ...]:
+    rows = list(all_coefficients)
+    return tuple(k for k in range(4) if any(row[k] != 0.0 for row in rows))
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Where p holds the present segment of a signal; `at` < 0 for a signal that never changes."""
+
+    segments: tuple[Segment, ...]
+    degrees: tuple[int, ...]
+    waves: bool
+    at: int = -1
+
+    @property
+    def is_zero(self) -> bool:
+        return not self.degrees and not self.waves
+
+    def numbers(self, segment: Segment) -> list[float]:
+        wave = [segment.amplitude, *segment.phase] if self.waves else []
+        return [segment.origin, *(segment.coefficients[k] for k in self.degrees), *wave]
+
+    def lines(self, k: int) -> Iterable[str]:
+        """Value u, rate du and second derivative ddu of signal number k at t."""
+        numbers = self.numbers(self.segments[0])
+        names = [f"p[{self.at + i}]" if self.at >= 0 else repr(x) for i, x in enumerate(numbers)]
+        s = f"s{k}"
+        yield f"{s} = t - {names[0]}"
+        c = dict(zip(self.degrees, names[1:], strict=False))
+        value = _horner(c, s)
+        rate = _horner({k - 1: f"{k}.0 * {c[k]}" for k in c if k > 0}, s)
+        second = _horner({k - 2: f"{k * (k - 1)}.0 * {c[k]}" for k in c if k > 1}, s)
+        if self.waves:
+            a, p0, p1, p2 = names[1 + len(self.degrees) :]
+            yield f"angle{k} = {p0} + {s} * ({p1} + {s} * {p2})"
+            yield f"turn{k} = {p1} + 2.0 * {p2} * {s}"
+            cosine, sine = f"{a} * cos(angle{k})", f"{a} * sin(angle{k})"
+            value += f" + {cosine}"
+            rate += f" - {sine} * turn{k}"
+            second += f" - {cosine} * turn{k} * turn{k} - 2.0 * {p2} * {sine}"
+        yield f"u{k} = {value}"
+        yield f"du{k} = {rate}"
+        yield f"ddu{k} = {second}"
+
+
+class Equations:
+    """The source text of f and of the guards of one system, and what stands where in p.
+
+    Attributes
+    ----------
+    source : `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard
+    choosing_source : `rhs(t, y, dy, p)` whose elements choose their branches by themselves; empty
+        where an element has a memory
+    memory : why there is none, or empty
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.n = len(system.mass)
+        self.size = 0  # of p
+        self.inverse = _inverse(system.mass)
+        self.names = list(system.signals)
+        self.courses = [self._course(signal) for signal in system.signals.values()]
+        self.springs = [self._law(e.spring, yields=e.yield_force < inf) for e in system.elements]
+        self.dampers = [self._law(e.damper) for e in system.elements]
+        self.modulations = [self._law(e.modulation) for e in system.elements]
+        limited = [i for i, e in enumerate(system.elements) if e.limit < inf]
+        self.contacts = {i: self._take(2) for i in limited}  # share that acts, and the rest
+        self.rubbing = [i for i, e in enumerate(system.elements) if e.friction > 0.0]
+        self.slips = {i: self._take(1) for i in self.rubbing}  # friction force while slipping
+        self.sticking = self._take(len(self.rubbing) ** 2)
+        self.guards = tuple(self._guards())
+        self.bounds = self._take(2 * len(self.guards))  # factor and constant of each guard
+        self.source = self._written(choosing=False)
+        memory = [e.name for e in system.elements if e.yield_force < inf or e.friction > 0.0]
+        self.memory = f"{', '.join(memory)}: what it does depends on its past" if memory else ""
+        self.choosing_source = "" if memory else self._written(choosing=True)
+
+    # -- what stands where -------------------------------------------------------------------------
+
+    def _take(self, numbers: int) -> int:
+        at = self.size
+        self.size += numbers
+        return at
+
+    def _course(self, signal: Signal) -> Course:
+        segments = signal.segments
+        degrees = _degrees(s.coefficients for s in segments)
+        waves = any(s.amplitude != 0.0 for s in segments)
+        course = Course(segments, degrees, waves)
+        if len(segments) == 1:
+            return course
+        return replace(course, at=self._take(len(course.numbers(segments[0]))))
+
+    def _law(self, law: Characteristic, *, yields: bool = False) -> Law:
+        degrees = (0, 1) if yields else _degrees(piece.coefficients for piece in law.pieces)
+        made = Law(law.pieces, degrees, any(piece.saturation for piece in law.pieces))
+        if len(law.pieces) == 1 and not yields:
+            return made
+        return replace(made, at=self._take(len(made.numbers(law.pieces[0]))))
+
+    def _guards(self) -> Iterable[Guard]:
+        for i, element in enumerate(self.system.elements):
+            yields = element.yield_force < inf
+            wanted = {
+                "spring": len(element.spring.pieces) > 1 or yields,
+                "damper": len(element.damper.pieces) > 1 or yields,
+                "modulation": len(element.modulation.pieces) > 1,
+                "contact": element.limit < inf,
+                "friction": element.friction > 0.0,
+                "multiplier": element.friction > 0.0,
+            }
+            for kind, needed in wanted.items():
+                if needed:
+                    yield from (Guard(i, kind, side) for side in (-1, 1))
+
+    # -- source text -------------------------------------------------------------------------------
+
+    def _written(self, *, choosing: bool) -> str:
+        """Both functions; a choosing one has no guards."""
+        shared = [*self._signal_lines(), *self._force_lines(choosing=choosing)]
+        rates = [f"dy[{i}] = y[{self.n + i}]" for i in range(self.n)]
+        rates += [f"dy[{self.n + i}] = a{i}" for i in range(self.n)]
+        rhs = _function("rhs(t, y, dy, p)", [*shared, *rates])
+        if choosing:
+            return rhs
+        values = {"spring": "d{}", "modulation": "d{}", "damper": "w{}", "friction": "w{}",
+                  "contact": "free{}", "multiplier": "stick{}"}  # fmt: skip
+        tests = []
+        for k, guard in enumerate(self.guards):
+            row = self._row(self.system.elements[guard.element])
+            number = guard.element if guard.kind in ("contact", "multiplier") else row
+            at = self.bounds + 2 * k
+            tests.append(f"g[{k}] = p[{at}] * {values[guard.kind].format(number)} + p[{at + 1}]")
+        if not tests:
+            tests, shared = ["pass"], []
+        return rhs + "\n\n" + _function("guards(t, y, g, p)", [*shared, *tests])
+
+    def _signal_lines(self) -> Iterable[str]:
+        for k, course in enumerate(self.courses):
+            if not course.is_zero:
+                yield from (line for line in course.lines(k) if self.rubbing or "ddu" not in line)
+
+    def _rows(self) -> list[tuple[tuple[float, ...], str]]:
+        return list(dict.fromkeys((tuple(e.direction), e.road) for e in self.system.elements))
+
+    def _row(self, element: Element) -> int:
+        return self._rows().index((tuple(element.direction), element.road))
+
+    def _under(self, road: str, prefix: str) -> str:
+        """What is subtracted for the road under a row."""
+        if not road or self.courses[self.names.index(road)].is_zero:
+            return ""
+        return f" - {prefix}{self.names.index(road)}"
+
+    def _force_lines(self, *, choosing: bool) -> Iterable[str]:
+        n, rows = self.n, self._rows()
+        for r, (b, road) in enumerate(rows):
+            for name, first, prefix in ((f"d{r}", 0, "u"), (f"w{r}", n, "du")):
+                moved = _sum((x, f"y[{first + i}]") for i, x in enumerate(b))
+                yield f"{name} = {moved}{self._under(road, prefix)}"
+        for i, element in enumerate(self.system.elements):
+            r = self._row(element)
+            laws = ((self.springs[i], "d"), (self.dampers[i], "w"), (self.modulations[i], "d"))
+            spring, damper, factor = (
+                law.choosing_text(f"{x}{r}") if choosing else law.text(f"{x}{r}") for law, x in laws
+            )
+            if factor != "1.0" and damper != "0.0":
+                damper = f"({factor}) * ({damper})"
+            force = " + ".join(text for text in (spring, damper) if text != "0.0") or "0.0"
+            if i in self.contacts and choosing:
+                yield f"f{i} = min({force}, {element.limit!r})"
+            elif i in self.contacts:
+                at = self.contacts[i]
+                yield f"free{i} = {force}"
+                yield f"f{i} = p[{at}] * free{i} + p[{at + 1}]"
+            else:
+                rub = f" + p[{self.slips[i]}]" if i in self.slips else ""
+                yield f"f{i} = {force}{rub}"
+        for r, (b, road) in enumerate(rows):
+            acting = [i for i, e in enumerate(self.system.elements)
+                      if (tuple(e.direction), e.road) == (b, road)]  # fmt: skip
+            yield f"r{r} = {' + '.join(f'f{i}' for i in acting)}"
+        pushes = [self.spread(b) for b, _ in rows]
+        loads = [(self.spread(load.direction), load.signal) for load in self.system.loads]
+        for k in range(n):
+            terms = [(-push[k], f"r{r}") for r, push in enumerate(pushes)]
+            terms += [
+                (push[k], f"u{self.names.index(signal)}")
+                for push, signal in loads
+                if not self.courses[self.names.index(signal)].is_zero
+            ]
+            yield f"a{k} = {_sum(terms)}"
+        yield from self._sticking_lines()
+
+    def _sticking_lines(self) -> Iterable[str]:
+        """What it takes to hold what sticks, from the free acceleration; zero where nothing does."""
+        elements, m = self.system.elements, len(self.rubbing)
+        for j, i in enumerate(self.rubbing):
+            b = elements[i].direction
+            free = _sum((x, f"a{k}") for k, x in enumerate(b))
+            yield f"free_acceleration{j} = {free}{self._under(elements[i].road, 'ddu')}"
+        for row, i in enumerate(self.rubbing):
+            terms = (f"p[{self.sticking + row * m + j}] * free_acceleration{j}" for j in range(m))
+            yield f"stick{i} = {' + '.join(terms)}"
+        for i in self.rubbing:
+            for k, push in enumerate(self.spread(elements[i].direction)):
+                if push:
+                    yield f"a{k} = a{k} - {push!r} * stick{i}"
+
+    def spread(self, direction: Sequence[float]) -> list[float]:
+        """M^-1 b."""
+        return [sum(a * b for a, b in zip(row, direction, strict=True)) for row in self.inverse]
+
+    # -- as functions ------------------------------------------------------------------------------
+
+    def functions(
+        self, *, choosing: bool = False, **names: Any
+    ) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
+        """`rhs` and `guards` as plain Python; `names` may give other `cos`, `sin` and `tanh`."""
+        space: dict[str, Any] = {"cos": math.cos, "sin": math.sin, "tanh": math.tanh, **names}
+        exec(
+            compile(self.choosing_source if choosing else self.source, "<equations>", "exec"), space
+        )
+        return {name: space[name] for name in ("rhs", "guards") if name in space}
+
+
+def _function(head: str, lines: Sequence[str]) -> str:
+    return "\n".join([f"def {head}:", *(f"    {line}" for line in lines)])
+
+
+def _inverse(mass: Sequence[Sequence[float]]) -> list[list[float]]:
+    """M^-1 with exact zeros where M has them, by Gauss and Jordan."""
+    n = len(mass)
+    rows = [[*map(float, row), *(float(i == k) for k in range(n))] for i, row in enumerate(mass)]
+    for i in range(n):
+        pivot = rows[i][i]
+        rows[i] = [x / pivot for x in rows[i]]
+        for k in range(n):
+            if k != i and rows[k][i] != 0.0:
+                factor = rows[k][i]
+                rows[k] = [x - factor * z for x, z in zip(rows[k], rows[i], strict=True)]
+    return [row[n:] for row in rows]

@@ -1,0 +1,135 @@
+"""The project's own ways to a motion: in this process, through the FMU, and drawn on paper."""
+
+from __future__ import annotations
+
+import atexit
+import shutil
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from suspension.engine import FAILURES, Integrator
+from suspension.variables import MODELS
+
+from .peers import Run, UnableError, Workbench
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+_SAME = 1e-6  # of an interval, within which a drawn point stands at a wanted instant
+
+
+def in_process(bench: Workbench, **options: Any) -> Run:
+    """One call of the integrator; its set-up is made once and outside.
+
+    Parameters
+    ----------
+    options : of `Integrator`
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    problem = bench.problem
+    n = len(problem.system.mass)
+    try:
+        integrator = Integrator(problem.system, **options)
+    except ValueError as error:
+        raise UnableError(str(error)) from None
+    integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
+    start, times = integrator.snapshot(), problem.times.tolist()
+
+    def run() -> Vector:
+        integrator.restore(start)
+        rows = []
+        for t in times:
+            status = integrator.advance(t)
+            if status:
+                raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
+            integrator.sample(t)
+            rows.append(tuple(integrator.sample_q))
+        return np.array(rows)
+
+    return run
+
+
+@cache
+def _unpacked(model: str) -> Path:
+    """The folder of a model's FMU, unpacked until this process ends."""
+    from fmpy import extract  # noqa: PLC0415  (heavy)
+
+    from ..kept import kept  # noqa: PLC0415
+
+    folder = Path(tempfile.mkdtemp(prefix="phaseplane-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    path, _ = kept(model, folder)
+    extract(path, folder / "unpacked")
+    return folder / "unpacked"
+
+
+def through_fmu(bench: Workbench, tolerance: float) -> Run:
+    """`fmpy.simulate_fmu` at the output interval, with an instance that is reset before."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
+    from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
+
+    from vehicle_fmus.build import SCRIPTS  # noqa: PLC0415  (heavy)
+
+    problem = bench.problem
+    if problem.model not in SCRIPTS:
+        raise UnableError("there is no FMU of this system")
+    folder = str(_unpacked(problem.model))
+    description = read_model_description(folder, validate=False)
+    instance = instantiate_fmu(folder, description, "CoSimulation")
+    names = [f"{name}_displacement".removeprefix("_") for name in problem.system.coordinates]
+    settings = {**problem.parameters, "solver.tolerance": tolerance}
+
+    def run() -> Vector:
+        instance.reset()
+        table = simulate_fmu(
+            folder,
+            validate=False,
+            start_time=0.0,
+            stop_time=problem.duration,
+            output_interval=problem.duration / problem.intervals,
+            start_values=settings,
+            output=names,
+            model_description=description,
+            fmu_instance=instance,
+            terminate=False,
+        )
+        return np.column_stack([table[name] for name in names])
+
+    return run
+
+
+def drawn(rule: str, bench: Workbench, step: float) -> Run:
+    """The graphical construction with steps of one length (AP57 section 4)."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    from ..pictures import CONSTRUCTED, constructed  # noqa: PLC0415
+
+    problem = bench.problem
+    if problem.model not in CONSTRUCTED:
+        raise UnableError("its construction is not among those compared")
+    parameters = {
+        v.name: v.start for v in MODELS[problem.model] if v.causality == "parameter"
+    } | dict(problem.parameters)
+    settings = {"rule": rule, "step": step, "plane_distance": 0.25, "plane_scales": (1.0, 2.5)}
+    names = [f"{name}_displacement".removeprefix("_") for name in problem.system.coordinates]
+    interval = problem.duration / problem.intervals
+
+    def run() -> Vector:
+        drawing = constructed(problem.model, parameters, settings, problem.duration + step)
+        rows = np.full((len(problem.times), len(names)), np.nan)
+        for frame in drawing:
+            k = round(frame.time / interval)
+            if abs(frame.time - k * interval) < _SAME * interval and k < len(rows):
+                rows[k] = [frame.readings[name] for name in names]
+        if np.isnan(rows).any():
+            raise ArithmeticError("the construction skips instants that are wanted")
+        return rows
+
+    return run

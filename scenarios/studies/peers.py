@@ -1,0 +1,362 @@
+"""Other integrators on the same problems, each as well off as it can be.
+
+Right-hand sides and guards are compiled by numba where that is installed; every run is cut at the
+joints of the road; switches are located by solvers that can. What a peer cannot do it says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any
+
+from .branches import Branches
+from .equations import Equations
+from .problems import Problem
+from .reference import Stretch, by_scipy, drive, plain, until
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+Run = Callable[[], "Vector"]
+"""One whole run: displacements at the instants of the problem, (len(times), n), m."""
+
+_MOST_STEPS = 1_000_000
+
+
+class UnableError(Exception):
+    """A solver cannot take a problem; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segmented:
+    """A run up to a joint of the road: p there, the instants with both ends, how many are wanted."""
+
+    end: float
+    p: Vector
+    instants: Vector
+    wanted: int
+
+
+class Workbench:
+    """What is made once for a problem: its equations, compiled, and the scales of its motion.
+
+    Parameters
+    ----------
+    problem : what is to be solved
+    true : displacements at its instants, (len(times), n), m
+    """
+
+    def __init__(self, problem: Problem, true: Vector) -> None:
+        self.problem = problem
+        self.true = true
+        self.equations = Equations(problem.system)
+
+    @cached_property
+    def scale(self) -> Vector:
+        """Largest displacement and largest velocity, for each coordinate's two tolerances."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        rates = np.gradient(self.true, self.problem.times, axis=0)
+        n = self.equations.n
+        largest = [np.abs(self.true).max(), np.abs(rates).max()]
+        return np.repeat(largest, n)
+
+    @cached_property
+    def branches(self) -> Branches:
+        """Those at the start."""
+        guards = self.compiled["guards"] if self.compiled else None
+        return Branches(self.equations, 0.0, self.problem.start, guards)
+
+    @cached_property
+    def compiled(self) -> dict[str, Any]:
+        """`rhs` and `guards` by numba, and `choosing` where no element has a memory; or nothing."""
+        if find_spec("numba") is None:
+            return {}
+        from numba import njit  # noqa: PLC0415  (heavy, optional)
+
+        made = {name: njit(f) for name, f in self.equations.functions().items()}
+        if self.equations.choosing_source:
+            made["choosing"] = njit(self.equations.functions(choosing=True)["rhs"])
+        return made
+
+    @cached_property
+    def returning(
+        self,
+    ) -> tuple[
+        Callable[[float, Vector, Vector], Vector],
+        Callable[[float, Vector, Vector], float] | None,
+    ]:
+        """Right-hand side and smallest guard as functions that return their result."""
+        if not self.compiled:
+            return plain(self.equations)
+        import numpy as np  # noqa: PLC0415  (heavy)
+        from numba import njit  # noqa: PLC0415  (heavy, optional)
+
+        fill, fill_guards = self.compiled["rhs"], self.compiled["guards"]
+        size, guards = 2 * self.equations.n, len(self.equations.guards)
+
+        @njit
+        def rhs(t: float, y: Vector, p: Vector) -> Vector:
+            dy = np.empty(size)
+            fill(t, y, dy, p)
+            return dy
+
+        @njit
+        def margin(t: float, y: Vector, p: Vector) -> float:
+            g = np.empty(guards)
+            fill_guards(t, y, g, p)
+            return g.min()
+
+        return rhs, margin if guards else None
+
+    def choosing(self) -> Any:
+        """The right-hand side that finds its branches by itself, compiled.
+
+        Raises
+        ------
+        UnableError : there is none.
+        """
+        if self.equations.memory:
+            raise UnableError(f"has no events, which it would need ({self.equations.memory})")
+        return self.compiled["choosing"]
+
+    def stretches(self) -> list[Segmented]:
+        """The run from joint to joint."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        times, y, t, k = self.problem.times, self.problem.start, 0.0, 1
+        branches = self.branches.copy()
+        found = []
+        while k < len(times):
+            end = min(branches.next_joint(t), times[-1])
+            wanted = until(times[k:], end)
+            ends = [] if len(wanted) and wanted[-1] == end else [end]
+            found.append(
+                Segmented(end, branches.p.copy(), np.array([t, *wanted, *ends]), len(wanted))
+            )
+            branches.pass_joint(end, y.copy())
+            t, k = end, k + len(wanted)
+        return found
+
+
+# -- with events ---------------------------------------------------------------------------------
+
+
+def scipy_method(method: str, bench: Workbench, tolerance: float) -> Run:
+    """`solve_ivp`, with the smallest guard as its event."""
+    rhs, margin = bench.returning
+    options = {"rtol": max(tolerance, 3e-14), "atol": tolerance * bench.scale}
+    advance = by_scipy(rhs, margin, method, **options)
+    return partial(drive, bench.problem, bench.branches, advance)
+
+
+def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
+    """SUNDIALS' CVODE by scikit-sundae, with the smallest guard as its event."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from sksundae.cvode import CVODE  # noqa: PLC0415  (optional)
+
+    _, margin = bench.returning
+    fill = bench.compiled["rhs"] if bench.compiled else bench.equations.functions()["rhs"]
+    p = bench.branches.p.copy()
+
+    def rhs(t: float, y: Vector, dy: Vector) -> None:
+        fill(t, y, dy, p)
+
+    options: dict[str, Any] = {}
+    if margin is not None:
+
+        def events(t: float, y: Vector, g: Vector) -> None:
+            g[0] = margin(t, y, p)
+
+        events.terminal, events.direction = [True], [-1]  # type: ignore[attr-defined]
+        options = {"eventsfn": events, "num_events": 1}
+    solver = CVODE(
+        rhs,
+        method=method,
+        rtol=tolerance,
+        atol=tolerance * bench.scale,
+        max_num_steps=_MOST_STEPS,
+        **options,
+    )
+
+    def advance(t: float, end: float, y: Vector, now: Vector, wanted: Vector) -> Stretch:
+        p[:] = now
+        # of two instants it would return all of its steps; hence one more
+        instants = [t, 0.5 * (t + (wanted[0] if len(wanted) else end)), *wanted]
+        if not (len(wanted) and wanted[-1] == end):
+            instants.append(end)
+        run = solver.solve(np.array(instants), y)
+        if not run.success:
+            raise ArithmeticError(str(run.message))
+        switched = run.status == 2
+        rows = run.y[2:-1] if switched else run.y[2:]
+        return Stretch(float(run.t[-1]), run.y[-1], rows[: len(wanted)], switched)
+
+    return partial(drive, bench.problem, bench.branches, advance)
+
+
+def heyoka(bench: Workbench, tolerance: float) -> Run:
+    """A Taylor integrator of adaptive step, compiled once; its events change the numbers p."""
+    import heyoka as hy  # noqa: PLC0415  (heavy, optional)
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    equations, problem, n = bench.equations, bench.problem, bench.equations.n
+    par = [hy.par[k] for k in range(equations.size)]
+    symbols = hy.make_vars(*(f"y{k}" for k in range(2 * n)))
+    functions = equations.functions(cos=hy.cos, sin=hy.sin)
+    rates: list[Any] = [0.0] * (2 * n)
+    functions["rhs"](hy.time, symbols, rates, par)
+    guards: list[Any] = [0.0] * len(equations.guards)
+    functions["guards"](hy.time, symbols, guards, par)
+    course: list[Branches] = [bench.branches]
+
+    def passed(guard: Any) -> Callable[[Any, int], bool]:
+        def switch(ta: Any, _direction: int) -> bool:
+            branches = course[0]
+            branches.switch(guard, ta.time, ta.state)
+            branches.settle(ta.time, ta.state)
+            ta.pars[:] = branches.p
+            return True
+
+        return switch
+
+    events = [
+        hy.t_event(
+            expression,
+            direction=hy.event_direction.negative,
+            callback=passed(guard),
+            cooldown=0.0,  # its own guess would pass over the next switch of the same side
+        )
+        for expression, guard in zip(guards, equations.guards, strict=True)
+    ]
+    integrator = hy.taylor_adaptive(
+        list(zip(symbols, rates, strict=True)),
+        problem.start,
+        pars=bench.branches.p,
+        tol=tolerance,
+        t_events=events,
+    )
+    times, start = problem.times, problem.start
+
+    def run() -> Vector:
+        course[0] = branches = bench.branches.copy()
+        integrator.time = 0.0
+        integrator.state[:] = start
+        integrator.pars[:] = branches.p
+        if events:
+            integrator.reset_cooldowns()
+        out = np.empty((len(times), n))
+        out[0] = start[:n]
+        t, k = 0.0, 1
+        while k < len(times):
+            joint = branches.next_joint(t)
+            end = min(joint, times[-1])
+            wanted = until(times[k:], end)
+            at_end = len(wanted) > 0 and wanted[-1] == end
+            grid = np.array([t, *wanted] if at_end else [t, *wanted, end])
+            result = integrator.propagate_grid(grid)
+            rows = result[-1]
+            if len(rows) < len(grid) or not np.isfinite(rows[-1]).all():
+                raise ArithmeticError(f"stopped at {integrator.time:.9g} s: {result[0]}")
+            out[k : k + len(wanted)] = rows[1 : 1 + len(wanted), :n]
+            k, t = k + len(wanted), end
+            if t == joint:
+                integrator.time, integrator.state[:] = t, rows[-1]
+                branches.pass_joint(t, integrator.state)
+                integrator.pars[:] = branches.p
+        return out
+
+    return run
+
+
+# -- without events ------------------------------------------------------------------------------
+
+
+def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
+    """`lsoda` or `dop853` of numbalsoda, cut at the joints of the road."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from numba import carray, cfunc  # noqa: PLC0415  (heavy, optional)
+    from numbalsoda import dop853, lsoda, lsoda_sig  # noqa: PLC0415  (optional)
+
+    choosing = bench.choosing()
+    solve = {"lsoda": lsoda, "dop853": dop853}[name]
+    n, size, numbers = bench.equations.n, 2 * bench.equations.n, max(bench.equations.size, 1)
+
+    @cfunc(lsoda_sig)
+    def rhs(t, y, dy, p):  # type: ignore[no-untyped-def]
+        choosing(t, carray(y, (size,)), carray(dy, (size,)), carray(p, (numbers,)))
+
+    address = rhs.address
+    stretches = bench.stretches()
+    rtol, atol = tolerance, tolerance * float(bench.scale[0])
+    times, start = bench.problem.times, bench.problem.start
+
+    def whole() -> Vector:
+        out = np.empty((len(times), n))
+        out[0], y, k = start[:n], start, 1
+        for stretch in stretches:
+            rows, success = solve(address, y, stretch.instants, stretch.p, rtol, atol, _MOST_STEPS)
+            if not success:
+                raise ArithmeticError(f"gave up before {stretch.end:.6g} s")
+            out[k : k + stretch.wanted] = rows[1 : 1 + stretch.wanted, :n]
+            k, y = k + stretch.wanted, rows[-1].copy()
+        return out
+
+    whole.keep = rhs  # type: ignore[attr-defined]  # its address must stay valid
+    return whole
+
+
+def runge_kutta(bench: Workbench, step: float) -> Run:
+    """The classical method of order 4 with fixed steps, bare, all in one compiled function."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from numba import njit  # noqa: PLC0415  (heavy, optional)
+
+    rhs = bench.choosing()
+    size, n = 2 * bench.equations.n, bench.equations.n
+
+    @njit
+    def go(y: Vector, instants: Vector, p: Vector, out: Vector, longest: float) -> None:
+        k1, k2, k3, k4 = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+        z = np.empty(size)
+        for i in range(len(instants) - 1):
+            span = instants[i + 1] - instants[i]
+            count = int(np.ceil(span / longest - 1e-9))
+            h = span / count
+            for k in range(count):
+                t = instants[i] + k * h
+                rhs(t, y, k1, p)
+                for m in range(size):
+                    z[m] = y[m] + 0.5 * h * k1[m]
+                rhs(t + 0.5 * h, z, k2, p)
+                for m in range(size):
+                    z[m] = y[m] + 0.5 * h * k2[m]
+                rhs(t + 0.5 * h, z, k3, p)
+                for m in range(size):
+                    z[m] = y[m] + h * k3[m]
+                rhs(t + h, z, k4, p)
+                for m in range(size):
+                    y[m] += h / 6.0 * (k1[m] + 2.0 * k2[m] + 2.0 * k3[m] + k4[m])
+            for m in range(size):
+                out[i, m] = y[m]
+
+    stretches = bench.stretches()
+    times, start = bench.problem.times, bench.problem.start
+
+    def whole() -> Vector:
+        found = np.empty((len(times), n))
+        y = start.copy()
+        found[0], k = y[:n], 1
+        for stretch in stretches:
+            rows = np.empty((len(stretch.instants) - 1, size))
+            go(y, stretch.instants, stretch.p, rows, step)
+            found[k : k + stretch.wanted] = rows[: stretch.wanted, :n]
+            k += stretch.wanted
+        return found
+
+    return whole

@@ -1,0 +1,321 @@
+"""What the integrator is put to: every kind of system of the project, smooth, non-smooth and stiff."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import inf, pi, sqrt
+from typing import TYPE_CHECKING, Literal
+
+from suspension import characteristics, roads
+from suspension.models import build
+from suspension.session import Session
+from suspension.systems import Element, System
+from suspension.units import nearest
+from suspension.variables import Value
+
+from ..errors import InputError, SceneError, one_line
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+Kind = Literal["non-smooth", "smooth", "stiff"]
+_KGF = 9.80665
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A system, where it starts and when its displacements are wanted.
+
+    Parameters
+    ----------
+    name, title : one word, and one line
+    kind : `stiff` where stability, not accuracy, would bound the steps of an explicit method
+    system : what moves
+    duration : s
+    intervals : between the instants at which displacements are wanted, all of one length
+    displacements, velocities : at the start, m and m/s; empty for rest
+    model, parameters : of the FMU that runs the same, if there is one
+    """
+
+    name: str
+    title: str
+    kind: Kind
+    system: System
+    duration: float
+    intervals: int
+    displacements: tuple[float, ...] = ()
+    velocities: tuple[float, ...] = ()
+    model: str = ""
+    parameters: Mapping[str, Value] = field(default_factory=dict)
+
+    @cached_property
+    def times(self) -> Vector:
+        """The instants at which displacements are wanted, s."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        return np.linspace(0.0, self.duration, self.intervals + 1)
+
+    @property
+    def start(self) -> Vector:
+        """Displacements and velocities at the start."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        rest = (0.0,) * len(self.system.mass)
+        return np.array([*(self.displacements or rest), *(self.velocities or rest)])
+
+
+def of_model(
+    name: str,
+    title: str,
+    kind: Kind,
+    model: str,
+    parameters: Mapping[str, Value],
+    duration: float = 2.0,
+    intervals: int = 400,
+) -> Problem:
+    """A problem that an FMU can run too, from where that starts."""
+    session = Session(model, parameters)
+    system = build(model, parameters)
+
+    def at_start(what: str) -> tuple[float, ...]:
+        names = (f"{name}_{what}".removeprefix("_") for name in system.coordinates)
+        return tuple(float(session.value(name)) for name in names)
+
+    return Problem(
+        name,
+        title,
+        kind,
+        system,
+        duration,
+        intervals,
+        at_start("displacement"),
+        at_start("velocity"),
+        model,
+        parameters,
+    )
+
+
+def _blow_off() -> str:
+    """AP57 section 8 with slopes that fall to a fifth beyond +0.30 m/s and -0.60 m/s, as a table."""
+    rebound, bump = 200.0 * _KGF, 50.0 * _KGF
+    points = (
+        (-1.6, -0.8 * bump), (-0.6, -0.6 * bump), (0.0, 0.0), (0.3, 0.3 * rebound), (1.3, 0.5 * rebound),
+    )  # fmt: skip
+    return ", ".join(f"{rate!r}:{force!r}" for rate, force in points)
+
+
+def lift_off() -> Problem:
+    title = "quarter car of AP57 section 8, blow-off damper, lift-off"
+    return of_model("lift_off", title, "non-smooth", "QuarterCar", {"damper.table": _blow_off()})
+
+
+def half_car() -> Problem:
+    axle = {
+        "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 150.0,
+        "bump_stop.gap": 0.03, "bump_stop.stiffness": 2e5,
+        "rebound_stop.gap": 0.04, "rebound_stop.stiffness": 2e5,
+    }  # fmt: skip
+    parameters: dict[str, Value] = {
+        f"{end}.{name}": value for end in ("front", "rear") for name, value in axle.items()
+    }
+    parameters |= {"road.height": 0.07, "pitch_radius_of_gyration": 1.1}
+    title = "half car of four degrees of freedom, blow-off dampers, end stops, lift-off"
+    return of_model("half_car", title, "non-smooth", "HalfCar", parameters)
+
+
+def rigid_tyres() -> Problem:
+    title = "half car on rigid tyres, coupled by its inertia, over an obstacle"
+    parameters: dict[str, Value] = {
+        "road.shape": "obstacle", "road.length": 3.0, "speed": 15.0, "pitch_radius_of_gyration": 1.1,
+    }  # fmt: skip
+    return of_model("rigid_tyres", title, "non-smooth", "HalfCarRigidTyres", parameters)
+
+
+def end_stops() -> Problem:
+    title = "one degree of freedom between end stops, on a sine road"
+    parameters: dict[str, Value] = {
+        "road.shape": "sine", "road.height": 0.04, "road.length": 12.0, "speed": 15.0,
+        "damper.bump_rate": 300.0, "damper.rebound_rate": 600.0,
+        "bump_stop.gap": 0.03, "bump_stop.stiffness": 1e5,
+        "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e5,
+    }  # fmt: skip
+    return of_model("end_stops", title, "non-smooth", "OneDof", parameters)
+
+
+def yielding() -> Problem:
+    return of_model(
+        "yielding", "elastoplastic frame of H83 example 40", "non-smooth", "Elastoplastic", {}
+    )
+
+
+def friction() -> Problem:
+    title = "quarter car on leaf springs with dry friction that sticks, lift-off"
+    parameters: dict[str, Value] = {
+        "spring.rate": 20e3, "damper.rebound_rate": 300.0, "damper.bump_rate": 300.0,
+        "friction": 400.0, "road.length": 1.5, "speed": 15.0,
+    }  # fmt: skip
+    return of_model("friction", title, "non-smooth", "QuarterCar", parameters)
+
+
+def full_car() -> Problem:
+    """Seven degrees of freedom over a bump under the left wheels alone."""
+    mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0
+    ahead = {"front": 1.25, "rear": -1.25}
+    weight = (mass / 4.0 + wheel_mass) * 9.80665
+    spring, tyre = characteristics.linear(15e3), characteristics.linear(150e3)
+    damper, tyre_damper = characteristics.damper(2000.0, 500.0), characteristics.linear(300.0)
+    elements: list[Element] = []
+    signals = {}
+    corners = [(end, side) for end in ahead for side in (0.7, -0.7)]
+    for k, (end, side) in enumerate(corners):
+        name = f"{end}_{'left' if side > 0.0 else 'right'}"
+        on_wheel = tuple(float(i == k) for i in range(4))
+        late = (1.25 - ahead[end]) / 20.0
+        height = 0.06 if side > 0.0 else 0.02
+        signals[name] = roads.bump(height, 1.0, 20.0, start=late)
+        strut = (1.0, ahead[end], side, *(-w for w in on_wheel))
+        elements += [
+            Element(f"{name}_strut", strut, spring, damper),
+            Element(f"{name}_tyre", (0.0, 0.0, 0.0, *on_wheel), tyre, tyre_damper, name, weight),
+        ]
+    inertia = (mass, pitch_inertia, roll_inertia, *4 * (wheel_mass,))
+    system = System(
+        coordinates=("heave", "pitch", "roll", *(f"wheel_{k}" for k in range(4))),
+        mass=tuple(tuple(m * (i == j) for j in range(7)) for i, m in enumerate(inertia)),
+        elements=tuple(elements),
+        signals=signals,
+        scales=7 * (0.05,),
+    )
+    return Problem(
+        "full_car", "full car of seven degrees of freedom, lift-off", "non-smooth", system, 2.0, 400
+    )
+
+
+def linear() -> Problem:
+    title = "linear quarter car on a sine road"
+    parameters: dict[str, Value] = {
+        "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
+        "road.shape": "sine", "road.height": 0.02, "road.length": 5.0,
+    }  # fmt: skip
+    return of_model("linear", title, "smooth", "QuarterCar", parameters)
+
+
+def hardening() -> Problem:
+    title = "quarter car on a cubic spring and a sine road"
+    parameters: dict[str, Value] = {
+        "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
+        "spring.cubic": 5e6, "road.shape": "sine", "road.height": 0.03, "road.length": 8.0,
+    }  # fmt: skip
+    return of_model("hardening", title, "smooth", "QuarterCar", parameters)
+
+
+def saturating() -> Problem:
+    title = "quarter car on a damper that saturates, sine road"
+    parameters: dict[str, Value] = {
+        "lift_off": False, "damper.saturation_force": 400.0, "damper.rebound_rate": 2000.0,
+        "damper.bump_rate": 2000.0, "road.shape": "sine", "road.height": 0.03, "road.length": 8.0,
+    }  # fmt: skip
+    return of_model("saturating", title, "smooth", "QuarterCar", parameters)
+
+
+def hard_stop() -> Problem:
+    title = "quarter car against end stops of 10 MN/m"
+    parameters: dict[str, Value] = {
+        "bump_stop.gap": 0.02, "bump_stop.stiffness": 1e7,
+        "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e7,
+    }  # fmt: skip
+    return of_model("hard_stop", title, "stiff", "QuarterCar", parameters)
+
+
+def car_axis() -> Problem:
+    """After `caraxis` of the Bari test set: an axle on two stiff springs, one over a bumpy road.
+
+    Its springs of 1/epsilon^2 and small swing, here linear, with a damper so strong that the axle
+    follows the road and the swing dies out within milliseconds.
+    """
+    epsilon = 1e-2
+    rate, half_length = 10.0 / epsilon**2, 0.5
+    elements = tuple(
+        Element(
+            f"{side}_spring",
+            (1.0, lever),
+            spring=characteristics.cubic(rate, 100.0 * rate),
+            damper=characteristics.linear(2.0 * sqrt(10.0 * rate) * 20.0),
+            road=f"{side}_road",
+        )
+        for side, lever in (("left", -half_length), ("right", half_length))
+    )
+    system = System(
+        coordinates=("heave", "pitch"),
+        mass=((10.0, 0.0), (0.0, 10.0 / 12.0)),
+        elements=elements,
+        signals={
+            "left_road": roads.constant(),
+            "right_road": roads.sine(0.1, 2.0 * pi, 10.0),
+        },
+        scales=(0.05, 0.05),
+    )
+    return Problem(
+        "car_axis", "axle on strongly damped springs, bumpy road", "stiff", system, 3.0, 300
+    )
+
+
+PROBLEMS: dict[str, Callable[[], Problem]] = {
+    make.__name__: make
+    for make in (
+        lift_off, half_car, rigid_tyres, end_stops, yielding, friction, full_car, linear, hardening,
+        saturating, hard_stop, car_axis,
+    )
+}  # fmt: skip
+
+
+def find_problem(name: str) -> Problem:
+    """A problem by its name, or what a scene runs as a problem.
+
+    Raises
+    ------
+    InputError : neither, or a scene whose FMU is not one of this project's models.
+    """
+    from ..layers import find_scene  # noqa: PLC0415
+    from ..schema import load_scene  # noqa: PLC0415
+
+    if name in PROBLEMS:
+        return PROBLEMS[name]()
+    try:
+        find_scene(name)
+    except SceneError as error:
+        raise SceneError(
+            one_line(f"{error}, or of a problem: {', '.join(PROBLEMS)}{nearest(name, PROBLEMS)}")
+        ) from None
+    scene = load_scene(name)
+    if scene.fmu.path is not None:
+        raise InputError(
+            one_line(
+                f"{name}: the equations of {scene.fmu.path} are not known; name a model instead"
+            )
+        )
+    intervals = max(1, round(scene.duration / scene.show.output_interval))
+    problem = of_model(
+        scene.name,
+        scene.title or scene.name,
+        "non-smooth",
+        scene.fmu.model,
+        scene.parameters,
+        scene.duration,
+        intervals,
+    )
+    smooth = not any(
+        element.limit < inf
+        or element.friction
+        or element.yield_force < inf
+        or element.spring.corners
+        or element.damper.corners
+        or element.modulation.corners
+        for element in problem.system.elements
+    )
+    return replace(problem, kind="smooth") if smooth else problem

@@ -1,0 +1,181 @@
+"""The truth that errors are counted from: scipy's DOP853, restarted at every switch."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .branches import Branches
+from .equations import Equations
+from .problems import Problem
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+_TOLERANCE = 1e-13
+_SAME = 1e-12  # s; instants that differ by less are one, as 0.05 and 20 times 0.0025 are
+_LONGEST = 1e-3  # s per step, so that no two switches hide in one
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A run between two switches or joints.
+
+    Parameters
+    ----------
+    time, state : where it ended
+    rows : states at the instants wanted up to there, (k, 2n)
+    switched : whether a guard ended it
+    """
+
+    time: float
+    state: Vector
+    rows: Vector
+    switched: bool
+
+
+Advance = Callable[[float, float, "Vector", "Vector", "Vector"], Stretch]
+"""From t to at most t_end with state y and numbers p, over instants wanted, to the first switch."""
+
+
+def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
+    """Displacements at the instants of a problem, by a solver that locates the switches itself.
+
+    Parameters
+    ----------
+    start : the branches at the start; left as they are
+
+    Returns
+    -------
+    (len(times), n), m
+
+    Raises
+    ------
+    ArithmeticError : the solver makes no progress.
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    times, n = problem.times, len(problem.system.mass)
+    t, y = 0.0, problem.start
+    branches = start.copy()
+    out = np.empty((len(times), n))
+    out[0] = y[:n]
+    k = 1
+    while k < len(times):
+        if times[k] - t < _SAME:  # a switch fell on it
+            out[k] = y[:n]
+            k += 1
+            continue
+        joint = branches.next_joint(t)
+        end = min(joint, times[-1])
+        stretch = advance(t, end, y, branches.p, until(times[k:], end))
+        if not (np.isfinite(stretch.state).all() and stretch.time >= t):
+            raise ArithmeticError(f"no way on from {t:.9g} s")
+        out[k : k + len(stretch.rows)] = stretch.rows[:, :n]
+        k += len(stretch.rows)
+        t, y = stretch.time, stretch.state.copy()
+        if stretch.switched:
+            branches.leave(t, y)
+        elif t == joint:
+            branches.pass_joint(t, y)
+    return out
+
+
+def until(times: Vector, end: float) -> Vector:
+    """Those instants that do not lie beyond the end; one that rounding has put beside it is the end."""
+    wanted = times[: int(times.searchsorted(end + _SAME))].copy()
+    if len(wanted) and wanted[-1] > end - _SAME:
+        wanted[-1] = end
+    return wanted
+
+
+def by_scipy(
+    rhs: Callable[[float, Vector, Vector], Vector],
+    margin: Callable[[float, Vector, Vector], float] | None,
+    method: str,
+    **options: Any,
+) -> Advance:
+    """Advance by `scipy.integrate.solve_ivp`.
+
+    Parameters
+    ----------
+    rhs : y' at (t, y, p)
+    margin : smallest guard at (t, y, p), whose fall through zero ends a stretch; None for no guards
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from scipy.integrate import solve_ivp  # noqa: PLC0415  (heavy)
+
+    def advance(t: float, end: float, y: Vector, p: Vector, wanted: Vector) -> Stretch:
+        events: list[Any] = []
+        if margin is not None:
+
+            def event(t: float, y: Vector) -> float:
+                return margin(t, y, p)
+
+            event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
+            events = [event]
+        # the end itself is wanted too, to go on from there
+        at_end = len(wanted) > 0 and wanted[-1] == end
+        instants = wanted if at_end else np.append(wanted, end)
+        run = solve_ivp(
+            lambda t, y: rhs(t, y, p),
+            (t, end),
+            y,
+            method,
+            t_eval=instants,
+            events=events,
+            **options,
+        )
+        if run.status < 0:
+            raise ArithmeticError(run.message)
+        rows = np.reshape(run.y, (len(y), -1)).T
+        if run.status == 1:
+            return Stretch(float(run.t_events[0][-1]), run.y_events[0][-1], rows, True)
+        return Stretch(end, rows[-1], rows[: len(wanted)], False)
+
+    return advance
+
+
+def plain(
+    equations: Equations,
+) -> tuple[
+    Callable[[float, Vector, Vector], Vector], Callable[[float, Vector, Vector], float] | None
+]:
+    """Right-hand side and smallest guard in plain Python."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    functions = equations.functions()
+    size, guards = 2 * equations.n, len(equations.guards)
+
+    def rhs(t: float, y: Vector, p: Vector) -> Vector:
+        dy = [0.0] * size
+        functions["rhs"](t, y.tolist(), dy, p)
+        return np.array(dy)
+
+    def margin(t: float, y: Vector, p: Vector) -> float:
+        g = [0.0] * guards
+        functions["guards"](t, y.tolist(), g, p)
+        return min(g)
+
+    return rhs, margin if guards else None
+
+
+def truth(problem: Problem, method: str = "DOP853", tolerance: float = _TOLERANCE) -> Vector:
+    """Displacements of a problem at its instants, to about twelve digits, (len(times), n), m."""
+    equations = Equations(problem.system)
+    rhs, margin = plain(equations)
+    advance = by_scipy(
+        rhs, margin, method, rtol=tolerance, atol=1e-2 * tolerance, max_step=_LONGEST
+    )
+    return drive(problem, Branches(equations, 0.0, problem.start), advance)
+
+
+def largest_error(found: Vector, true: Vector) -> float:
+    """Largest difference over all displacements and instants, relative to the largest displacement."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    return float(np.abs(found - true).max() / np.abs(true).max())

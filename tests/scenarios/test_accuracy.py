@@ -1,0 +1,235 @@
+"""Error against run time: what is measured, what is said of failures, and the command."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from phaseplane.figures import work_precision
+from phaseplane.figures.work_precision import Curve
+from scenarios.cli import main
+from scenarios.errors import InputError
+from scenarios.studies import accuracy, own
+from scenarios.studies.accuracy import Point, Solver, measure, solvers, table, time_to_reach
+from scenarios.studies.peers import Run, UnableError, Workbench
+from scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
+from scenarios.studies.reference import truth
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def frame() -> Problem:
+    return of_model("frame", "a frame", "non-smooth", "Elastoplastic", {}, 0.5, 10)
+
+
+@pytest.fixture(scope="module")
+def bench(frame: Problem) -> Workbench:
+    return Workbench(frame, truth(frame))
+
+
+def off_by(part: float, seconds: float = 0.0) -> Run:
+    def run() -> np.ndarray:
+        time.sleep(seconds)
+        true = truth_of_frame[0]
+        return true + part * np.abs(true).max()
+
+    return run
+
+
+truth_of_frame: list[np.ndarray] = []
+
+
+@pytest.fixture(autouse=True)
+def _known(bench: Workbench) -> None:
+    truth_of_frame[:] = [bench.true]
+
+
+def failing(error: Exception) -> Run:
+    def run() -> np.ndarray:
+        raise error
+
+    return run
+
+
+def test_errors_are_those_made_and_times_those_taken(frame: Problem) -> None:
+    solver = Solver(
+        "fake", "incremental", "tolerance", (1e-2, 1e-4), lambda _, value: off_by(value, 0.01)
+    )
+    points = measure(frame, [solver], repeats=2)
+    assert [p.error for p in points] == pytest.approx([1e-2, 1e-4])
+    assert all(0.01 <= p.seconds < 1.0 for p in points)
+    assert time_to_reach(points, 1e-3) == points[1].seconds
+    assert time_to_reach(points, 1e-5) is None
+
+
+def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
+    def unable(_bench: Workbench, _value: float) -> Run:
+        raise UnableError("has no events")
+
+    compared = [
+        Solver("wrong", "peer", "tolerance", (1e-2, 1e-3), lambda _, value: off_by(100.0 * value)),
+        Solver("broken", "peer", "step", (1.0,), lambda *_: failing(ValueError("a\nb"))),
+        Solver("unable", "peer", "step", (1.0, 0.5), unable),
+        Solver("absent", "peer", "step", (1.0,), unable, ("no_such_package",)),
+        Solver("lost", "peer", "step", (1.0,), lambda *_: off_by(float("nan"))),
+    ]
+    points = measure(frame, compared, repeats=1)
+    by_name = {p.solver: p for p in points if p.failure}
+    assert by_name["wrong"].failure == "no solution: wrong by 1 of the peak"
+    assert by_name["wrong"].seconds is not None
+    assert by_name["broken"].failure == "a b"
+    assert by_name["unable"].failure == "has no events"
+    assert by_name["absent"].failure == "not installed: no_such_package"
+    assert by_name["lost"].failure.startswith("no solution")
+    assert [p.error for p in points if not p.failure] == pytest.approx([0.1])
+    told = table(frame, points)
+    assert "failed: wrong (1 of 2 runs), lost: no solution" in told
+    assert "failed: absent: not installed: no_such_package" in told
+
+
+def test_nothing_finer_is_tried_after_a_slow_run(
+    frame: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(accuracy, "_SLOW", 0.01)
+    solver = Solver("slow", "peer", "tolerance", (1e-2, 1e-3), lambda _, v: off_by(v, 0.02))
+    coarse, fine = measure(frame, [solver], repeats=1)
+    assert coarse.error == pytest.approx(1e-2)
+    assert fine.failure.startswith("not tried: a coarser run took")
+
+
+def test_nothing_finer_is_tried_once_the_error_is_that_of_the_truth(frame: Problem) -> None:
+    solver = Solver("exact", "peer", "tolerance", (1e-2, 1e-3), lambda *_: off_by(1e-14))
+    assert len(measure(frame, [solver], repeats=1)) == 1
+
+
+def test_a_family_that_fails_alike_is_told_once(frame: Problem) -> None:
+    def point(name: str) -> Point:
+        return Point("frame", name, "construction", "step", 1.0, None, None, "not drawn at 3 s")
+
+    told = table(frame, [point("tangent"), point("delta")])
+    assert "failed: all constructions: not drawn" in told.splitlines()
+
+
+def test_methods_of_the_project_converge_on_the_truth(bench: Workbench) -> None:
+    for solver in solvers(with_peers=False):
+        if solver.family != "incremental":
+            continue
+        runs = [solver.prepare(bench, value) for value in (1e-3, 5e-5)]
+        errors = [np.abs(run() - bench.true).max() / np.abs(bench.true).max() for run in runs]
+        assert errors[0] < 1e-2
+        assert errors[1] < max(0.1 * errors[0], 1e-12)
+        assert (runs[0]() == runs[0]()).all()  # a run begins where the one before began
+
+
+def test_a_construction_is_read_at_the_wanted_instants() -> None:
+    problem = of_model("car", "", "non-smooth", "QuarterCar", {}, 0.1, 20)
+    bench = Workbench(problem, truth(problem))
+    coarse, fine = (own.drawn("delta", bench, step)() for step in (2.5e-3, 6.25e-4))
+    peak = np.abs(bench.true).max()
+    assert np.abs(coarse - bench.true).max() < 0.1 * peak
+    assert np.abs(fine - bench.true).max() < 0.3 * np.abs(coarse - bench.true).max()
+    with pytest.raises(UnableError):
+        own.drawn("delta", Workbench(PROBLEMS["full_car"](), bench.true), 1e-3)
+
+
+def test_the_fmu_gives_what_the_integrator_gives() -> None:
+    problem = of_model("car", "", "non-smooth", "QuarterCar", {}, 0.1, 20)
+    bench = Workbench(problem, truth(problem))
+    run = own.through_fmu(bench, 1e-8)
+    assert np.abs(run() - bench.true).max() < 1e-8 * np.abs(bench.true).max()
+    assert (run() == run()).all()
+
+
+def test_every_problem_is_named_once_and_has_a_system() -> None:
+    problems = [make() for make in PROBLEMS.values()]
+    assert [p.name for p in problems] == list(PROBLEMS)
+    assert {p.kind for p in problems} == {"non-smooth", "smooth", "stiff"}
+    assert {len(p.system.mass) for p in problems} >= {1, 2, 4, 7}
+
+
+def test_a_scene_is_a_problem() -> None:
+    problem = find_problem("ap57")
+    assert problem.model == "QuarterCar"
+    assert problem.kind == "non-smooth"
+    assert (problem.duration, problem.intervals) == (1.0, 1000)
+    scene = Path("smooth.toml")
+    scene.write_text(
+        'fmu = "QuarterCar"\nduration = "0.5 s"\n'
+        "[parameters]\nlift_off = false\ndamper.bump_rate = 900.0\ndamper.rebound_rate = 900.0\n"
+    )
+    assert find_problem("smooth.toml").kind == "smooth"
+
+
+def test_an_unknown_name_names_scenes_and_problems() -> None:
+    with pytest.raises(InputError, match=r"ap57.*of a problem: lift_off, "):
+        find_problem("liftoff")
+
+
+# -- the command ---------------------------------------------------------------------------------
+
+
+def phaseplane(*arguments: str) -> Result:
+    return CliRunner().invoke(main, ["accuracy", *arguments])
+
+
+def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    few = [s for s in solvers(with_peers=False) if s.name in ("extrapolated", "tangent")][:2]
+    monkeypatch.setattr(accuracy, "solvers", lambda with_peers: few)
+    done = phaseplane("yielding", "--repeats", "1", "--json")
+    assert done.exit_code == 0, done.output
+    data = json.loads(done.stdout)
+    assert data["machine"]["cores"] >= 1
+    assert {"python", "numpy", "scipy"} <= data["versions"].keys()
+    assert data["problems"][0]["name"] == "yielding"
+    keys = {"problem", "solver", "family", "knob", "value", "error", "seconds", "failure"}
+    assert all(point.keys() == keys for point in data["points"])
+    assert min(p["error"] for p in data["points"] if p["solver"] == "extrapolated") < 1e-10
+    written = {path.name for path in Path("out/accuracy").iterdir()}
+    assert written == {"summary.json", "accuracy.png", "accuracy.txt"}
+    again = phaseplane("yielding", "--repeats", "1")
+    assert again.exit_code == 0
+    assert "extrapolated" in again.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("nosuch",), "no scene 'nosuch'"),
+        (("yielding", "--repeats", "0"), "--repeats"),
+        (("yielding", "-o", "taken"), "holds no results of a run"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: tuple[str, ...], words: str) -> None:
+    Path("taken").mkdir()
+    Path("taken/mine.txt").write_text("")
+    done = phaseplane(*arguments)
+    assert done.exit_code == 2
+    assert words in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+# -- the picture ---------------------------------------------------------------------------------
+
+
+def test_failures_are_drawn_as_crosses_apart() -> None:
+    curves = [Curve("good", "incremental", ((1e-3, 1e-4), (1e-6, 2e-4)), ()),
+              Curve("bad", "peer", (), (3e-3,))]  # fmt: skip
+    figure = work_precision([("problem", curves)], title="title")
+    (axes,) = figure.axes
+    good, _, _, crosses = axes.lines
+    assert good.get_xydata().tolist() == [[1e-3, 1e-4], [1e-6, 2e-4]]
+    assert crosses.get_marker() == "x"
+    assert crosses.get_xdata()[0] > 1.0
+    assert {axes.get_xscale(), axes.get_yscale()} == {"log"}
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["good", "bad"]
+    with pytest.raises(ValueError, match="nothing to draw"):
+        work_precision([])

@@ -1,0 +1,62 @@
+"""Other integrators on the project's problems, where they are installed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from scenarios.studies import peers
+from scenarios.studies.accuracy import Solver, solvers
+from scenarios.studies.peers import UnableError, Workbench
+from scenarios.studies.problems import PROBLEMS, of_model
+from scenarios.studies.reference import largest_error, truth
+
+PEERS = [s for s in solvers(with_peers=True) if s.family == "peer"]
+
+
+def names(solver: Solver) -> str:
+    return solver.name
+
+
+@pytest.fixture(scope="module")
+def car() -> Workbench:
+    """A quarter car with lift-off over a bump that begins after the start."""
+    parameters = {"road.start": 0.02, "speed": 20.0}
+    problem = of_model("car", "", "non-smooth", "QuarterCar", parameters, 0.3, 30)
+    return Workbench(problem, truth(problem))
+
+
+@pytest.fixture(scope="module")
+def leaf() -> Workbench:
+    problem = PROBLEMS["friction"]()
+    return Workbench(problem, truth(problem))
+
+
+def test_scipy_runs_without_a_compiler_too(car: Workbench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(peers, "find_spec", lambda name: None)
+    bench = Workbench(car.problem, car.true)
+    assert bench.compiled == {}
+    assert largest_error(peers.scipy_method("DOP853", bench, 1e-9)(), car.true) < 1e-7
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", PEERS, ids=names)
+def test_a_peer_comes_as_near_as_its_setting_says(solver: Solver, car: Workbench) -> None:
+    if solver.missing:
+        pytest.skip(f"not installed: {', '.join(solver.missing)}")
+    value, bound = (1e-3 / 16, 1e-5) if solver.knob == "step" else (1e-8, 1e-5)
+    run = solver.prepare(car, value)
+    assert largest_error(run(), car.true) < bound
+    assert np.array_equal(run(), run())  # and a run begins where the one before began
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", PEERS, ids=names)
+def test_dry_friction_needs_events(solver: Solver, leaf: Workbench) -> None:
+    if solver.missing:
+        pytest.skip(f"not installed: {', '.join(solver.missing)}")
+    if solver.name.startswith(("numbalsoda", "rk4")):
+        with pytest.raises(UnableError, match="depends on its past"):
+            solver.prepare(leaf, 1e-3)
+    else:
+        assert largest_error(solver.prepare(leaf, 1e-7)(), leaf.true) < 1e-3
