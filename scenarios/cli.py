@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import click
 
-from .commands import authoring, modelling, results, running, studies
+from .commands import authoring, modelling, results, running, studies, viewing
 from .console import Commands
 
 
@@ -50,6 +50,7 @@ for _command in (
     running.replay,
     running.build,
     running.list_cases,
+    viewing.serve,
     results.show,
     results.compare,
     modelling.ladder,

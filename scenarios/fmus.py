@@ -71,6 +71,17 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
     return _described(path.resolve())
 
 
+def default_duration(path: Path) -> float | None:
+    """How long an FMU says that it should be run, s; nothing if it does not say, or is none."""
+    from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
+
+    try:
+        experiment = read_model_description(str(path), validate=False).defaultExperiment
+        return float(experiment.stopTime)
+    except Exception:  # what is wrong with it is said where it is read
+        return None
+
+
 def _described(path: Path) -> Fmu:
     from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
 

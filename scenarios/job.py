@@ -28,6 +28,9 @@ def run_scene(
     overrides: Sequence[str] = (),
     folder: Path | None = None,
     progress: Callable[[float], None] | None = None,
+    *,
+    viewer: str = "",
+    realtime: bool = False,
 ) -> tuple[dict[str, Any], Path]:
     """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
 
@@ -36,6 +39,9 @@ def run_scene(
     reference : name of a case, or path of a scene file
     overrides : `key=value` texts
     folder : None for `out/<scene>`
+    viewer : address of a running viewer that shows the run while it goes on; whatever becomes of
+        it, the run does not notice
+    realtime : whether the run waits for the clock
 
     Returns
     -------
@@ -46,6 +52,7 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
+    from .live import shown_live  # noqa: PLC0415
     from .pictures import CONSTRUCTED, constructed, draw_all  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
     from .schema import load_scene  # noqa: PLC0415
@@ -66,7 +73,11 @@ def run_scene(
             )
         except ArithmeticError as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
-    results = run(scene, progress=progress)
+    with shown_live(scene, drawing, viewer) as live:
+        watch = live.watch if live is not None else None
+        results = run(scene, progress=progress, watch=watch, realtime=realtime)
+        if live is not None:
+            problems += live.complete(results)
     with replaced_whole(folder) as draft:
         problems += draw_all(scene, results, drawing, draft)
         results = Results(results.columns, {**results.summary, "problems": problems})
@@ -152,7 +163,11 @@ def accuracy(
 
 
 def replay(
-    what: str, overrides: Sequence[str], recording: Path | None, figure: Path | None
+    what: str,
+    overrides: Sequence[str],
+    recording: Path | None,
+    figure: Path | None,
+    viewer: str = "",
 ) -> dict[str, Any]:
     """Make the construction of a scene, or lay it over the results of a run, and write it down.
 
@@ -160,15 +175,17 @@ def replay(
     ----------
     what : a scene, or a results folder
     overrides : `key=value` texts; for results only those of `construction`
-    recording, figure : files to be written; at least one
+    recording, figure : files to be written
+    viewer : address of a running viewer that is to show it
 
     Raises
     ------
     InputError : a scene, folder or file name that is not fit.
-    RunError : the construction leaves every sheet.
+    RunError : the construction leaves every sheet; the viewer does not take the recording.
     """
+    from .live import show_in  # noqa: PLC0415
     from .pictures import constructed, draw, laid_over, record  # noqa: PLC0415
-    from .replays import content, of_results  # noqa: PLC0415
+    from .replays import content, of_results, readings  # noqa: PLC0415
     from .schema import construction_settings, load_scene  # noqa: PLC0415
 
     _check_targets(recording, figure)
@@ -192,12 +209,15 @@ def replay(
             model=scene.fmu.model,
             parameters=scene.all_parameters,
             drawing=drawing,
-            columns={},
+            columns=readings(drawing),
             units={},
+            duration=scene.duration,
             shown={},
         )
     if recording is not None:
         record(shown, recording)
+    if viewer:
+        show_in(shown, viewer)
     if figure is not None:
         draw("phase_planes", figure, drawing)
     files = [str(path) for path in (recording, figure) if path is not None]

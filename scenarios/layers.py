@@ -16,6 +16,7 @@ from typing import Any
 from suspension.units import nearest
 
 from .errors import SceneError, one_line, shown
+from .fmus import default_duration
 
 CASES = Path(__file__).parent / "cases"
 SECTIONS = ("parameters", "show", "construction", "expect")
@@ -137,6 +138,21 @@ def read_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
     layers = Layers()
     for file in reversed(list(_chain(path))):
         layers.put(*file)
+    return _overlaid(layers, overrides)
+
+
+def fmu_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
+    """An `.fmu` file as a scene: all outputs, for as long as the FMU's own experiment lasts."""
+    layers = Layers()
+    content: dict[str, Any] = {"title": path.stem, "fmu": str(path), "show.outputs": "all"}
+    duration = default_duration(path)
+    if duration is not None:
+        content["duration"] = duration
+    layers.put(content, path.name, Path())
+    return _overlaid(layers, overrides)
+
+
+def _overlaid(layers: Layers, overrides: Sequence[str]) -> Layers:
     overlay: dict[str, Any] = {}
     for text in overrides:
         key, value = parse_override(text)

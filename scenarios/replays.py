@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from suspension.models import build
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content, Vehicle
+    from suspension.signals import Signal
 
     from .results import Results
 
@@ -29,7 +30,9 @@ _PLANES = (
     ("displacement",),
     ("body_displacement",),
 )  # fmt: skip
+_READ_OFF = ("_displacement", "_elevation", "_acceleration", "_force")
 _MOST_ROWS = 20_000
+_ROAD_POINTS = 2_000
 
 
 def content(
@@ -40,7 +43,9 @@ def content(
     drawing: Drawing | None,
     columns: Columns,
     units: Mapping[str, str],
+    duration: float,
     shown: Mapping[str, Any],
+    live: bool = False,
 ) -> Content:
     """All that a recording shows.
 
@@ -49,28 +54,46 @@ def content(
     title : of the scene
     model, parameters : what was run, parameters in SI
     drawing : its construction, if there is one
-    columns : of the run, by the names of its outputs; empty before it begins
+    columns : of the run, by the names of its outputs; of no rows before it begins
     units : SI units of the outputs
+    duration : of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs)
+    live : whether the run is yet to come
     """
     from phaseplane.recording import DETAILS, VIEWS, Content  # noqa: PLC0415  (imports rerun)
 
     views = tuple(shown.get("views") or VIEWS)
     rows = thinned(columns, _MOST_ROWS)
-    if "energies" in views and model in MODELS:
+    if "energies" in views and model in MODELS and not live:
         rows = {**rows, **energies(model, parameters, rows)}
     detail = shown.get("recording")
     pairs = tuple(map(tuple, shown.get("planes") or default_pairs(units)))
     return Content(
         title=title,
         drawing=None if shown.get("planes") else drawing,
-        histories={_known(name): column for name, column in rows.items()},
-        units={_known(name): unit for name, unit in units.items()},
+        histories={known(name): column for name, column in rows.items()},
+        units={known(name): unit for name, unit in units.items()},
         pairs=pairs,
-        vehicle=vehicle(model, parameters) if "vehicle" in views else None,
+        vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
         detail=detail if detail in DETAILS else "stages",
         views=views,
+        live=live,
     )
+
+
+def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
+    """Columns of what a construction has read off its sheet, but for its own phase planes."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    names = [
+        name
+        for name in drawing.frames[0].readings
+        if name.endswith(_READ_OFF) and not name.startswith("control_")
+    ]
+    return {
+        "time": np.array([frame.time for frame in drawing.frames]),
+        **{n: np.array([frame.readings[n] for frame in drawing.frames]) for n in names},
+    }
 
 
 def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
@@ -85,8 +108,13 @@ def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
     return []
 
 
-def vehicle(model: str, parameters: Mapping[str, Value]) -> Vehicle | None:
-    """The vehicle of a model as it is seen from the side; none for a model without a road."""
+def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Vehicle | None:
+    """The vehicle of a model as it is seen from the side; none for a model without a road.
+
+    Parameters
+    ----------
+    duration : for which it travels, s
+    """
     from phaseplane.recording import AxleView, Vehicle  # noqa: PLC0415
 
     if model not in MODELS:
@@ -123,7 +151,15 @@ def vehicle(model: str, parameters: Mapping[str, Value]) -> Vehicle | None:
                 rebound_gap=gap(axle.prefix, "rebound_stop"),
             )
         )
-    return Vehicle(tuple(axles), float(parameters["speed"]))
+    road = system.signals[system.axles[0].road]
+    return Vehicle(tuple(axles), float(parameters["speed"]), tuple(_profile(road, duration)))
+
+
+def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:
+    """Points of a road, close together, as far as it is met."""
+    for i in range(_ROAD_POINTS + 1):
+        instant = duration * i / _ROAD_POINTS
+        yield instant, road.value(instant)
 
 
 def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, Any]) -> Content:
@@ -136,6 +172,7 @@ def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, An
         drawing=drawing,
         columns=results.columns,
         units=summary["units"],
+        duration=summary["duration"],
         shown=shown,
     )
 
@@ -147,6 +184,6 @@ def thinned(columns: Columns, most: int) -> Columns:
     return thinned(columns, most)
 
 
-def _known(name: str) -> str:
+def known(name: str) -> str:
     """The name under which a recording knows a column."""
     return name.replace("ground_", "road_")

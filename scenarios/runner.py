@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
 from .errors import InputError, RunError, one_line
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     Columns = dict[str, npt.NDArray[np.float64]]
 
 Progress = Callable[[float], None]
+Watch = Callable[["Recorder"], None]
+_LONGEST_SLEEP = 0.1  # s, after which an interrupt is looked for
 _DISCARD, _FATAL = 2, 4  # FMI status
 
 
@@ -69,13 +71,21 @@ class _Drive:
     uncompiled: bool
 
 
-def run(scene: Scene, *, progress: Progress | None = None) -> Results:
+def run(
+    scene: Scene,
+    *,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
+    realtime: bool = False,
+) -> Results:
     """Run a scene.
 
     Parameters
     ----------
     scene : what is to be run
     progress : called after every communication step with the part of the duration done, 0 to 1
+    watch : called after every communication step with FMPy's recorder, which keeps all rows
+    realtime : whether the run waits for the clock, one second for each of its own
 
     Raises
     ------
@@ -89,7 +99,9 @@ def run(scene: Scene, *, progress: Progress | None = None) -> Results:
         if path is None:
             path, build_time = kept(scene.fmu.model, Path(folder))
         with _deferred_interrupt() as interrupted:
-            drive = _driven(scene, path, Path(folder, "unpacked"), progress, interrupted)
+            drive = _driven(
+                scene, path, Path(folder, "unpacked"), progress, watch, realtime, interrupted
+            )
         if interrupted():
             raise KeyboardInterrupt
     wanted = {"time", *scene.columns}
@@ -113,6 +125,8 @@ def _driven(
     path: Path,
     unpacked: Path,
     progress: Progress | None,
+    watch: Watch | None,
+    realtime: bool,
     interrupted: Callable[[], bool],
 ) -> _Drive:
     """Take the FMU through the scene, keeping whatever it gives."""
@@ -138,6 +152,10 @@ def _driven(
         seen[:] = [recorder]
         if progress is not None:
             progress(time / scene.duration)
+        if watch is not None:
+            watch(recorder)
+        if realtime:
+            _wait_until(started + time, interrupted)
         advanced, reached = time > reached, time
         return advanced and not interrupted()
 
@@ -170,6 +188,12 @@ def _driven(
     uncompiled = any("uncompiled" in message for _, _, message in log.lines)
     failure = failure or log.complaint()
     return _Drive(_columns(table, failure), run_time, failure, uncompiled)
+
+
+def _wait_until(instant: float, interrupted: Callable[[], bool]) -> None:
+    """Let the clock catch up, unless the run is to end."""
+    while (left := instant - perf_counter()) > 0.0 and not interrupted():
+        sleep(min(left, _LONGEST_SLEEP))
 
 
 def _read_in(scene: Scene) -> list[str]:

@@ -37,7 +37,7 @@ from .fields import (
     tuple_from,
 )
 from .fmus import Fmu, find_fmu
-from .layers import Layers, find_scene, parse_override, read_layers
+from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
 from .measures import catalogue, default_measures
 from .results import TABLE
 from .tables import check_ending, read_table
@@ -377,15 +377,16 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
 
     Parameters
     ----------
-    reference : name of a case, or path of a scene file
+    reference : name of a case, path of a scene file, or path of an `.fmu` file that is to be run as it
+        is, for as long as it says itself
     overrides : `key=value` texts, laid over the file
 
     Raises
     ------
     SceneError : one line that names file, key, value and what is allowed.
     """
-    path = find_scene(reference)
-    layers = read_layers(path, overrides)
+    path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
+    layers = fmu_layers(path, overrides) if path.suffix == ".fmu" else read_layers(path, overrides)
     content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
     expected = content.get("expect")
     if isinstance(expected, dict):

@@ -7,20 +7,28 @@ from __future__ import annotations
 
 from .content import DETAILS, VIEWS, Content, Detail, View
 from .layout import blueprint
+from .live import Live
+from .server import LOOPBACK, Server, is_loopback, listens, serving
 from .sinks import new_recording, record
 from .vehicle import AxleView, Vehicle
 from .whole import log
 
 __all__ = [
     "DETAILS",
+    "LOOPBACK",
     "VIEWS",
     "AxleView",
     "Content",
     "Detail",
+    "Live",
+    "Server",
     "Vehicle",
     "View",
     "blueprint",
+    "is_loopback",
+    "listens",
     "log",
     "new_recording",
     "record",
+    "serving",
 ]

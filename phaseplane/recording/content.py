@@ -36,6 +36,7 @@ class Content:
     detail : `trail`: the planes and the motion in them; `steps`: and the complete construction of
         every step; `stages`: and on the timeline `stage` drawn in its order
     views : what is shown
+    live : whether the run is going on yet: its columns are known by name alone
     """
 
     title: str
@@ -46,6 +47,7 @@ class Content:
     vehicle: Vehicle | None = None
     detail: Detail = "stages"
     views: tuple[View, ...] = VIEWS
+    live: bool = False
 
     def shows(self, view: View) -> bool:
         """Whether a view is wanted."""

@@ -55,24 +55,28 @@ def panels(content: Content) -> list[Panel]:
     found = [
         Panel(
             quantity,
-            tuple(n for n in content.histories if quantity_of(n, content.units) is quantity),
+            tuple(
+                name
+                for name in content.histories
+                if quantity_of(name, content.units) is quantity and not name.endswith("_residual")
+            ),
         )
         for quantity in wanted
     ]
     return [panel for panel in found if panel.names]
 
 
-def log_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """Curves over `t` as they were given; over `step` and `stage` at the steps."""
-    for panel in panels(content):
-        log_series(recording, panel)
-        times = np.asarray(content.histories["time"], float)
-        send_series(recording, panel, content.histories)
+    times = np.asarray(content.histories.get("time", ()), float)
+    for panel in panels(content) if len(times) else ():
+        values = panel.values(content.histories)
+        recording.send_columns(panel.path, [seconds(times)], rr.Scalars.columns(scalars=values))
         if len(clock.times):
             at_steps = np.column_stack(
                 [
                     np.interp(clock.times, times, column, left=np.nan, right=np.nan)
-                    for column in panel.values(content.histories).T
+                    for column in values.T
                 ]
             )
             recording.send_columns(
@@ -87,14 +91,4 @@ def log_series(recording: rr.RecordingStream, panel: Panel) -> None:
         panel.path,
         rr.SeriesLines(names=panel.labels, colors=colours(palette), widths=1.5),
         static=True,
-    )
-
-
-def send_series(
-    recording: rr.RecordingStream, panel: Panel, histories: Mapping[str, npt.ArrayLike]
-) -> None:
-    """More of the curves of a panel, over `t`."""
-    times = np.asarray(histories["time"], float)
-    recording.send_columns(
-        panel.path, [seconds(times)], rr.Scalars.columns(scalars=panel.values(histories))
     )

@@ -11,19 +11,17 @@ from . import sheet
 from .columns import TIMELINES
 from .content import Content
 from .histories import Panel, panels
-from .motion import state_planes
+from .motion import LIVE, state_planes
 from .replay import EVENTS, SHEET, WORDS, trail_path
 from .side_view import VEHICLE, vehicle_of, view_box
 from .styles import legible
 from .whole import state_box
 
 
-def blueprint(content: Content, *, following: bool = False) -> rrb.Blueprint:
+def blueprint(content: Content) -> rrb.Blueprint:
     """The phase planes on the left; beside them the vehicle and the step in words, the histories.
 
-    Parameters
-    ----------
-    following : whether the viewer stays at the latest instant, as while a run goes on
+    While a run goes on, the viewer stays at the latest instant.
 
     Raises
     ------
@@ -33,7 +31,7 @@ def blueprint(content: Content, *, following: bool = False) -> rrb.Blueprint:
     vehicle = vehicle_of(content)
     beside: list[rrb.View] = []
     if vehicle is not None:
-        beside.append(_view(VEHICLE, "from the side", view_box(vehicle)))
+        beside.append(_view([f"+ {VEHICLE}/**"], "from the side", view_box(vehicle)))
     if content.drawing is not None and content.shows("words") and content.detail != "trail":
         beside.append(rrb.TextDocumentView(origin=WORDS, name="this step"))
     columns: list[tuple[float, rrb.View | rrb.Container]] = []
@@ -47,9 +45,9 @@ def blueprint(content: Content, *, following: bool = False) -> rrb.Blueprint:
         columns.append((3.0, rrb.Vertical(*plots)))
     shares, parts = zip(*columns, strict=True) if columns else ((), ())
     timeline = "t"
-    if content.drawing is not None and not following:
+    if content.drawing is not None and not content.live:
         timeline = "stage" if content.detail == "stages" else "step"
-    state: Literal["following", "playing"] = "following" if following else "playing"
+    state: Literal["following", "playing"] = "following" if content.live else "playing"
     return rrb.Blueprint(
         rrb.Horizontal(*parts, column_shares=list(shares)),
         rrb.TimePanel(state="collapsed", timeline=timeline, fps=4.0, play_state=state),
@@ -77,13 +75,14 @@ def _planes(content: Content) -> rrb.Spatial2DView | None:
         kept += [EVENTS, *map(trail_path, drawing.planes)]
     box = sheet.bounds(drawing) if drawing is not None else state_box(runs, content)
     name = drawing.title if drawing is not None else "phase plane"
-    return _view(SHEET, legible(name), box, overrides=dict.fromkeys(kept, past))
+    contents = [f"+ {SHEET}/**"] + ([] if content.live else [f"- {LIVE}/**"])
+    return _view(contents, legible(name), box, overrides=dict.fromkeys(kept, past))
 
 
-def _view(path: str, name: str, box: sheet.Bounds, **more: object) -> rrb.Spatial2DView:
+def _view(contents: list[str], name: str, box: sheet.Bounds, **more: object) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         origin="/",
-        contents=f"{path}/**",
+        contents=contents,
         name=name,
         # Sheet and vehicle are turned over (y up), the bounds are those of the screen (y down).
         visual_bounds=rrb.VisualBounds2D(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ from .content import Content
 from .quantities import in_words, quantity_of, rate_of
 from .styles import style
 
-RUN = "/sheet/run"
+RUN, LIVE = "/sheet/run", "/sheet/live"
 _HALF_WIDTH = 0.1  # m of paper, of a plane made here
 _APART = 0.3  # m of paper, between the origins of planes made here
 _MOST_ROWS = 4000
@@ -30,22 +30,33 @@ class StatePlane:
     plane: Plane
     displacement: str
     rate: str
+    root: str = RUN
 
     @property
     def path(self) -> str:
         """Where its motion is logged."""
-        return f"{RUN}/{self.plane.name}"
+        return f"{self.root}/{self.plane.name}"
 
 
 def state_planes(content: Content) -> list[StatePlane]:
-    """The planes of the drawing, or of the pairs, as far as there are columns for them."""
+    """The planes of the drawing, or of the pairs, as far as there are columns for them.
+
+    What is seen while a run goes on has a place of its own: it may lack rows, and the whole motion
+    takes its place in the end.
+    """
     drawing = content.constructed
     if not content.shows("planes"):
         return []
-    if drawing is None:
-        return made_planes(content.pairs, content.histories, content.units)
-    planes = [StatePlane(p, p.name, rate_of(p.name)) for p in drawing.planes]
-    return [p for p in planes if {p.displacement, p.rate} <= content.histories.keys()]
+    planes = (
+        [StatePlane(p, p.name, rate_of(p.name)) for p in drawing.planes]
+        if drawing is not None
+        else made_planes(content.pairs, content.histories, content.units)
+    )
+    return [
+        replace(p, root=LIVE if content.live else RUN)
+        for p in planes
+        if {p.displacement, p.rate} <= content.histories.keys()
+    ]
 
 
 def made_planes(
@@ -92,11 +103,10 @@ def rounded(value: float) -> float:
     return float(next(r * decade for r in _ROUND if r * decade >= value * (1.0 - 1e-9)))
 
 
-def log_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+def send_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
     """The motion of a run in all its planes: short segments, of which a view shows those so far."""
     histories = thinned(content.histories, _MOST_ROWS)
     for plane in state_planes(content):
-        log_plane(recording, plane)
         send_states(recording, plane, histories, clock)
 
 

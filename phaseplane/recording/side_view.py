@@ -50,22 +50,23 @@ def view_box(vehicle: Vehicle) -> Bounds:
     return Bounds(left - _MARGIN, right + _MARGIN, -0.2, FLOOR + 0.45)
 
 
-def log_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """The parts, the road, and where they are at every instant."""
+def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Where its parts are at every instant."""
     vehicle = vehicle_of(content)
-    if vehicle is None:
+    if vehicle is None or not len(content.histories["time"]):  # type: ignore[arg-type]
         return
-    log_parts(recording, vehicle)
     histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
-    log_road(recording, vehicle, histories)
     few = thinned(histories, _MOST_ROWS)
     for times, columns in clock.over(few["time"]):
         at = {name: np.interp(times, histories["time"], histories[name]) for name in few}
         send_positions(recording, vehicle, at, columns)
 
 
-def log_parts(recording: rr.RecordingStream, vehicle: Vehicle) -> None:
-    """What the parts look like."""
+def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
+    """What its parts look like, and the road as far as it is known."""
+    vehicle = vehicle_of(content)
+    if vehicle is None:
+        return
     recording.log(VEHICLE, rr.Transform3D(scale=[1.0, -1.0, 1.0]), static=True)
     _log_part(recording, "body", hull(vehicle), "body")
     for axle in vehicle.axles:
@@ -73,13 +74,9 @@ def log_parts(recording: rr.RecordingStream, vehicle: Vehicle) -> None:
         _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), "wheel")
         _log_part(recording, f"{axle.name}/spring", [coils()], "spring")
         recording.log(f"{VEHICLE}/{axle.name}/gap", line_style([style("gap")]), static=True)
-
-
-def log_road(
-    recording: rr.RecordingStream, vehicle: Vehicle, histories: Mapping[str, Reals]
-) -> None:
-    """The road as far as it is known."""
-    _log_part(recording, "road", road_profile(vehicle, histories), "road")
+    histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
+    if vehicle.road or len(histories["time"]):
+        _log_part(recording, "road", road_profile(vehicle, histories), "road")
 
 
 def _log_part(

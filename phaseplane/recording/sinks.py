@@ -20,18 +20,18 @@ from .whole import log
 APPLICATION = "phaseplane"
 
 
-def new_recording(content: Content) -> rr.RecordingStream:
+def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStream:
     """An empty recording for this content, not yet connected to a sink.
 
-    Its id is made from the content: the same again replaces itself in a viewer, and two different
-    ones stay apart.
+    Unless it is given, its id is made from the content: the same again replaces itself in a viewer,
+    and two different ones stay apart.
 
     Raises
     ------
     ValueError : rerun is switched off by its environment variable.
     """
     recording = rr.RecordingStream(
-        APPLICATION, recording_id=content.digest(), send_properties=False
+        APPLICATION, recording_id=recording_id or content.digest(), send_properties=False
     )
     if not rr.is_enabled(recording):
         raise ValueError("rerun is switched off by the environment variable RERUN: unset it")

@@ -61,10 +61,19 @@ class AxleView:
 
 @dataclass(frozen=True, slots=True)
 class Vehicle:
-    """Its axles, the foremost first, and its speed of travel, m/s."""
+    """A vehicle on its road.
+
+    Parameters
+    ----------
+    axles : the foremost first
+    speed : of travel, m/s
+    road : instants at which the foremost axle meets its points, s, and their elevations, m; left
+        out, it is taken from the columns
+    """
 
     axles: tuple[AxleView, ...]
     speed: float
+    road: tuple[tuple[float, float], ...] = ()
 
     @property
     def columns(self) -> set[str]:
@@ -186,10 +195,11 @@ def road_profile(vehicle: Vehicle, histories: Mapping[str, Reals]) -> list[Polyl
     its surface, and strokes below it that show how fast it passes
     """
     front = vehicle.axles[0]
-    times, elevation = histories["time"], histories[front.road]
+    times, y = (
+        np.array(vehicle.road).T if vehicle.road else (histories["time"], histories[front.road])
+    )
     every = max(1, len(times) // _MOST_ROAD)
-    x = vehicle.speed * times[::every] + front.position
-    y = elevation[::every]
+    x, y = vehicle.speed * times[::every] + front.position, y[::every]
     left, right = x[0] - 4.0 - (front.position - vehicle.axles[-1].position), x[-1] + 4.0
     x, y = np.concatenate([[left], x, [right]]), np.concatenate([[y[0]], y, [y[-1]]])
     apart = max(_ROAD_MARKS, (right - left) / _MOST_ROAD)

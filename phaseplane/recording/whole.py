@@ -10,10 +10,10 @@ from phaseplane.constructions.primitives import Axis
 from . import sheet
 from .columns import Clock
 from .content import Content
-from .histories import log_histories
-from .motion import StatePlane, log_run, state_planes
+from .histories import log_series, panels, send_histories
+from .motion import StatePlane, log_plane, send_run, state_planes
 from .replay import SHEET, log_axes, log_construction, log_words
-from .side_view import log_vehicle
+from .side_view import log_vehicle, send_vehicle
 from .styles import legible
 
 
@@ -24,27 +24,41 @@ def log(recording: rr.RecordingStream, content: Content) -> None:
     ------
     ValueError : see `Content.check`; a frame that lacks a point which its scheme draws.
     """
+    begin(recording, content)
+    send(recording, content, Clock.of(content.drawing, stages=content.detail == "stages"))
+
+
+def begin(recording: rr.RecordingStream, content: Content, *, construction: bool = True) -> None:
+    """Log what is known before a run: how all things look, and the whole construction."""
     content.check()
     clock = Clock.of(content.drawing, stages=content.detail == "stages")
     recording.send_recording_name(legible(content.title))
     if content.shows("planes"):
         recording.log(SHEET, rr.Transform3D(scale=[1.0, -1.0, 1.0]), static=True)
-    if content.constructed is not None:
+    if construction and content.constructed is not None:
         log_construction(recording, content.constructed, clock, complete=content.detail != "trail")
-    else:
-        log_state_axes(recording, state_planes(content), content)
-    log_run(recording, content, clock)
-    if content.drawing is not None and content.shows("words") and content.detail != "trail":
+    log_state_planes(recording, content)
+    worded = content.shows("words") and content.detail != "trail"
+    if construction and content.drawing is not None and worded:
         log_words(recording, content.drawing, clock)
-    log_vehicle(recording, content, clock)
-    log_histories(recording, content, clock)
+    log_vehicle(recording, content)
+    for panel in panels(content):
+        log_series(recording, panel)
 
 
-def log_state_axes(
-    recording: rr.RecordingStream, planes: list[StatePlane], content: Content
-) -> None:
-    """The axes of planes that no construction has drawn."""
-    if planes:
+def send(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Log what the columns of a run, or some rows of them, say of its motion."""
+    send_run(recording, content, clock)
+    send_vehicle(recording, content, clock)
+    send_histories(recording, content, clock)
+
+
+def log_state_planes(recording: rr.RecordingStream, content: Content) -> None:
+    """Where the planes of the columns lie, and the axes of those that no construction has drawn."""
+    planes = state_planes(content)
+    for plane in planes:
+        log_plane(recording, plane)
+    if planes and content.constructed is None:
         trails = [_corners(plane, content) for plane in planes]
         log_axes(recording, [p.plane for p in planes], trails, state_box(planes, content))
 
@@ -52,7 +66,7 @@ def log_state_axes(
 def state_box(planes: list[StatePlane], content: Content) -> sheet.Bounds:
     """What a view of such planes shows."""
     box = sheet.Bounds.around(z for plane in planes for z in _corners(plane, content))
-    return box.grown(0.12 * max(box.width, box.height))
+    return box.grown(0.2 * max(box.width, box.height))
 
 
 def _corners(state_plane: StatePlane, content: Content) -> sheet.Complexes:

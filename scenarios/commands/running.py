@@ -17,26 +17,57 @@ from ..console import (
     set_option,
 )
 from ..errors import InputError
+from .viewing import page, until_interrupted, viewer_options
 
 
 @click.command()
 @click.argument("scene")
 @set_option
 @output_option
+@viewer_options
+@click.option("--realtime", is_flag=True, help="Let the run wait for the clock.")
+@click.option(
+    "--plane", "planes", multiple=True, metavar="A,B",
+    help="Show the phase plane of two outputs, displacement and rate. Repeatable.",
+)  # fmt: skip
 @json_option
-def run(scene: str, overrides: tuple[str, ...], output: Path | None, as_data: bool) -> int:
-    """Run SCENE: the name of a case (see `list`) or a scene file."""
+def run(
+    *,
+    scene: str,
+    overrides: tuple[str, ...],
+    output: Path | None,
+    viewer: str,
+    served: bool,
+    address: str,
+    realtime: bool,
+    planes: tuple[str, ...],
+    as_data: bool,
+) -> int:
+    """Run SCENE: the name of a case (see `list`), a scene file, or any .fmu file.
+
+    With --connect or --serve it is shown while it goes on.
+    """
     from ..job import run_scene  # noqa: PLC0415
     from ..report import failures, report  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
 
-    with progress_bar(scene) as progress:
-        summary, folder = run_scene(scene, overrides, output, progress)
-    click.echo(as_json(summary) if as_data else report(summary, folder))
-    told = failures(summary)
-    if told:
-        more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
-        complain(f"{summary['scene']}: {told[0]}{more}")
+    shown = [f"show.planes={list(planes)}", "show.recording=stages"] if planes else []
+    with page(served, address) as server:
+        with progress_bar(scene) as progress:
+            summary, folder = run_scene(
+                scene,
+                (*shown, *overrides),
+                output,
+                progress,
+                viewer=viewer or (server.url if server else ""),
+                realtime=realtime,
+            )
+        click.echo(as_json(summary) if as_data else report(summary, folder))
+        told = failures(summary)
+        if told:
+            more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
+            complain(f"{summary['scene']}: {told[0]}{more}")
+        until_interrupted(server)
     return FAILED if told else DONE
 
 
@@ -86,6 +117,7 @@ def list_cases(as_data: bool) -> None:
     "--save", type=click.Path(path_type=Path), metavar="F.rrd", help="Write a rerun recording."
 )
 @figure_option("the phase planes")
+@viewer_options
 @json_option
 def replay(
     *,
@@ -95,19 +127,28 @@ def replay(
     step: str | None,
     save: Path | None,
     figure: Path | None,
+    viewer: str,
+    served: bool,
+    address: str,
     as_data: bool,
 ) -> None:
     """Replay the graphical construction of a SCENE, or lay it over the RESULTS of a run."""
     from ..job import replay as make  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
 
-    if save is None and figure is None:
-        raise InputError("replay: nothing to write; give --save F.rrd or --figure F.png or both")
+    if save is None and figure is None and not viewer and not served:
+        raise InputError(
+            "replay: nothing to do; give one or more of --save F.rrd, --figure F.png, --connect URL "
+            "and --serve"
+        )
     extra = (("construction.rule", rule), ("construction.step", step))
     settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
-    told = make(what, settings, save, figure)
-    click.echo(
-        as_json(told)
-        if as_data
-        else f"{told['title']}: {told['steps']} steps in {', '.join(told['files'])}"
-    )
+    with page(served, address) as server:
+        told = make(what, settings, save, figure, viewer or (server.url if server else ""))
+        places = ", ".join([*told["files"], *([viewer] if viewer else [])])
+        click.echo(
+            as_json(told)
+            if as_data
+            else f"{told['title']}: {told['steps']} steps" + (f" in {places}" if places else "")
+        )
+        until_interrupted(server)

@@ -225,7 +225,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["build", "Quartercar", "-o", "x"], "did you mean 'QuarterCar'?"),
         (["build", "-o", "bad.toml/x"], "cannot write"),
         (["list", "extra"], "unexpected extra argument"),
-        (["replay", "ap57"], "--save F.rrd or --figure F.png"),
+        (["replay", "ap57"], "--save F.rrd, --figure F.png"),
         (["replay", "ap57", "--save", "x.txt"], "must end in .rrd"),
         (["replay", "ap57", "--figure", "x.gif"], "must end in .png"),
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
@@ -247,7 +247,7 @@ def test_bad_input(arguments: list[str], words: str, elsewhere: Path) -> None:
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupt(*_: object) -> None:
+    def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr("scenarios.job.run_scene", interrupt)

@@ -1,0 +1,128 @@
+"""The process that draws a run while it goes on: whatever becomes of it, the run is not touched.
+
+It reads pickled orders from its standard input and answers each with a byte. `live` starts it.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import BinaryIO
+from uuid import uuid4
+
+import numpy as np
+import rerun as rr
+
+from .columns import Clock, Reals
+from .content import Content
+from .layout import blueprint
+from .sinks import new_recording, record
+from .whole import begin, log_state_planes, send
+
+READY, TAKEN, DONE = b"r", b"t", b"d"
+
+
+@dataclass(frozen=True, slots=True)
+class Begin:
+    """What is known before the run, and where the drawing goes."""
+
+    content: Content
+    url: str
+    draft: str
+    path: str
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Some rows of the run."""
+
+    columns: dict[str, Reals]
+
+
+@dataclass(frozen=True, slots=True)
+class Complete:
+    """The whole run."""
+
+    content: Content
+
+
+class Drawer:
+    """Draws what it is given."""
+
+    def __init__(self, order: Begin) -> None:
+        self.order = order
+        self.recording = new_recording(order.content, uuid4().hex)
+        self.recording.set_sinks(
+            *([rr.GrpcSink(order.url)] if order.url else []),
+            *([rr.FileSink(order.draft)] if order.draft else []),
+        )
+        self.recording.send_blueprint(blueprint(order.content))
+        begin(self.recording, order.content)
+        self.recording.flush()
+        self.last: dict[str, Reals] = {}
+        self.reach: dict[str, Reals] = {}
+        self.clock = Clock.of(None, stages=False)
+
+    def take(self, rows: Rows) -> None:
+        """Draw more rows; the last one before them is where they go on from."""
+        columns = {
+            name: np.concatenate([self.last.get(name, column[:0]), column])
+            for name, column in rows.columns.items()
+            if name in self.order.content.histories
+        }
+        self.last = {name: column[-1:] for name, column in columns.items()}
+        self._reach_out(columns)
+        send(self.recording, replace(self.order.content, histories=columns), self.clock)
+        self.recording.flush()
+
+    def _reach_out(self, columns: Mapping[str, Reals]) -> None:
+        """Draw the axes anew where the motion goes beyond them."""
+        before = replace(self.order.content, histories=self.reach)
+        for name in (name for pair in self.order.content.pairs for name in pair):
+            seen = np.concatenate([self.reach.get(name, np.zeros(1)), columns[name]])
+            self.reach[name] = np.array([np.nanmin(seen), np.nanmax(seen)])
+        after = replace(before, histories=self.reach)
+        if self.order.content.constructed is None:
+            log_state_planes(self.recording, after)
+
+    def complete(self, order: Complete) -> None:
+        """Draw the whole run, and write its file anew."""
+        if self.order.url:
+            self.recording.send_blueprint(blueprint(order.content))
+            begin(self.recording, order.content, construction=False)
+            clock = Clock.of(order.content.drawing, stages=order.content.detail == "stages")
+            send(self.recording, order.content, clock)
+            self.recording.flush()
+        if self.order.path:
+            record(order.content, self.order.path)
+            os.unlink(self.order.draft)
+
+
+def follow(orders: BinaryIO, answers: int) -> None:
+    """Follow orders until the last one, or until nobody gives any."""
+    drawer: Drawer | None = None
+    while True:
+        try:
+            order = pickle.load(orders)
+        except EOFError:
+            return
+        if isinstance(order, Begin):
+            drawer = Drawer(order)
+            os.write(answers, READY)
+        elif isinstance(order, Rows) and drawer:
+            drawer.take(order)
+            os.write(answers, TAKEN)
+        elif isinstance(order, Complete) and drawer:
+            drawer.complete(order)
+            os.write(answers, DONE)
+            return
+
+
+def main() -> None:
+    """The whole process; only its answers go to the standard output."""
+    answers = os.dup(1)
+    os.dup2(2, 1)
+    follow(sys.stdin.buffer, answers)

@@ -1,0 +1,225 @@
+"""A run drawn while it goes on, off its own path.
+
+The run tells a `Live` after each step which rows there are. Now and then a thread takes some of the
+new ones and hands them to a process that draws; while that is busy, none are taken, so nothing piles
+up. If the viewer is slow, absent or dies, the drawing suffers and the run does not.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from queue import Empty, Queue
+from tempfile import TemporaryFile
+from types import TracebackType
+from typing import IO, Any
+
+import numpy as np
+
+from .content import Content
+from .drawer import DONE, READY, TAKEN, Begin, Complete, Rows
+from .server import listens
+
+_INTERVAL = 0.1  # s of wall time between two batches
+_MOST_ROWS = 250  # in a batch
+_PATIENCE = 20.0  # s for which a viewer is waited for before and after a run
+
+
+class Live:
+    """Draws a run into a running viewer, a file, or both.
+
+    Parameters
+    ----------
+    content : what is known before the run; its columns hold no rows
+    url : of a running viewer, such as rerun+http://127.0.0.1:9876/proxy; empty for none
+    path : of an `.rrd` file, written whole when the run is complete; until then what is drawn is kept
+        beside it as `<name>.part.rrd`, which stays readable if all ends early
+    patience : how long a viewer is waited for, before and after the run, s
+
+    Raises
+    ------
+    ValueError : not the address of a viewer.
+    """
+
+    def __init__(
+        self,
+        content: Content,
+        url: str = "",
+        path: str | os.PathLike[str] | None = None,
+        *,
+        patience: float = _PATIENCE,
+    ) -> None:
+        self.content, self.url, self.path, self.patience = content, url, path, patience
+        self.problem = ""
+        self.rows_drawn = 0
+        self._child: subprocess.Popen[bytes] | None = None
+        self._noise: IO[bytes] | None = None
+        self._thread: threading.Thread | None = None
+        self._listener: threading.Thread | None = None
+        self._over = threading.Event()
+        self._answers: Queue[bytes] = Queue()
+        self._pending = False  # whether the drawer is still at the last rows
+        self._source: Callable[[], tuple[Sequence[str], Sequence[tuple[Any, ...]]]] | None = None
+        self._taken = 0
+        if url and not listens(url):
+            self.problem = f"no viewer listens at {url}"
+
+    def __enter__(self) -> Live:
+        if not self.problem:
+            try:
+                self._start()
+            except OSError as error:
+                self._fail(f"the drawing could not begin: {error}")
+        return self
+
+    def __exit__(
+        self,
+        _kind: type[BaseException] | None,
+        _error: BaseException | None,
+        _traceback: TracebackType | None,
+    ) -> None:
+        self._stop_thread()
+        self._end_child()
+
+    # -- while the run goes on ---------------------------------------------------------------------
+
+    def watch(self, names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> None:
+        """Say which rows there are; takes no time.
+
+        Parameters
+        ----------
+        names : of the columns, `time` among them
+        rows : all rows so far, to which only more are appended
+        """
+        if self._source is None and not self.problem:
+            self._source = lambda: (names, rows)
+            self._thread = threading.Thread(target=self._pump, daemon=True)
+            self._thread.start()
+
+    def _pump(self) -> None:
+        while not self._over.wait(_INTERVAL) and not self.problem:
+            self._hand_over()
+
+    def _hand_over(self) -> None:
+        """Give the drawer the rows that have come since, thinned; wait until it has drawn them."""
+        assert self._source is not None
+        names, rows = self._source()
+        new = rows[self._taken : len(rows)]
+        if not new:
+            return
+        self._taken += len(new)
+        chosen = np.unique(np.linspace(0, len(new) - 1, _MOST_ROWS).round().astype(int))
+        table = np.array([new[i] for i in chosen], float)
+        self._order(Rows(dict(zip(names, table.T.copy(), strict=True))))
+        self.rows_drawn += len(table)
+        self._pending = True
+        while self._pending and not self.problem and not self._over.is_set():
+            self._pending = not self._answer(TAKEN, _INTERVAL)
+
+    # -- before and after --------------------------------------------------------------------------
+
+    def _start(self) -> None:
+        path = Path(self.path) if self.path else None
+        draft = str(path.with_name(f"{path.stem}.part.rrd")) if path else ""
+        self._noise = TemporaryFile()  # noqa: SIM115  (closed with the child)
+        self._child = subprocess.Popen(
+            [sys.executable, "-c", "from phaseplane.recording.drawer import main; main()"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            bufsize=0,
+            stderr=self._noise,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            start_new_session=True,  # an interrupt is for the run; the drawer ends with its input
+        )
+        self._listener = threading.Thread(target=self._listen, args=(self._child.stdout,))
+        self._listener.start()
+        self._order(Begin(self.content, self.url, draft, str(path or "")))
+        self._expect(READY, "the viewer did not answer")
+
+    def complete(self, content: Content) -> None:
+        """Draw the whole run."""
+        self._stop_thread()
+        if self.problem:
+            return
+        if self._pending:
+            self._expect(TAKEN, "the viewer was too slow")
+        self._order(Complete(content))
+        self._expect(DONE, "the viewer has not taken the whole run")
+
+    def _stop_thread(self) -> None:
+        self._over.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _expect(self, answer: bytes, otherwise: str) -> None:
+        if not self.problem and not self._answer(answer, self.patience):
+            self._fail(otherwise)
+
+    def _answer(self, wanted: bytes, patience: float) -> bool:
+        """Whether the drawer has answered in time."""
+        try:
+            answer = self._answers.get(timeout=patience)
+        except Empty:
+            return False
+        if answer != wanted:
+            self._fail(self._last_words() or "the drawing ended early")
+        return answer == wanted
+
+    def _listen(self, answers: IO[bytes]) -> None:
+        """Pass on what the drawer answers, and in the end nothing."""
+        with answers:
+            while answer := answers.read(1):
+                self._answers.put(answer)
+        self._answers.put(b"")
+
+    def _order(self, order: object) -> None:
+        """Hand an order over; a drawer that does not read it in time is given up."""
+        if self.problem or self._child is None:
+            return
+        assert self._child.stdin is not None
+        alarm = threading.Timer(self.patience, self._child.kill)
+        alarm.start()
+        try:
+            pickle.dump(order, self._child.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+            self._child.stdin.flush()
+        except OSError:
+            self._fail(self._last_words() or "the drawing ended early")
+        finally:
+            alarm.cancel()
+
+    def _last_words(self) -> str:
+        """What the drawer said last on its way out."""
+        assert self._child is not None
+        assert self._noise is not None
+        with suppress(subprocess.TimeoutExpired):
+            self._child.wait(1.0)
+        self._noise.seek(0)
+        lines = self._noise.read().decode(errors="replace").strip().splitlines()
+        return lines[-1] if lines else ""
+
+    def _fail(self, problem: str) -> None:
+        self.problem = self.problem or problem
+        if self._child is not None:
+            self._child.kill()
+
+    def _end_child(self) -> None:
+        if self._child is None:
+            return
+        assert self._child.stdin is not None
+        with suppress(OSError):
+            self._child.stdin.close()
+        try:
+            self._child.wait(self.patience)
+        except subprocess.TimeoutExpired:
+            self._fail("the viewer has not taken the whole run")
+            self._child.wait()
+        if self._listener is not None:
+            self._listener.join()
+        if self._noise is not None:
+            self._noise.close()

@@ -1,0 +1,151 @@
+"""Recordings served to a browser: rerun's own server and web viewer, in a process of their own."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from ipaddress import ip_address
+from pathlib import Path
+from urllib.parse import quote, urlsplit
+
+LOOPBACK = "127.0.0.1"
+_PORTS = (9876, 9090)  # of rerun, for recordings and for the page
+_START = 20.0  # s within which the server has to answer
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A server that runs.
+
+    Parameters
+    ----------
+    page : address of the page that shows what is served
+    url : where recordings are sent to and taken from
+    """
+
+    page: str
+    url: str
+    process: subprocess.Popen[bytes]
+
+    def wait(self) -> None:
+        """Until the server ends, or an interrupt comes."""
+        while self.process.poll() is None:
+            time.sleep(0.2)
+
+
+@contextmanager
+def serving(
+    files: Sequence[str | os.PathLike[str]] = (), address: str = LOOPBACK
+) -> Iterator[Server]:
+    """Serve recordings, and what is sent to it, until the end of the block.
+
+    Parameters
+    ----------
+    files : recordings to begin with
+    address : of this machine, to listen at; any other than the loopback address opens it to others
+
+    Raises
+    ------
+    OSError : it cannot listen there.
+    """
+    data, page = _free_port(address, _PORTS[0]), _free_port(address, _PORTS[1])
+    host = _host(address)
+    origin = f"http://{host}:{page}"
+    process = subprocess.Popen(
+        [
+            viewer_program(), "--serve-web", "--bind", address, "--port", str(data),
+            "--web-viewer-port", str(page), "--server-memory-limit", "50%",
+            "--cors-allow-origin", origin, *(os.fspath(file) for file in files),
+        ],
+        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        env={**os.environ, "RERUN_APP_ONLY": "true"},
+        start_new_session=True,
+    )  # fmt: skip
+    try:
+        for port in (data, page):
+            _await(process, _host(address), port)
+        url = f"rerun+http://{host}:{data}/proxy"
+        yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
+    finally:
+        process.terminate()
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(5.0)
+        process.kill()
+        process.wait()
+
+
+def viewer_program() -> str:
+    """Rerun's viewer and server itself; the command of that name is a wrapper that outlives it."""
+    import rerun_cli  # noqa: PLC0415  (not needed to write files)
+
+    program = "rerun.exe" if os.name == "nt" else "rerun"
+    return os.environ.get("RERUN_CLI_PATH") or str(Path(rerun_cli.__file__).with_name(program))
+
+
+def is_loopback(address: str) -> bool:
+    """Whether only this machine can reach an address."""
+    if address == "localhost":
+        return True
+    try:
+        return ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def listens(url: str, patience: float = 1.0) -> bool:
+    """Whether anything listens at the address of a viewer.
+
+    Raises
+    ------
+    ValueError : not the address of a viewer.
+    """
+    parts = urlsplit(url)
+    try:
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host = port = None
+    schemes = ("rerun", "rerun+http", "rerun+https")
+    if parts.scheme not in schemes or not host or not port or parts.path != "/proxy":
+        raise ValueError(
+            f"{url} is no address of a viewer; write it as rerun+http://127.0.0.1:9876/proxy"
+        )
+    try:
+        socket.create_connection((host, port), patience).close()
+    except OSError:
+        return False
+    return True
+
+
+def _host(address: str) -> str:
+    """The name under which a browser finds the address."""
+    return socket.gethostname() if address in ("0.0.0.0", "::") else address
+
+
+def _free_port(address: str, wanted: int) -> int:
+    """The port wanted, or any other that is free."""
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    for port in (wanted, 0):
+        with socket.socket(family, socket.SOCK_STREAM) as trial:
+            try:
+                trial.bind((address, port))
+            except OSError as error:
+                if port == 0:
+                    raise OSError(f"cannot listen at {address}: {error.strerror}") from None
+                continue
+            return int(trial.getsockname()[1])
+    raise AssertionError
+
+
+def _await(process: subprocess.Popen[bytes], host: str, port: int) -> None:
+    end = time.monotonic() + _START
+    while time.monotonic() < end and process.poll() is None:
+        with suppress(OSError):
+            socket.create_connection((host, port), 1.0).close()
+            return
+        time.sleep(0.05)
+    raise OSError(f"the server at {host}:{port} did not start")

@@ -1,0 +1,68 @@
+"""Recordings shown in a viewer or on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from signal import SIGTERM, default_int_handler, signal
+from typing import Any
+
+import click
+
+_LOOPBACK = "127.0.0.1"
+_OPTIONS = (
+    click.option(
+        "--connect", "viewer", default="", metavar="URL",
+        help="Show it in a running viewer, e.g. rerun+http://127.0.0.1:9876/proxy.",
+    ),
+    click.option("--serve", "served", is_flag=True, help="Show it on a page, until Ctrl-C."),
+    click.option(
+        "--address", default=_LOOPBACK, show_default=True, metavar="ADDRESS",
+        help="Where the page is served; any but the loopback address opens it to other machines.",
+    ),
+)  # fmt: skip
+
+
+def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """`--connect`, `--serve` and `--address`."""
+    for option in reversed(_OPTIONS):
+        command = option(command)
+    return command
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
+@_OPTIONS[-1]
+def serve(folder: Path, address: str) -> None:
+    """Show all recordings of a folder on a page, until Ctrl-C."""
+    from ..live import recordings_in  # noqa: PLC0415
+
+    with page(True, address, recordings_in(folder)) as shown:
+        until_interrupted(shown)
+
+
+@contextmanager
+def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any]:
+    """A page that shows recordings, if it is wanted; its address is said first."""
+    if not wanted:
+        yield None
+        return
+    from .. import live  # noqa: PLC0415
+
+    if not live.is_loopback(address):
+        click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)
+    before = signal(SIGTERM, default_int_handler)
+    try:
+        with live.page(files, address) as server:
+            click.echo(f"{server.page}\n(Ctrl-C ends it)", err=True)
+            yield server
+    finally:
+        signal(SIGTERM, before)
+
+
+def until_interrupted(shown: Any) -> None:
+    """Keep a page, if there is one."""
+    if shown:
+        with suppress(KeyboardInterrupt):
+            shown.wait()

@@ -1,0 +1,141 @@
+"""A run drawn while it goes on: what arrives, and that nothing can disturb the run."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from urllib.request import urlopen
+
+import numpy as np
+import pytest
+from recorded import Recorded, paper
+from rerun.error_utils import RerunWarning
+
+from phaseplane.recording import Content, Live, is_loopback, listens, record, serving
+
+TIME = np.linspace(0.0, 1.0, 1001)
+COLUMNS = {
+    "time": TIME,
+    "body_displacement": 0.04 * np.sin(20 * TIME),
+    "body_velocity": 0.8 * np.cos(20 * TIME),
+}
+WHOLE = Content("a run", histories=COLUMNS, pairs=(("body_displacement", "body_velocity"),))
+BEFORE = replace(WHOLE, histories={name: np.zeros(0) for name in COLUMNS}, live=True)
+TRAIL = "/sheet/live/body_displacement"
+
+
+def drive(
+    live: Live, step: float = 1e-3, at_half: Callable[[], object] = lambda: None
+) -> list[tuple[float, ...]]:
+    """A run of a thousand steps that tells the drawing of each."""
+    rows: list[tuple[float, ...]] = []
+    for k, row in enumerate(zip(*COLUMNS.values(), strict=True)):
+        rows.append(tuple(map(float, row)))
+        live.watch(list(COLUMNS), rows)
+        time.sleep(step)
+        if k == 600:
+            at_half()
+    return rows
+
+
+def test_a_file_is_complete_in_the_end(tmp_path: Path) -> None:
+    with Live(BEFORE, path=tmp_path / "live.rrd") as live:
+        drive(live)
+        live.complete(WHOLE)
+    assert live.problem == ""
+    assert list(tmp_path.iterdir()) == [tmp_path / "live.rrd"]
+    record(WHOLE, tmp_path / "whole.rrd")
+    made, wanted = Recorded(tmp_path / "live.rrd"), Recorded(tmp_path / "whole.rrd")
+    assert made.rows.keys() == wanted.rows.keys()
+    for path, rows in wanted.rows.items():
+        assert len(made.rows[path]) == len(rows)
+
+
+def test_what_was_drawn_stays_readable_and_the_old_file_stays(tmp_path: Path) -> None:
+    target = tmp_path / "live.rrd"
+    target.write_bytes(b"the old recording")
+    with Live(BEFORE, path=target) as live:
+        drive(live)
+        assert live._child is not None
+        live._child.send_signal(signal.SIGKILL)
+        live.complete(WHOLE)
+    assert live.problem
+    assert target.read_bytes() == b"the old recording"
+    with pytest.warns(RerunWarning, match="no footer"):
+        drawn = Recorded(tmp_path / "live.part.rrd")
+    rows = drawn.rows[TRAIL]
+    assert len(rows) > 100
+    ends = np.array([paper(row["LineStrips2D:strips"][0])[1] for row in rows])
+    times = np.array([row["t"] for row in rows])
+    np.testing.assert_allclose(ends.real, 0.04 * np.sin(20 * times), atol=1e-6)
+    np.testing.assert_allclose(ends.imag, 0.8 * np.cos(20 * times), atol=1e-5)
+    starts = np.array([paper(row["LineStrips2D:strips"][0])[0] for row in rows])
+    np.testing.assert_array_equal(starts[1:], ends[:-1])  # no gap between batches
+
+
+def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
+    with Live(BEFORE, path=tmp_path / "live.rrd") as live:
+        rows: list[tuple[float, ...]] = []
+        live.watch(list(COLUMNS), rows)
+        rows.extend((float(k), 0.0, 0.0) for k in range(100_000))
+        time.sleep(1.0)
+        assert 0 < live.rows_drawn <= 2500
+
+
+def test_a_viewer_that_is_not_there() -> None:
+    with socket.socket() as held:
+        held.bind(("127.0.0.1", 0))
+        url = f"rerun+http://127.0.0.1:{held.getsockname()[1]}/proxy"
+        with Live(BEFORE, url) as live:
+            assert len(drive(live, step=0.0)) == 1001
+            live.complete(WHOLE)
+        assert live.problem == f"no viewer listens at {url}"
+
+
+def test_a_server_is_seen_from_this_machine_alone_and_ends_with_its_block() -> None:
+    with serving() as server:
+        with urlopen(server.page) as page:
+            assert b"Rerun Viewer" in page.read()
+        assert listens(server.url)
+        addresses = subprocess.run(["ss", "-ltnp"], capture_output=True, text=True, check=False)
+        ours = [
+            line for line in addresses.stdout.splitlines() if f"pid={server.process.pid}," in line
+        ]
+        assert all(line.split()[3].startswith("127.0.0.1:") for line in ours)
+        with Live(BEFORE, server.url) as live:
+            drive(live, at_half=lambda: server.process.send_signal(signal.SIGKILL))
+            live.complete(WHOLE)
+        assert live.problem
+    assert not listens(server.url)
+
+
+@pytest.mark.slow
+def test_a_viewer_that_stands_still() -> None:
+    with serving() as server:
+        with Live(BEFORE, server.url, patience=3.0) as live:
+            begun = time.perf_counter()
+            drive(live, at_half=lambda: server.process.send_signal(signal.SIGSTOP))
+            took = time.perf_counter() - begun
+            live.complete(WHOLE)
+        server.process.send_signal(signal.SIGCONT)
+        assert live.problem
+        assert took < 10.0
+
+
+@pytest.mark.parametrize("url", ["http://127.0.0.1:1/proxy", "rerun+http://here/proxy", "viewer"])
+def test_what_is_no_address(url: str) -> None:
+    with pytest.raises(ValueError, match=r"write it as rerun\+http://127"):
+        Live(BEFORE, url)
+
+
+@pytest.mark.parametrize(
+    ("address", "only_here"),
+    [("127.0.0.1", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("car", False)],
+)
+def test_which_addresses_are_of_this_machine_alone(address: str, only_here: bool) -> None:
+    assert is_loopback(address) == only_here

@@ -1,0 +1,129 @@
+"""Runs that are shown while they go on, pages that show recordings, FMUs run as they are."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import perf_counter
+from urllib.request import urlopen
+
+import pytest
+from click.testing import CliRunner
+from fmpy.util import read_csv
+from rerun.chunk import RrdReader
+
+from phaseplane.recording import serving
+from scenarios.cli import main
+from scenarios.job import run_scene
+from scenarios.layers import case_names
+from scenarios.replays import default_pairs, vehicle
+from scenarios.schema import load_scene
+
+ROOT = Path(__file__).parents[2]
+PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])
+BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
+DEFLECTION = "suspension_deflection"
+PAIR = f"{DEFLECTION},{DEFLECTION}_rate"
+
+
+def entities(path: Path) -> set[str]:
+    return {chunk.entity_path for chunk in RrdReader(path).stream() if not chunk.is_static}
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_a_run_is_the_same_whether_it_is_watched_or_not() -> None:
+    with serving() as server:
+        watched = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", server.url])
+    alone = CliRunner().invoke(main, ["run", "ap57", *BARE, "-o", "alone"])
+    assert (watched.exit_code, alone.exit_code) == (0, 0), watched.stderr
+    assert Path("out/ap57/results.csv").read_bytes() == Path("alone/results.csv").read_bytes()
+
+
+def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:
+    url = "rerun+http://127.0.0.1:1/proxy"
+    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", url])
+    assert result.exit_code == 1
+    assert result.stderr == f"phaseplane: ap57: the run was not shown: no viewer listens at {url}\n"
+    assert len(read_csv("out/ap57/results.csv")) == 1001
+
+
+def test_a_run_that_waits_for_the_clock() -> None:
+    settings = ["show.figures=[]", "show.recording=false", "duration=0.6"]
+    begun = perf_counter()
+    summary, _ = run_scene("ap57", settings, realtime=True)
+    assert summary["run_time"] >= 0.6
+    assert perf_counter() - begun >= 0.6
+    assert summary["rows"] == 601
+
+
+def test_any_fmu_with_a_plane_of_its_own() -> None:
+    assert CliRunner().invoke(main, ["build", "OneDof", "-o", "."]).exit_code == 0
+    result = CliRunner().invoke(
+        main, ["run", "OneDof.fmu", "--plane", PAIR, "--set", "show.views=['planes']"]
+    )
+    assert result.exit_code == 0, result.stderr
+    path = Path("out/OneDof/construction.rrd")
+    assert entities(path) == {f"/sheet/run/{DEFLECTION}{end}" for end in ("", "/state")}
+    for plane, message in (("a,b", "no output 'a'"), ("a", "pairs of outputs")):
+        refused = CliRunner().invoke(main, ["run", "OneDof.fmu", "--plane", plane])
+        assert refused.exit_code == 2
+        assert message in refused.stderr
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_every_case_has_a_recording_with_its_vehicle(name: str) -> None:
+    scene = load_scene(name)
+    shown = vehicle(scene.fmu.model, scene.all_parameters, scene.duration)
+    pairs = default_pairs(scene.fmu.outputs())
+    assert pairs
+    assert (shown is not None) == ("road.shape" in scene.all_parameters)
+    if shown:
+        outputs = {name.replace("ground_", "road_") for name in scene.fmu.outputs()}
+        assert shown.columns <= outputs
+
+
+def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
+    done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
+    assert done.exit_code == 0
+    serving = subprocess.Popen(
+        [sys.executable, "-m", "scenarios.cli", "serve", str(tmp_path)],
+        env={**os.environ, "PYTHONPATH": PATH},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert serving.stderr
+    page = serving.stderr.readline().strip()
+    assert re.match(r"http://127\.0\.0\.1:\d+/\?url=rerun%2Bhttp", page)
+    with urlopen(page) as answer:
+        assert answer.status == 200
+    serving.send_signal(signal.SIGINT)
+    _, rest = serving.communicate(timeout=20)
+    assert serving.returncode == 0
+    assert "Traceback" not in rest
+    with pytest.raises(OSError, match="refused"):
+        urlopen(page)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["serve", "missing"], "no folder missing"),
+        (["serve", "."], "no recording (.rrd) in ."),
+        (["replay", "ap57", "--connect", "here"], "here is no address of a viewer"),
+        (["run", "ap57", "--connect", "here"], "here is no address of a viewer"),
+        (["run", "none.fmu"], "no such file"),
+    ],
+)
+def test_bad_input(arguments: list[str], message: str) -> None:
+    result = CliRunner().invoke(main, arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert len(result.stderr.splitlines()) == 1
