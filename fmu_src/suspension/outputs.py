@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from math import inf
 from operator import mul
 from typing import Any, Protocol
@@ -44,54 +43,73 @@ class Contact:
 class State:
     """Motion, deflections and forces at the instant an integrator has sampled last.
 
-    What is not asked for is not made.
+    What is not asked for is not made. `q`, `v` and the like show the integrator's own numbers.
+
+    Parameters
+    ----------
+    system : what is stepped
+    integrator : its integrator
     """
 
-    def __init__(
-        self, system: System, integrator: Any, signals: Mapping[str, Signal], time: float
-    ) -> None:
+    def __init__(self, system: System, integrator: Any) -> None:
         self._system, self._integrator = system, integrator
-        self._sources, self._time = signals, time
-        self.q: Sequence[float] = integrator.sample_q
-        self.v: Sequence[float] = integrator.sample_v
+        # builtin views are read several times faster than those of a compiled attribute
+        self.q, self.v = memoryview(integrator.sample_q), memoryview(integrator.sample_v)
+        self._a, self._f = memoryview(integrator.sample_a), memoryview(integrator.sample_f)
+        self._set = memoryview(integrator.sample_set)
+        self.at(0.0, system.signals)
 
-    @cached_property
+    def at(self, time: float, signals: Mapping[str, Signal]) -> None:
+        """Go on to another instant, s: the integrator has just sampled it."""
+        self._time, self._sources = time, signals
+        self._signals: dict[str, tuple[float, float, float, float]] | None = None
+        self._deflections: list[tuple[float, float]] | None = None
+        self._known = False  # whether forces, accelerations and sets are those of this instant
+
+    @property
     def signals(self) -> dict[str, tuple[float, float, float, float]]:
         """Every signal with its derivatives."""
-        return {name: signal.derivatives(self._time) for name, signal in self._sources.items()}
+        if self._signals is None:
+            t = self._time
+            self._signals = {name: source.derivatives(t) for name, source in self._sources.items()}
+        return self._signals
 
-    @cached_property
+    @property
     def deflections(self) -> list[tuple[float, float]]:
         """Deflection and rate of every element."""
-        return [
-            (
-                _along(e.direction, self.q) - (self.signals[e.road][0] if e.road else 0.0),
-                _along(e.direction, self.v) - (self.signals[e.road][1] if e.road else 0.0),
-            )
-            for e in self._system.elements
-        ]
+        if self._deflections is None:
+            self._deflections = [
+                (
+                    _along(e.direction, self.q) - (self.signals[e.road][0] if e.road else 0.0),
+                    _along(e.direction, self.v) - (self.signals[e.road][1] if e.road else 0.0),
+                )
+                for e in self._system.elements
+            ]
+        return self._deflections
 
-    @cached_property
-    def _read(self) -> tuple[list[float], list[float], list[float]]:
+    def _find_forces(self) -> None:
         """Forces, accelerations and permanent sets, from the equation of motion."""
-        self._integrator.sample_forces(self._time)
-        i = self._integrator
-        return list(i.sample_f), list(i.sample_a), list(i.sample_set)
+        if not self._known:
+            self._integrator.sample_forces(self._time)
+            self._known = True
 
     @property
-    def forces(self) -> list[float]:
+    def forces(self) -> Sequence[float]:
         """Force of every element."""
-        return self._read[0]
+        self._find_forces()
+        return self._f
 
     @property
-    def a(self) -> list[float]:
+    def a(self) -> Sequence[float]:
         """Accelerations."""
-        return self._read[1]
+        self._find_forces()
+        return self._a
 
     @property
-    def permanent_sets(self) -> list[float]:
+    def permanent_sets(self) -> Sequence[float]:
         """Deflection at which each element that yields would be free of force."""
-        return self._read[2]
+        self._find_forces()
+        return self._set
 
 
 def _along(direction: Sequence[float], vector: Sequence[float]) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from functools import partial
 from math import isfinite, nan
 
 from .models import road_from
@@ -44,6 +45,7 @@ class RoadSource:
             "rear": front.delayed(float(p["wheelbase"]) / float(p["speed"])),
         }
         self._outputs = {v.name for v in variables(model) if v.causality == "output"}
+        self.readers = {name: partial(self.value, name) for name in self._outputs}
 
     def set_input(self, name: str, value: float) -> None:
         """There are no inputs.

@@ -116,7 +116,8 @@ class Session:
             for axle in system.axles
             if (element := system.element(axle.tyre)) is not None
         }
-        self._read = readers(system, integrator, self)
+        self.state = State(system, integrator)
+        self.readers = readers(system, integrator, self)  # of outputs, while all is well
 
     # -- inputs and stepping -------------------------------------------------------------------------
 
@@ -161,8 +162,10 @@ class Session:
             raise SimulationError(f"the run failed before, at {self.time:.9g} s")
         if not isfinite(until) or until < self.time - _AT_REST:
             raise SimulationError(f"cannot step from {self.time:.9g} s back to {until:.9g} s")
-        self._take_parameters()
-        self._take_inputs()
+        if self._tuned:
+            self._take_parameters()
+        if self._changed or self._sampled:
+            self._take_inputs()
         if self._integrator.time < until:
             if not self._sampled:
                 self._behind = self._integrator.snapshot()
@@ -280,7 +283,7 @@ class Session:
             what = f"{axle.replace('_', ' ')}{'lift-off' if airborne else 'touchdown'}"
             self.messages.append(("event", f"{what} at {instant:.9g} s"))
         self._integrator.sample(self.time)
-        self.state = State(self._system, self._integrator, self._signals, self.time)
+        self.state.at(self.time, self._signals)
 
     def value(self, name: str) -> Value:
         """An output, input or parameter at the present time; not a number once the run has failed.
@@ -289,14 +292,14 @@ class Session:
         ------
         ParameterError : no such variable.
         """
-        if name in self._read:
+        if name in self.readers:
             if not self.ok and name != "ok":
                 start = self._outputs[name]
                 return nan if isinstance(start, float) else type(start)(0)
-            return self._read[name]()
+            return self.readers[name]()
         if name in self._inputs:
             return self._inputs[name]
-        refuse_unknown([name], (*self._read, *self._inputs, *self.parameters), "no variable")
+        refuse_unknown([name], (*self.readers, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
 
     # -- whole state ---------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable, Mapping
 from functools import partial
 from math import nan
 from pathlib import Path
@@ -83,6 +84,8 @@ class VehicleSlave(Fmi2Slave):
         # parameters and inputs as the host has set them, checked when a session is made of them
         self._parameters = checked_parameters(self.model, _start_values(self.resources))
         self._inputs = {v.name: float(v.start) for v in declared if v.causality == "input"}
+        self._bound: Mapping[str, Callable[[], Any]] = {}
+        self._readers: list[Callable[[], Any]] = []  # by value reference
         self._start_time = 0.0
         self._tolerance: float | None = None
         self._refusal = ""  # why the next step cannot be made
@@ -178,11 +181,16 @@ class VehicleSlave(Fmi2Slave):
 
     def get_real(self, vrs: list[int]) -> list[float]:
         """Values by value reference: what hosts call most."""
-        names = self._names
-        if self._initialised and self._session is not None:
-            value = self._session.value
-            return [value(names[vr]) for vr in vrs]  # type: ignore[misc]
-        return [self._value(names[vr]) for vr in vrs]  # type: ignore[misc]
+        session = self._session
+        if session is None or not (self._initialised and session.ok):
+            return [self._value(self._names[vr]) for vr in vrs]  # type: ignore[misc]
+        if session.readers is not self._bound:  # another session, or one made anew by a parameter
+            self._bound = session.readers
+            self._readers = [
+                self._bound.get(name, partial(session.value, name)) for name in self._names
+            ]
+        readers = self._readers
+        return [readers[vr]() for vr in vrs]
 
     def _value(self, name: str) -> Value:
         if self._initialised and self._session is not None:
