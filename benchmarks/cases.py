@@ -1,0 +1,97 @@
+"""What is timed: single steps, whole runs, and thousands of runs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import hard_coded
+
+from scenarios.studies import own, peers
+from scenarios.studies.accuracy import Solver, solvers
+from scenarios.studies.peers import UnableError, Workbench
+from scenarios.studies.problems import PROBLEMS
+from scenarios.studies.reference import largest_error, truth
+from suspension import engine
+
+STEP, DURATION = 1e-3, 2.0
+STEPS = round(DURATION / STEP)
+PACKAGED = ("numbalsoda dop853", "numbalsoda lsoda", "heyoka")
+"""Those peers that are not slower by an order of magnitude."""
+RACERS = ("extrapolated", *PACKAGED, "rk4, numba")
+
+
+def uncompiled_integrator() -> Any:
+    """The integrator from its Python source, beside the compiled one."""
+    name = "uncompiled_kernel"
+    package = ModuleType(name)
+    package.__path__ = [str(engine.KERNEL)]
+    sys.modules.setdefault(name, package)
+    with engine._cython_directives():
+        return import_module(f"{name}.integrator").Integrator
+
+
+def fixed_steps(integrator_class: Any, method: str = "equilibrium") -> Callable[[], int]:
+    """The quarter car over its bump in fixed steps; returns how many there were."""
+    integrator = integrator_class(PROBLEMS["lift_off"]().system, method, STEP)
+    start = integrator.snapshot()
+
+    def run() -> int:
+        integrator.restore(start)
+        assert integrator.advance(DURATION) == 0
+        return int(integrator.step_count)
+
+    return run
+
+
+def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:
+    """The same steps hard-coded: by the C compiler, by numba if there is one, in plain floats."""
+    made: dict[str, Callable[[], object]] = {
+        "C": partial(hard_coded.compiled_by_cc(folder), STEPS, STEP)
+    }
+    try:
+        from numba import njit  # noqa: PLC0415
+    except ImportError:
+        pass
+    else:
+        made["numba"] = partial(njit(hard_coded.run), STEPS, STEP)
+    return made | {"plain floats": partial(hard_coded.run, STEPS, STEP)}
+
+
+def racers(problem: str) -> list[tuple[Solver, float, float, Callable[[], object]]]:
+    """Solver, setting, error and whole run of the fast ones on a problem."""
+    made = PROBLEMS[problem]()
+    bench = Workbench(made, truth(made))
+    interval = made.duration / made.intervals
+    found = []
+    for solver in solvers(with_peers=True):
+        if solver.name not in RACERS or solver.family == "FMU" or solver.missing:
+            continue
+        for value in solver.values:
+            setting = value * interval if solver.knob == "step" else value
+            try:
+                run = solver.prepare(bench, setting)
+                error = largest_error(run(), bench.true)
+            except (UnableError, ArithmeticError):
+                continue
+            found.append((solver, setting, error, run))
+            if error < 1e-12:
+                break
+    return found
+
+
+def lsoda_run(tolerance: float = 1e-4) -> Callable[[], object]:
+    """One run of 2 s by scipy's LSODA with a compiled right-hand side."""
+    problem = PROBLEMS["lift_off"]()
+    return peers.scipy_method("LSODA", Workbench(problem, truth(problem)), tolerance)
+
+
+def default_run(tolerance: float = 1e-4) -> Callable[[], object]:
+    """The same run by the default method."""
+    problem = PROBLEMS["lift_off"]()
+    return own.in_process(Workbench(problem, truth(problem)), tolerance=tolerance)

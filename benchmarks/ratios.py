@@ -1,0 +1,159 @@
+"""The ratios that the integrator is held to, measured in one run and written beside this file.
+
+    python benchmarks/ratios.py [--rounds 25] [--only steps,levels,batch]
+
+Everything in a ratio takes turns; ratios are of medians. A ratio at most its bar holds; the last one,
+of two cores to one, has to be at least its bar.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+import cases
+from measuring import medians
+
+from scenarios.studies.accuracy import machine, versions
+from suspension.engine import Integrator
+
+HERE = Path(__file__).parent
+LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
+_FEWER = 5  # times fewer rounds for what takes longest
+
+
+@dataclass(frozen=True, slots=True)
+class Ratio:
+    """One ratio: what it is, what it came to, and its bar and aim.
+
+    Parameters
+    ----------
+    seconds, against : of what is measured and of what it is held against, s
+    """
+
+    name: str
+    seconds: float
+    against: float
+    bar: float
+    aim: float
+    at_least: bool = False
+
+    @property
+    def value(self) -> float:
+        return self.seconds / self.against
+
+    @property
+    def holds(self) -> bool:
+        return self.value >= self.bar if self.at_least else self.value <= self.bar
+
+
+def steps(rounds: int) -> Iterator[Ratio]:
+    """One fixed step of the quarter car, compiled and not."""
+    with tempfile.TemporaryDirectory() as folder:
+        coded = cases.hard_coded_steps(Path(folder))
+        plain = coded.pop("plain floats")
+        ours = cases.fixed_steps(Integrator)
+        times = medians({**coded, "ours": ours}, rounds)
+        count = ours()
+        each = {name: t / (count if name == "ours" else cases.STEPS) for name, t in times.items()}
+        yield Ratio("fixed step / hard-coded C", each["ours"], each["C"], 3.0, 1.5)
+        if "numba" in each:
+            yield Ratio("fixed step / hard-coded numba", each["ours"], each["numba"], 3.0, 1.5)
+        uncompiled = cases.fixed_steps(cases.uncompiled_integrator())
+        slow = medians({"plain": plain, "ours": uncompiled}, max(rounds // _FEWER, 3))
+        count = uncompiled()
+        yield Ratio(
+            "uncompiled step / plain floats",
+            slow["ours"] / count,
+            slow["plain"] / cases.STEPS,
+            8.0,
+            5.0,
+        )
+
+
+def fastest(
+    reached: Sequence[tuple[str, float, float]], level: float, names: Sequence[str]
+) -> float | None:
+    """The least time of the named among (name, error, time) whose error is at most `level`."""
+    return min((t for name, e, t in reached if name in names and e <= level), default=None)
+
+
+def levels(rounds: int) -> Iterator[Ratio]:
+    """The default against the fastest peer at each error level, and against bare Runge-Kutta."""
+    for problem in ("lift_off", "half_car"):
+        found = cases.racers(problem)
+        functions = {f"{s.name} {value:.3g}": run for s, value, _, run in found}
+        times = medians(functions, rounds)
+        reached = [(s.name, error, times[f"{s.name} {value:.3g}"]) for s, value, error, _ in found]
+        for level in LEVELS:
+            ours = fastest(reached, level, ["extrapolated"])
+            packaged = fastest(reached, level, cases.PACKAGED)
+            bare = fastest(reached, level, ["rk4, numba"])
+            if ours is None:
+                continue
+            if level <= 1e-3 and packaged is not None:
+                yield Ratio(f"{problem} at {level:.0e} / fastest peer", ours, packaged, 1.0, 0.5)
+            if level >= 1e-3 and bare is not None:
+                bar = 1.25 if level <= 1e-3 else 2.5
+                yield Ratio(f"{problem} at {level:.0e} / bare RK4", ours, bare, bar, 1.0)
+
+
+def batch(rounds: int) -> Iterator[Ratio]:
+    """Thousands of quarter-car runs of 2 s at 1e-4, each, against scipy's LSODA."""
+    functions = {"ours": cases.default_run(), "lsoda": cases.lsoda_run()}
+    times = medians(functions, max(rounds // _FEWER, 3))
+    yield Ratio("one run at 1e-4 / scipy LSODA", times["ours"], times["lsoda"], 1 / 200, 1 / 400)
+
+
+PARTS = {"steps": steps, "levels": levels, "batch": batch}
+
+
+def table(ratios: list[Ratio]) -> str:
+    """The ratios as a Markdown table."""
+    lines = [
+        "| ratio | µs | against, µs | value | bar | aim | |",
+        "|---|---:|---:|---:|---:|---:|---|",
+    ]
+    for r in ratios:
+        sign = "≥" if r.at_least else "≤"
+        lines.append(
+            f"| {r.name} | {1e6 * r.seconds:.4g} | {1e6 * r.against:.4g} | {r.value:.3g} "
+            f"| {sign} {r.bar:.3g} | {r.aim:.3g} | {'holds' if r.holds else 'missed'} |"
+        )
+    return "\n".join(lines)
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--rounds", type=int, default=25)
+    options.add_argument("--only", default=",".join(PARTS))
+    options.add_argument("--print", action="store_true", dest="only_print", help="write no files")
+    given = options.parse_args()
+    ratios = [ratio for part in given.only.split(",") for ratio in PARTS[part](given.rounds)]
+    on = machine()
+    data = {
+        "date": datetime.now(UTC).date().isoformat(),
+        "machine": on,
+        "versions": versions(),
+        "rounds": given.rounds,
+        "ratios": [{**asdict(r), "value": r.value, "holds": r.holds} for r in ratios],
+    }
+    print(table(ratios))
+    if given.only_print:
+        return
+    (HERE / "results.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    about = ", ".join(f"{name} {version}" for name, version in data["versions"].items())
+    (HERE / "results.md").write_text(
+        f"# Last results\n\n{data['date']}, {on['processor']}, {on['cores']} cores, {on['system']}; "
+        f"{about}.\nMedians of {given.rounds} interleaved rounds.\n\n{table(ratios)}\n",
+        encoding="utf-8",
+    )
+
+
+if __name__ == "__main__":
+    main()
