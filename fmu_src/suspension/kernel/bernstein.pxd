@@ -12,7 +12,7 @@ cdef class Crossing:
                        double x1, double dx1, double ddx1, double h) noexcept nogil
     @cython.locals(b="double[::1]")
     cdef void hermite3(self, double x0, double dx0, double x1, double dx1, double h) noexcept nogil
-    @cython.locals(c="double[::1]", m=int, i=int, _k=int, largest=double)
+    @cython.locals(c="double[::1]", m=int, i=int, _k=int, largest=double, start=double)
     cdef double exit(self, double bound, int side, int degree, int departing) noexcept nogil
     @cython.locals(c="double[::1]", depth=int, at=int, top=int, changes=int, negative=int, i=int,
                    k=int, lo=double, width=double)

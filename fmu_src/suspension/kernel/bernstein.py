@@ -72,8 +72,10 @@ class Crossing:
         """
         c = self.halves
         m = degree
+        # what departs starts on the bound, whatever rounding has made of it
+        start = self.bezier[0] if departing else bound
         for i in range(degree + 1):
-            c[i] = (self.bezier[i] - bound) * -side
+            c[i] = (self.bezier[i] - start) * -side
         if departing:
             # p(s)/s in Bernstein form; again while the derivative vanishes too, to rounding (a start
             # at rest, friction that has just broken loose)

@@ -11,7 +11,7 @@ cdef class Elements(Laws):
     cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
     cdef int[::1] row_signal, element_row, yields, modulated
     # its branches
-    cdef int[::1] branch, departing, limited_count, stuck_element
+    cdef int[::1] branch, departing, limited_count, stuck_element, row_stuck
     cdef int stuck
     cdef double exchange
     cdef int[::1] kept_branch, kept_signal
@@ -46,7 +46,7 @@ cdef class Elements(Laws):
                    double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(e=int, at=int, off=int, d=double, w=double, force=double)
     cdef void locate_branches(self, double t, double[::1] q, double[::1] v) noexcept nogil
-    @cython.locals(e=int)
+    @cython.locals(e=int, r=int)
     cdef void list_stuck(self) noexcept nogil
     @cython.locals(e=int, r=int, kind=int, mark=int, x=double)
     cdef void mark_bounds(self) noexcept nogil

@@ -53,7 +53,7 @@ class Elements(Laws):
         )
         self.limited_count = integers([0] * elements)
         self.stuck = 0
-        self.stuck_element = integers([0] * elements)
+        self.stuck_element, self.row_stuck = integers([0] * elements), integers([0] * self.rows)
         self.exchange = 0.0
         self.kept_branch = integers([0] * _KINDS * elements)
         self.kept_set, self.kept_signal = doubles([0.0] * elements), integers(self.signal_now)
@@ -299,11 +299,15 @@ class Elements(Laws):
         self.mark_bounds()
 
     def list_stuck(self):
+        """The elements that stick, and the rows whose deflection they keep."""
         self.stuck = 0
+        for r in range(self.rows):
+            self.row_stuck[r] = 0
         for e in range(self.elements):
             if self.friction[e] > 0.0 and self.branch[_KINDS * e + _FRICTION] == 0:
                 self.stuck_element[self.stuck] = e
                 self.stuck += 1
+                self.row_stuck[self.element_row[e]] = 1
 
     def mark_bounds(self):
         """Note which variables stand exactly on a bound of their branch, as at rest."""

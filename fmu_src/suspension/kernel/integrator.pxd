@@ -50,9 +50,11 @@ cdef class Integrator:
     cdef void _accept(self, double h, double t) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef double _energy_residual(self) noexcept nogil
-    @cython.locals(e=int, at=int, kind=int, f0=double, f1=double,
+    @cython.locals(e=int, at=int, f0=double, f1=double,
                    f2=double)
     cdef double _first_switch(self, double h) noexcept nogil
+    @cython.locals(kind=int)
+    cdef void _search_laws(self, int e, int at, double h) noexcept nogil
     cdef void _friction_polynomial(self, int e, int at, double h) noexcept nogil
     @cython.locals(side=int, bound=double, at=double)
     cdef void _search(self, int e, int kind, int degree) noexcept nogil

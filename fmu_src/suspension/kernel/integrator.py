@@ -366,16 +366,9 @@ class Integrator:
         self.switch_at = 2.0
         for e in range(self.net.elements):
             at = 4 * self.net.element_row[e]
-            for kind in range(_SPRING, _MODULATION + 1, 2):
-                if self.net.count[_LAWS * e + kind] > 1:
-                    self.crossing.hermite7(self.row_start, self.row_end, at, h)
-                    self._search(e, kind, 7)
-            if self.net.count[_LAWS * e + _DAMPER] > 1 or self.net.yields[e]:
-                self.crossing.hermite5(
-                    self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
-                    self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
-                )  # fmt: skip
-                self._search(e, _DAMPER, 5)
+            # what sticks passes no corner, whatever rounding says
+            if not self.net.row_stuck[self.net.element_row[e]]:
+                self._search_laws(e, at, h)
             if self.net.friction[e] > 0.0:
                 self._friction_polynomial(e, at, h)
             if self.net.limit[e] < 1e300:
@@ -387,6 +380,19 @@ class Integrator:
                 )
                 self._search(e, _CONTACT, 5)
         return self.switch_at
+
+    def _search_laws(self, e, at, h):
+        """Deflection against the corners of spring and modulation, rate against those of the damper."""
+        for kind in range(_SPRING, _MODULATION + 1, 2):
+            if self.net.count[_LAWS * e + kind] > 1:
+                self.crossing.hermite7(self.row_start, self.row_end, at, h)
+                self._search(e, kind, 7)
+        if self.net.count[_LAWS * e + _DAMPER] > 1 or self.net.yields[e]:
+            self.crossing.hermite5(
+                self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
+                self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
+            )  # fmt: skip
+            self._search(e, _DAMPER, 5)
 
     def _friction_polynomial(self, e, at, h):
         """Slipping: the rate, until it is zero. Sticking: the force it takes, until it is too large."""
