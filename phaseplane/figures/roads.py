@@ -1,0 +1,98 @@
+"""Random roads of ISO 8608: what they look like, and that their spectra lie on their classes' lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from scipy.signal import welch
+
+from phaseplane.figures.style import BLUE, DARK, GREEN, LIGHT, ORANGE, RED, VIOLET, new_figure
+from suspension.roads import REFERENCE_FREQUENCY, class_roughness, random_profile
+
+_COLOURS = (BLUE, GREEN, ORANGE, RED, VIOLET)
+_BAND = (0.01, 2.83)  # cycles/m: ISO 8608 shows its classes between these
+_LENGTH, _SPACING = 400.0, 0.1  # m, of the profiles and of their samples
+_SEGMENT = 1024  # samples
+
+
+def elevations(road_class: str, seed: int) -> tuple[npt.NDArray[np.float64], ...]:
+    """Distances and elevations of a random road, m, without the ends where it comes and goes."""
+    road = random_profile(road_class, _LENGTH, 1.0, seed, band=_BAND)
+    x = np.arange(0.1 * _LENGTH, 0.9 * _LENGTH, _SPACING)
+    return x, np.array([road.value(float(one)) for one in x])
+
+
+def welch_density(road_class: str, seeds: Iterable[int]) -> tuple[npt.NDArray[np.float64], ...]:
+    """Spatial frequencies (cycles/m) and the mean displacement spectral density (m3) of some roads.
+
+    Welch's estimate (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967) of the elevations
+    themselves, which knows nothing of how they were made.
+    """
+    found = []
+    for seed in seeds:
+        _, z = elevations(road_class, seed)
+        n, density = welch(z, 1.0 / _SPACING, nperseg=_SEGMENT, detrend="linear")
+        found.append(density)
+    shown = (n >= 0.02) & (n <= 2.0)
+    return n[shown], np.mean(found, axis=0)[shown]
+
+
+def class_line(road_class: str, n: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Gd(n) = Gd(n0) (n/n0)^-2 in the middle of a class (ISO 8608), m3."""
+    return class_roughness(road_class) * (np.asarray(n) / REFERENCE_FREQUENCY) ** -2.0
+
+
+def random_roads(
+    classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool = False
+) -> Figure:
+    """Random roads of some classes beside each other, and their spectra over the classes' lines.
+
+    Parameters
+    ----------
+    classes : at most five of `A` to `H`
+    seeds : how many roads each spectrum is the mean of
+    dark : on a dark ground
+    """
+    palette = DARK if dark else LIGHT
+    figure = new_figure(9.5, 4.4, palette)
+    seen, spectra = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
+    lines = np.array([_BAND[0], 4.0])
+    for axes in (seen, spectra):
+        axes.set_facecolor(palette.paper)
+        axes.grid(color=palette.grid, linewidth=0.6)
+        axes.tick_params(colors=palette.ink, labelsize=8)
+        for spine in axes.spines.values():
+            spine.set_color(palette.faint)
+    for road_class in "ABCDEFGH":
+        drawn = road_class in classes
+        middle = class_line(road_class, lines)
+        spectra.loglog(lines, middle, color=palette.faint, linewidth=0.7, linestyle="--", zorder=2)
+        if drawn:  # a class reaches from half to twice its middle
+            spectra.fill_between(lines, 0.5 * middle, 2.0 * middle, color=palette.shade, zorder=1)
+        spectra.annotate(
+            road_class, (lines[-1], middle[-1]), (4, 0), textcoords="offset points",
+            va="center", fontsize=8, color=palette.ink,
+        )  # fmt: skip
+    for seed, (road_class, colour) in enumerate(zip(classes, _COLOURS, strict=False), 1):
+        x, z = elevations(road_class, seed)
+        inside = x < 0.1 * _LENGTH + 100.0
+        seen.plot(
+            x[inside] - x[0], 100.0 * z[inside], color=colour, linewidth=1.1,
+            label=f"class {road_class}",
+        )  # fmt: skip
+        n, density = welch_density(road_class, range(1, seeds + 1))
+        spectra.loglog(n, density, color=colour, linewidth=1.2, zorder=3)
+    seen.set_xlabel("distance in m", fontsize=9, color=palette.ink)
+    seen.set_ylabel("elevation in cm", fontsize=9, color=palette.ink)
+    seen.set_xlim(0.0, 100.0)
+    seen.legend(fontsize=8, loc="best", framealpha=0.9)
+    seen.set_title("Random roads of ISO 8608", fontsize=10, color=palette.ink)
+    spectra.set_xlabel("spatial frequency in cycles/m", fontsize=9, color=palette.ink)
+    spectra.set_ylabel(r"spectral density $G_d$ in m$^3$", fontsize=9, color=palette.ink)
+    spectra.set_xlim(*lines)
+    spectra.set_title(f"Their spectra: {seeds} roads each, by Welch", fontsize=10, color=palette.ink)
+    figure.tight_layout()
+    return figure
