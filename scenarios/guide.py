@@ -86,6 +86,8 @@ def _of_scenes() -> Iterator[str]:
     yield from (_key(key, unit, about) for key, (unit, about) in _TOP.items())
     yield ""
     yield "[parameters]  what differs from the FMU's defaults, by name"
+    yield '  a table may stand in a CSV file with a heading: road.table = { file = "road.csv",'
+    yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
     for name, (about, kind) in _SECTIONS.items():
         yield ""
         yield f"[{name}]  {about}"

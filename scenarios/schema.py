@@ -38,6 +38,7 @@ from .fields import (
 )
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
+from .measured import with_files
 from .measures import catalogue, default_measures
 from .results import TABLE
 from .tables import check_ending, read_table
@@ -201,6 +202,10 @@ class Scene(Strict):
             return {}
         fmu: Fmu = info.data["fmu"]
         declared = fmu.parameters()
+        try:
+            given, files = with_files(given, declared, (info.context or {}).get("folders", {}))
+        except InputError as error:
+            raise _at(f"{str(error).partition(':')[0]}.file", str(error)) from None
         checked = {}
         for name, raw in given.items():
             try:
@@ -210,6 +215,13 @@ class Scene(Strict):
                 raise _at(name, str(error)) from None
             except OverflowError:
                 raise _at(name, f"{name} = {shown(raw)}: too large") from None
+        shape = checked.get("road.shape", "")
+        if "road.table" in files and shape not in ("table", "spline"):
+            raise _at(
+                "road.table.file",
+                f"road.table.file is given, but road.shape is {shape or 'left at its default'}; "
+                "make it table or spline",
+            )
         if checked.get("road.shape") == "input":
             raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
         if fmu.model in MODELS and fmu.path is None:
@@ -394,7 +406,8 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
         content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
         content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
     try:
-        return Scene.model_validate(content, context={"folder": layers.folders.get("fmu")})
+        context = {"folder": layers.folders.get("fmu"), "folders": layers.folders}
+        return Scene.model_validate(content, context=context)
     except ValidationError as error:
         raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
 

@@ -12,7 +12,7 @@ from .variable import Variable, output, parameter, tunable
 
 ROAD_SHAPES = (
     "input", "flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole",
-    "random", "table", "spline",
+    "random", "table", "spline", "sequence",
 )  # fmt: skip
 ROAD_CLASSES = tuple("ABCDEFGH")
 INTERPOLATIONS = ("linear", "monotone")
@@ -103,6 +103,9 @@ def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
         parameter("road.profile_length", 200.0, "length of the random road", "m", positive=True),
         parameter("road.table", "", "road as 'position:elevation, ...' in m, joined by straight "
                    "lines (table) or by a cubic spline (spline)"),
+        parameter("road.sequence", "", "roads one after the other, in m: 'bump height length, gap "
+                  "length, plank height length ramp, ...'; of bump, obstacle, step, ramp, plank, "
+                  "pothole, and sine at the end; each starts at the level where the one before ended"),
     )  # fmt: skip
 
 

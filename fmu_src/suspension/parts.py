@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from . import characteristics, roads
 from .characteristics import Characteristic
-from .signals import Signal
+from .signals import Signal, passing_time
 from .systems import Element
+from .units import nearest
 from .variable import ParameterError, Value
 
 if TYPE_CHECKING:
@@ -245,6 +246,54 @@ def _from_table(
     return road
 
 
+# How the parts of a sequence are made from their numbers and the speed; how many numbers they take.
+_IN_SEQUENCE: Mapping[str, tuple[Callable[..., Signal], tuple[int, ...]]] = {
+    "bump": (roads.bump, (2,)),
+    "obstacle": (roads.obstacle, (2,)),
+    "sine": (roads.sine, (2,)),
+    "ramp": (roads.ramp, (2,)),
+    "step": (lambda height, speed: roads.step(height), (1,)),
+    "plank": (roads.plank, (2, 3)),
+    "pothole": (roads.pothole, (2, 3)),
+}
+
+
+def _sequence(p: Mapping[str, Value]) -> Signal:
+    """Roads one after the other, from `road.sequence`; gaps before the first one delay it."""
+    speed, text = float(p["speed"]), str(p["road.sequence"])
+    parts: list[Signal] = []
+    gaps = [0.0]
+    for item in text.split(","):
+        name, *words = item.split() or [""]
+        if name != "gap" and name not in _IN_SEQUENCE:
+            raise ParameterError(
+                f"road.sequence = {text!r}: {item.strip()!r} is no part{nearest(name, _IN_SEQUENCE)}; "
+                f"write {', '.join(_IN_SEQUENCE)} or gap with numbers in m, such as "
+                "'bump 0.05 1, gap 3, plank 0.03 0.5'"
+            )
+        try:
+            numbers = [float(word) for word in words]
+        except ValueError:
+            numbers = []
+        make, counts = _IN_SEQUENCE.get(name, (None, (1,)))
+        if len(numbers) not in counts:
+            wanted = " or ".join(map(str, counts))
+            raise ParameterError(
+                f"road.sequence = {text!r}: {item.strip()!r} must be {name} with {wanted} "
+                f"number{'s' * (counts != (1,))} in m"
+            )
+        with blaming(f"road.sequence, {item.strip()!r}"):
+            if make is None:
+                gaps[-1] += numbers[0]
+            else:
+                ramps = [0.0, numbers[2], numbers[2]] if len(numbers) == 3 else []
+                parts.append(make(*numbers[:2], speed, *ramps))
+                gaps.append(0.0)
+    with blaming("road.sequence"):
+        start = float(p["road.start"]) + passing_time(gaps[0], speed, or_zero=True)
+        return roads.sequence(parts, gaps[1:-1], speed, start)
+
+
 _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
     "bump": _hump(roads.bump),
     "obstacle": _hump(roads.obstacle),
@@ -257,4 +306,5 @@ _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
     "random": _random,
     "table": _from_table(roads.table),
     "spline": _from_table(roads.spline, ends="level"),
+    "sequence": _sequence,
 }

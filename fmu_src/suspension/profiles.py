@@ -139,8 +139,8 @@ def read_points(
     ----------
     path : of the file, UTF-8
     position, value : headings of the two columns
-    position_unit : of the first, a length or a time (`m`, `mm`, `s`, ...)
-    value_unit : of the second, a length or a force (`m`, `mm`, `N`, `kN`, ...)
+    position_unit : of the first, a length, time or speed (`m`, `mm`, `s`, `m/s`, ...)
+    value_unit : of the second, a length, force or number (`m`, `mm`, `N`, `kN`, `1`, ...)
     delimiter : what separates the columns
 
     Returns
@@ -153,7 +153,7 @@ def read_points(
         do not ascend, or no row at all; file and line are named.
     OSError : the file cannot be read.
     """
-    scales = (_size(position_unit, ("m", "s")), _size(value_unit, ("m", "N")))
+    scales = (_size(position_unit, ("m", "s", "m/s")), _size(value_unit, ("m", "N", "1")))
     name = Path(path).name
     points: list[tuple[float, float]] = []
     with open(path, encoding="utf-8-sig", newline="") as file:

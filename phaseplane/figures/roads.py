@@ -45,9 +45,7 @@ def class_line(road_class: str, n: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return class_roughness(road_class) * (np.asarray(n) / REFERENCE_FREQUENCY) ** -2.0
 
 
-def random_roads(
-    classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool = False
-) -> Figure:
+def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool = False) -> Figure:
     """Random roads of some classes beside each other, and their spectra over the classes' lines.
 
     Parameters
@@ -93,6 +91,8 @@ def random_roads(
     spectra.set_xlabel("spatial frequency in cycles/m", fontsize=9, color=palette.ink)
     spectra.set_ylabel(r"spectral density $G_d$ in m$^3$", fontsize=9, color=palette.ink)
     spectra.set_xlim(*lines)
-    spectra.set_title(f"Their spectra: {seeds} roads each, by Welch", fontsize=10, color=palette.ink)
+    spectra.set_title(
+        f"Their spectra: {seeds} roads each, by Welch", fontsize=10, color=palette.ink
+    )
     figure.tight_layout()
     return figure

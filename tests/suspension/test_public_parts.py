@@ -148,6 +148,7 @@ def test_bad_values_are_named(parameters: dict[str, object], complaint: str) -> 
 def test_every_road_can_be_driven(shape: str) -> None:
     parameters = {
         "road.shape": shape, "road.table": "0:0, 0.5:0.02, 1:0", "road.profile_length": 20.0,
+        "road.sequence": "bump 0.02 1, gap 1, step 0.01",
         "road.duration": 0.4, "road.start": 0.05, "solver.tolerance": 1e-5,
     }  # fmt: skip
     found = simulate("QuarterCar", parameters, TIMES, ["ground_elevation", "energy_residual"])

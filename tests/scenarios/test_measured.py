@@ -1,0 +1,112 @@
+"""Tables of scenes that stand in files: roads, forces and characteristics measured elsewhere."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from scenarios.cli import main
+from scenarios.errors import SceneError
+from scenarios.schema import load_scene
+from suspension.models import road_from
+from suspension.variables import checked_parameters
+
+SCENE = """
+fmu = "QuarterCar"
+duration = "0.3 s"
+
+[parameters]
+speed = 10
+road.shape = "table"
+road.table = { file = "measured/road.csv", columns = ["distance", "profile"], units = ["m", "mm"] }
+"""
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    (tmp_path / "measured").mkdir()
+    (tmp_path / "measured" / "road.csv").write_text(
+        "run,distance,profile\n1,0,0\n1,0.5,30\n1,1,0\n"
+    )
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_a_road_comes_from_its_file(scene: Path) -> None:
+    parameters = load_scene(str(scene)).parameters
+    assert parameters["road.table"] == "0.0:0.0, 0.5:0.03, 1.0:0.0"
+    road = road_from(checked_parameters("QuarterCar", parameters))
+    assert road.value(0.025) == pytest.approx(0.015)
+
+
+def test_the_path_counts_from_the_scene_that_names_it(scene: Path, tmp_path: Path) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    other = elsewhere / "other.toml"
+    other.write_text(f'extends = "{scene}"\n[parameters]\nroad.shape = "spline"\n')
+    assert load_scene(str(other)).parameters["road.table"].startswith("0.0:0.0, 0.5:0.03")
+    # a text laid over the file takes its place, and the other way round
+    plain = load_scene(str(other), ["road.table=0:0, 1:0.01"])
+    assert plain.parameters["road.table"] == "0:0, 1:0.01"
+
+
+def test_a_run_over_a_measured_road(scene: Path, tmp_path: Path) -> None:
+    found = CliRunner().invoke(main, ["run", str(scene), "-o", str(tmp_path / "out"), "--json"])
+    assert found.exit_code == 0, found.output
+    summary = json.loads(found.stdout)
+    assert summary["parameters"]["road.table"] == "0.0:0.0, 0.5:0.03, 1.0:0.0"
+    rows = (tmp_path / "out" / "results.csv").read_text().splitlines()
+    place = rows[0].replace('"', "").split(",").index("ground_elevation")
+    assert float(rows[26].split(",")[place]) == pytest.approx(0.015, abs=1e-12)  # at 25 ms
+
+
+@pytest.mark.parametrize(
+    ("model", "name", "heading", "units", "text"),
+    [
+        ("Elastoplastic", "force.table", "t,F", ["ms", "kN"], "0.0:0.0, 0.1:2000.0"),
+        ("QuarterCar", "damper.table", "v,F", ["mm/s", "N"], "0.0:0.0, 0.1:2.0"),
+        ("HalfCar", "front.spring.table", "y,F", ["cm", "N"], "0.0:0.0, 1.0:2.0"),
+        ("OneDof", "damper.deflection_table", "y,f", ["m", "%"], "0.0:0.0, 100.0:0.02"),
+    ],
+)
+def test_forces_and_characteristics_stand_in_files_alike(
+    tmp_path: Path, model: str, name: str, heading: str, units: list[str], text: str
+) -> None:
+    (tmp_path / "table.csv").write_text(f"{heading}\n0,0\n100,2\n")
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        f'fmu = "{model}"\nduration = 1.0\n[parameters]\n{name}.file = "table.csv"\n'
+        f"{name}.columns = {heading.split(',')}\n{name}.units = {units}\n"
+    )
+    assert load_scene(str(path)).parameters[name] == text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("road.csv", "rode.csv", "road.table: cannot read .*rode.csv: No such file"),
+        ("profile", "profil", "road.csv has no column 'profil'; did you mean 'profile'"),
+        ('"mm"', '"N"', "road.table: units: .*N"),
+        ("units", "unit", "unknown key 'unit'; did you mean 'units'.*; allowed: file, columns"),
+        ('"table"', '"bump"', "road.table.file is given, but road.shape is bump"),
+        ('road.shape = "table"', "", "road.shape is left at its default"),
+        ('["distance", "profile"]', '"profile"', "columns = .* must be two texts such as"),
+        ('"measured/road.csv"', "3", "file = 3: must be the path"),
+        ('["m", "mm"]', '["m", "mm"], delimiter = ";;"', "must be one character"),
+        ("road.table =", "sprung_mass =", "no parameter 'sprung_mass.file'"),
+    ],
+)
+def test_what_is_wrong_is_said_with_file_and_key(
+    scene: Path, old: str, new: str, complaint: str
+) -> None:
+    assert old in SCENE
+    scene.write_text(SCENE.replace(old, new, 1))
+    with pytest.raises(SceneError) as caught:
+        load_scene(str(scene))
+    assert str(caught.value).startswith(str(scene))
+    assert re.search(complaint, str(caught.value)), caught.value
