@@ -15,6 +15,10 @@ class SceneError(InputError):
     """A scene that cannot be read; the message names file, key, value and what is allowed."""
 
 
+class DrawingError(InputError):
+    """A construction that cannot be drawn as its settings want."""
+
+
 class FolderError(InputError):
     """A results folder that cannot be read, or that must not be replaced."""
 

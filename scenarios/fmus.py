@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from suspension.units import UNITS, nearest
 from suspension.variables import MODELS, Value, Variable
 
+from .equations import EQUATION, VARIABLES
 from .errors import InputError, one_line, shown
 
 if TYPE_CHECKING:
@@ -60,10 +61,12 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
     """
     if reference in MODELS:
         return Fmu(reference, None, MODELS[reference])
+    if reference == EQUATION:
+        return Fmu(EQUATION, None, VARIABLES)
     if not reference.endswith(".fmu"):
+        known = (*MODELS, EQUATION)
         raise InputError(
-            f"must be {' or '.join(MODELS)}, or the path of an .fmu file"
-            + nearest(reference, MODELS)
+            f"must be {' or '.join(known)}, or the path of an .fmu file" + nearest(reference, known)
         )
     path = (folder or Path()) / reference
     if not path.is_file():

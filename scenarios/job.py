@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
 from suspension.variables import ParameterError, refuse_unknown
 
-from .errors import InputError, RunError, SceneError, check_picture, one_line
+from .errors import (
+    DrawingError,
+    InputError,
+    RunError,
+    SceneError,
+    check_picture,
+    one_line,
+)
 from .layers import find_scene
 from .results import (
     Results,
@@ -19,6 +27,7 @@ from .results import (
     write_results,
     write_summary,
 )
+from .tables import read_table
 
 OUTPUT = Path("out")
 
@@ -52,8 +61,9 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
+    from .constructions import CONSTRUCTED, constructed, told_of  # noqa: PLC0415
     from .live import shown_live  # noqa: PLC0415
-    from .pictures import CONSTRUCTED, constructed, draw_all  # noqa: PLC0415
+    from .pictures import draw_all  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
     from .schema import load_scene  # noqa: PLC0415
 
@@ -61,9 +71,10 @@ def run_scene(
     folder = folder or OUTPUT / scene.name
     check_replaceable(folder)
     problems: list[str] = []
-    drawing = None
+    drawing, told = None, None
     known = scene.fmu.model in CONSTRUCTED
     if scene.show.figures_construction or (known and scene.show.records_construction):
+        started = perf_counter()
         try:
             drawing = constructed(
                 scene.fmu.model,
@@ -71,7 +82,8 @@ def run_scene(
                 scene.construction.model_dump(),
                 scene.construction_time,
             )
-        except ArithmeticError as error:
+            told = told_of(drawing, perf_counter() - started)
+        except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
     with shown_live(scene, drawing, viewer) as live:
         watch = live.watch if live is not None else None
@@ -80,7 +92,7 @@ def run_scene(
             problems += live.complete(results)
     with replaced_whole(folder) as draft:
         problems += draw_all(scene, results, drawing, draft)
-        results = Results(results.columns, {**results.summary, "problems": problems})
+        results = Results(results.columns, {**results.summary, "drawn": told, "problems": problems})
         write_results(results, draft)
     return read_summary(folder) or {}, folder
 
@@ -168,12 +180,14 @@ def replay(
     recording: Path | None,
     figure: Path | None,
     viewer: str = "",
+    over: Path | None = None,
 ) -> dict[str, Any]:
     """Make the construction of a scene, or lay it over the results of a run, and write it down.
 
     Parameters
     ----------
-    what : a scene, or a results folder
+    what : a scene, a results folder, or the table in one
+    over : a table with the motion that the construction of the scene is laid over
     overrides : `key=value` texts; for results only those of `construction`
     recording, figure : files to be written
     viewer : address of a running viewer that is to show it
@@ -183,24 +197,31 @@ def replay(
     InputError : a scene, folder or file name that is not fit.
     RunError : the construction leaves every sheet; the viewer does not take the recording.
     """
+    from .constructions import constructed, laid_over, told_of  # noqa: PLC0415
     from .live import show_in  # noqa: PLC0415
-    from .pictures import constructed, draw, laid_over, record  # noqa: PLC0415
+    from .pictures import draw, record  # noqa: PLC0415
     from .replays import content, of_results, readings  # noqa: PLC0415
     from .schema import construction_settings, load_scene  # noqa: PLC0415
 
     _check_targets(recording, figure)
-    results = None
-    if Path(what).is_dir():
-        results = read_results(Path(what))
-        settings = construction_settings(results.summary["construction"], overrides)
-        drawing = laid_over(results, settings)
+    started = perf_counter()
+    folder = _results_folder(Path(what))
+    if folder is not None and over is None:
+        results = read_results(folder)
+        run = results.summary
+        settings = construction_settings(run["construction"], overrides)
+        drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
         shown = of_results(results, drawing, {})
     else:
         scene = load_scene(_scene_or_folder(what), overrides)
         settings = scene.construction.model_dump()
+        model, parameters = scene.fmu.model, scene.all_parameters
+        columns = read_table(over)[0] if over is not None else {}
         try:
-            drawing = constructed(
-                scene.fmu.model, scene.all_parameters, settings, scene.construction_time
+            drawing = (
+                laid_over(columns, model, parameters, settings)
+                if over is not None
+                else constructed(model, parameters, settings, scene.construction_time)
             )
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
@@ -209,7 +230,7 @@ def replay(
             model=scene.fmu.model,
             parameters=scene.all_parameters,
             drawing=drawing,
-            columns=readings(drawing),
+            columns=columns or readings(drawing),
             units={},
             duration=scene.duration,
             shown={},
@@ -221,11 +242,24 @@ def replay(
     if figure is not None:
         draw("phase_planes", figure, drawing)
     files = [str(path) for path in (recording, figure) if path is not None]
-    return {"title": drawing.title, "steps": len(drawing.frames), "files": files}
+    return {**told_of(drawing, perf_counter() - started), "files": files}
+
+
+def _results_folder(path: Path) -> Path | None:
+    """The results folder at this path, or that in which the table at this path lies."""
+    if path.is_dir():
+        return path
+    return path.parent if path.is_file() and read_summary(path.parent) is not None else None
 
 
 def _scene_or_folder(what: str) -> str:
     """The reference of a scene; refuses what is neither that nor a folder."""
+    if Path(what).suffix in (".csv", ".parquet", ".h5"):
+        raise InputError(
+            one_line(
+                f"{what} does not say what moved; lay it over a scene: replay SCENE --over {what}"
+            )
+        )
     try:
         find_scene(what)
     except SceneError as error:

@@ -44,6 +44,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         "model",
         f"{summary['model']}, {f'packed in {packed:.2f} s' if packed else 'packed before'}"
         if packed is not None
+        else summary["model"]
+        if summary["model"] == summary["fmu"]
         else f"{summary['model']} from {_path(Path(summary['fmu']))}",
     )
     road, solver = road_words(summary["parameters"]), _solver_words(summary)
@@ -58,7 +60,9 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     )
     yield ""
     yield from _measured(measures)
-    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s with FMPy")
+    by = "with FMPy" if packed is not None or summary["model"] != summary["fmu"] else "with SciPy"
+    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s {by}")
+    yield from _drawn(summary["drawn"])
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
         yield _line("" if i else "FAILED", failure)
@@ -121,6 +125,25 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
     if values["smallest_contact_force"] is not None:
         reading = measures[f"{prefix}smallest_contact_force"]
         yield _line(f"{axle}contact", f"smallest force {reading['value']:.6g} N,{_when(reading)}")
+
+
+def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
+    """The graphical construction, and its control by another way (AP57 section 4)."""
+    if drawn is None:
+        return
+    yield _line("construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s")
+    if drawn["control"]:
+        apart = ", ".join(
+            f"{1e3 * value:.2g} mm in {name.replace('_', ' ')}"
+            for name, value in drawn["control"].items()
+        )
+        yield _line("control", f"apart by {apart} at most (AP57 eqs. 24 and 25)")
+
+
+def drift_words(drawn: Mapping[str, Any]) -> str:
+    """How far the steps of a construction end from the motion it is laid over, if it is."""
+    words = (f"{1e3 * d:.2g} mm in {name.replace('_', ' ')}" for name, d in drawn["drift"].items())
+    return f"; a step drifts by {', '.join(words)} at most" if drawn["drift"] else ""
 
 
 def _expected(summary: Mapping[str, Any]) -> Iterator[str]:

@@ -14,6 +14,7 @@ from pathlib import Path
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
+from .equations import EQUATION, solve
 from .errors import InputError, RunError, one_line
 from .expectations import judged_measures
 from .kept import kept
@@ -93,6 +94,8 @@ def run(
         nothing: its results say where it stopped and why.
     KeyboardInterrupt : at the end of the step in which it came.
     """
+    if scene.fmu.model == EQUATION:
+        return _solved(scene)
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
         _check_path(folder)
         path, build_time = scene.fmu.path, None
@@ -104,11 +107,25 @@ def run(
             )
         if interrupted():
             raise KeyboardInterrupt
+    return _results(scene, drive, build_time)
+
+
+def _results(scene: Scene, drive: _Drive, build_time: float | None) -> Results:
     wanted = {"time", *scene.columns}
     return Results(
         {name: column for name, column in drive.columns.items() if name in wanted},
         _summary(scene, drive, build_time),
     )
+
+
+def _solved(scene: Scene) -> Results:
+    """An equation, which is solved where we are."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    rows = round(scene.duration / scene.show.output_interval) + 1
+    times = np.linspace(0.0, scene.duration, max(rows, 2))
+    columns, seconds, complaint = solve(scene.all_parameters, times)
+    return _results(scene, _Drive(columns, seconds, complaint, False), None)
 
 
 def _check_path(folder: str) -> None:
@@ -232,7 +249,7 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
     reached = float(drive.columns["time"][-1])
     stopped = None
     if reached < scene.duration * (1.0 - 1e-9):
-        reason = drive.complaint or "the FMU ended the run"
+        reason = one_line(drive.complaint) or "the FMU ended the run"
         stopped = {"time": reached, "reason": reason}
     return {
         "scene": scene.name,

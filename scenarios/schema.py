@@ -22,6 +22,7 @@ from suspension.models import build
 from suspension.units import nearest
 from suspension.variables import MODELS, ParameterError, Value, refuse_unknown
 
+from .equations import EQUATION, check_equation
 from .errors import InputError, SceneError, one_line, shown
 from .expectations import Bounds, During, Reference, bounds_from
 from .fields import (
@@ -154,8 +155,10 @@ class Construction(Strict):
     """how long it goes on; as long as the scene if left out"""
     plane_distance: Metres = 0.25
     """distance of the planes' axes on the sheet of paper"""
-    plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] = (1.0, 2.5)
-    """paper over displacement, one for each plane"""
+    plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] | None = None
+    """paper over displacement in the planes of struts and of wheels; if left out, its own"""
+    shortcut: bool = False
+    """whether AP57's shortcut for touchdown, x2 = x2st, is drawn as well"""
 
 
 class Scene(Strict):
@@ -222,6 +225,11 @@ class Scene(Strict):
                 f"road.table.file is given, but road.shape is {shape or 'left at its default'}; "
                 "make it table or spline",
             )
+        if fmu.model == EQUATION:
+            try:
+                check_equation(checked)
+            except ValueError as error:
+                raise _at("equation", str(error)) from None
         if checked.get("road.shape") == "input":
             raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
         if fmu.model in MODELS and fmu.path is None:

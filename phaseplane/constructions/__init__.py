@@ -27,6 +27,7 @@ from phaseplane.constructions.primitives import (
     Stroke,
 )
 from phaseplane.constructions.rules import RULES, Rule, delta, rule_named, tangent, velocity
+from phaseplane.constructions.shortcuts import shortcut_flights, with_shortcuts
 from phaseplane.constructions.two_planes import QuarterCarPlanes
 from phaseplane.constructions.yielding import ElastoplasticPlane
 
@@ -58,6 +59,8 @@ __all__ = [
     "march",
     "overlay",
     "rule_named",
+    "shortcut_flights",
     "tangent",
     "velocity",
+    "with_shortcuts",
 ]

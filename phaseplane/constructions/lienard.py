@@ -109,9 +109,10 @@ class Lienard:
         apart = max(abs(p - q) for other in family for p, q in zip(family[0], other, strict=True))
         if apart <= 1e-9 * abs(family[0][-1] - family[0][0]):
             return (Curve("auxiliary", family[0]),)
-        label = plane.displacement.label
+        axis = plane.displacement
+        factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, axis.unit)
         return tuple(
-            Curve("auxiliary", vertices, f"{label} = {100.0 * y:g} cm")
+            Curve("auxiliary", vertices, f"{axis.label} = {factor * y:g}{unit}")
             for vertices, y in zip(family, values, strict=True)
         )
 

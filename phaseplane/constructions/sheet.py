@@ -47,6 +47,19 @@ def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
     ]
 
 
+def events_of(frame: Frame, planes: Sequence[Plane]) -> list[tuple[str, list[Plane]]]:
+    """What happens at the start of a frame, and the planes it happens in.
+
+    An event of one axle, such as `front_lift_off`, happens in the planes of that axle.
+    """
+    found = []
+    for event in filter(None, frame.event.split(", ")):
+        axle = next((a for a in ("front_", "rear_") if event.startswith(a)), "")
+        where = [plane for plane in planes if plane.name.startswith(axle)]
+        found.append((event.removeprefix(axle), where))
+    return found
+
+
 def reach(axis: Axis, points: Iterable[complex]) -> tuple[float, float]:
     """Smallest and largest value on an axis among the points; zero is always included."""
     values = [axis.read(point) for point in points]

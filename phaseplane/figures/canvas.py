@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Frame, Plane
 from phaseplane.constructions.rules import REPEATED
-from phaseplane.constructions.sheet import reach, round_step, trail
+from phaseplane.constructions.sheet import events_of, reach, round_step, trail
 from phaseplane.figures.lettering import Box, place, text_box, typeset
 from phaseplane.figures.style import Palette, new_figure, role_style
 
@@ -42,6 +42,8 @@ def graduation_of(axis: Axis, points: Sequence[complex], least: float = 0.0) -> 
     """Round values across the motion, at least so much of the sheet apart."""
     low, high = reach(axis, points)
     unit, factor = ("cm", 100.0) if high - low >= 0.01 else ("mm", 1000.0)
+    if axis.unit != "m":
+        unit, factor = axis.unit, 1.0
     span = max((high - low) / 6.0, least / axis.scale) * factor
     interval = round_step(span or 1.0, 1)
     first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
@@ -266,15 +268,14 @@ class Sheet:
     def events(self) -> None:
         """Lift-off U and touchdown V in every plane."""
         for frame in self.drawing.frames:
-            if not frame.event:
-                continue
-            points = [frame.points[plane.state] for plane in self.drawing.planes]
-            self.dots("event", points)
-            letter = _EVENTS.get(frame.event, frame.event)
-            letters = [(z, letter) for z in points]
-            centres = place(letters, self.em, self.view, self.segments, self.taken)
-            for centre in centres:
-                self.write(centre, letter, self.colour("event"), 10.0)
+            for event, planes in events_of(frame, self.drawing.planes):
+                points = [frame.points[plane.state] for plane in planes]
+                self.dots("event", points)
+                letter = _EVENTS.get(event, event)
+                letters = [(z, letter) for z in points]
+                centres = place(letters, self.em, self.view, self.segments, self.taken)
+                for centre in centres:
+                    self.write(centre, letter, self.colour("event"), 10.0)
 
     def letters(self, frame: Frame) -> None:
         """The letters of one step."""

@@ -110,23 +110,28 @@ def place(
 
 def typeset(label: str) -> str:
     """A letter of the construction as mathematics: A1* becomes A with subscript and star."""
-    speed = re.fullmatch(r"y(\d?)'/Ω(\d?)", label)
+    speed = re.fullmatch(r"([a-z])(\d*)'/Ω(\d*)", label)
     if speed:
-        number = f"_{speed[1]}" if speed[1] else ""
-        return rf"$\bar{{y}}{number} = \dot{{y}}{number}/\Omega{number}$"
-    turn = re.fullmatch(r"dtau(\d?)", label)
+        letter, number = speed[1], _index(speed[2])
+        return rf"$\bar{{{letter}}}{number} = \dot{{{letter}}}{number}/\Omega{number}$"
+    turn = re.fullmatch(r"dtau(\d*)", label)
     if turn:
-        return rf"$\Delta\tau_{turn[1]}$" if turn[1] else r"$\Delta\tau$"
-    level = re.fullmatch(r"y(\d?) = (-?[\d.]+) cm", label)
+        return rf"$\Delta\tau{_index(turn[1])}$"
+    level = re.fullmatch(r"[a-z]\d* = (-?[\d.]+(?: cm)?)", label)
     if level:
-        return f"{level[2]} cm".replace("-", "\N{MINUS SIGN}")
-    letter = re.fullmatch(r"([A-Za-z])(m?\d*)('?)(\*?)", label)
-    if not letter:
+        return level[1].replace("-", "\N{MINUS SIGN}")
+    lettered = re.fullmatch(r"([A-Za-z])(m?\d*)('?)(\*?)", label)
+    if not lettered:
         return label
-    name, number, dash, star = letter.groups()
+    name, number, dash, star = lettered.groups()
     if name == "I":
         return label
     upper = (r"\prime" if dash else "") + ("*" if star else "")
     return (
         "$" + name + (f"_{{{number}}}" if number else "") + (f"^{{{upper}}}" if upper else "") + "$"
     )
+
+
+def _index(number: str) -> str:
+    """A number as subscript."""
+    return f"_{{{number}}}" if len(number) > 1 else f"_{number}" if number else ""

@@ -12,7 +12,7 @@ from phaseplane.figures.canvas import Sheet, graduation_of, is_main
 from phaseplane.figures.lettering import Box
 from phaseplane.figures.style import DARK, LIGHT
 
-_BODY_CURVES = ("auxiliary", "line")
+_BODY_CURVES = ("auxiliary", "line", "shortcut")
 
 
 def phase_planes(drawing: Drawing, frame: int | None = None, *, dark: bool = False) -> Figure:

@@ -52,6 +52,7 @@ ROLES = {
     "state": RoleStyle(BLUE, size=5.0),
     "auxiliary": RoleStyle(OCHRE, 1.0, words="auxiliary curve (of y)"),
     "line": RoleStyle(TEAL, 1.0, "--", words="lines I, II"),
+    "shortcut": RoleStyle(RED, 1.0, "--", words="flight to x2 = x2st"),
     "foot": RoleStyle(width=0.7, dash=":"),
     "construction": RoleStyle(width=0.7),
     "excitation": RoleStyle(PINK, 2.0, words="road and weight"),

@@ -47,6 +47,7 @@ STYLES = {
     "line": Style(TEAL),
     "normal": Style(ORANGE, 2.5, 6.0),
     "projection": Style(TEAL, 1.2),
+    "shortcut": Style(RED),
     "state": Style(BLUE, 1.5, 8.0),
     "successor": Style(GREEN, 2.0, 7.0),
     "arc": Style(GREEN, 2.0),

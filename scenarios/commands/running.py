@@ -111,6 +111,12 @@ def list_cases(as_data: bool) -> None:
 @click.command()
 @click.argument("what", metavar="SCENE|RESULTS")
 @set_option
+@click.option(
+    "--over",
+    type=click.Path(path_type=Path),
+    metavar="TABLE",
+    help="Lay the construction of SCENE over the motion in a table, e.g. motion.csv.",
+)
 @click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @click.option(
@@ -123,6 +129,7 @@ def replay(
     *,
     what: str,
     overrides: tuple[str, ...],
+    over: Path | None,
     rule: str | None,
     step: str | None,
     save: Path | None,
@@ -134,6 +141,7 @@ def replay(
 ) -> None:
     """Replay the graphical construction of a SCENE, or lay it over the RESULTS of a run."""
     from ..job import replay as make  # noqa: PLC0415
+    from ..report import drift_words  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
 
     if save is None and figure is None and not viewer and not served:
@@ -144,11 +152,14 @@ def replay(
     extra = (("construction.rule", rule), ("construction.step", step))
     settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
     with page(served, address) as server:
-        told = make(what, settings, save, figure, viewer or (server.url if server else ""))
+        shown_in = viewer or (server.url if server else "")
+        told = make(what, settings, save, figure, shown_in, over)
         places = ", ".join([*told["files"], *([viewer] if viewer else [])])
         click.echo(
             as_json(told)
             if as_data
-            else f"{told['title']}: {told['steps']} steps" + (f" in {places}" if places else "")
+            else f"{told['title']}: {told['steps']} steps"
+            + (f" in {places}" if places else "")
+            + drift_words(told)
         )
         until_interrupted(server)

@@ -109,7 +109,7 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    from ..pictures import CONSTRUCTED, constructed  # noqa: PLC0415
+    from ..constructions import CONSTRUCTED, constructed  # noqa: PLC0415
 
     problem = bench.problem
     if problem.model not in CONSTRUCTED:

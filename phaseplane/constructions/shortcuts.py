@@ -1,0 +1,82 @@
+"""AP57's shortcut for the end of a flight, drawn beside the touchdown that is right.
+
+Where the obstacle lies behind, AP57 (section 5) ends the flight at x2 = x2st. That drops the tyre's
+damping and with it the continuity of its force, so nothing is ever integrated on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from phaseplane.constructions.construction import FLIGHT, LIFT_OFF
+from phaseplane.constructions.marching import Start, frames
+from phaseplane.constructions.primitives import Curve, Drawing, Frame
+from phaseplane.constructions.rules import Rule, delta
+from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.steps import States
+from phaseplane.constructions.two_planes import QuarterCarPlanes
+
+_LONGEST = 10.0  # s of flight
+
+
+@dataclass(frozen=True)
+class _InFlight(QuarterCarPlanes):
+    """A quarter car that flies on until x2 = x2st."""
+
+    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
+        """What x2 is above x2st, m."""
+        return (self.axle.wheel.displacement(states[1]) - self.static_tyre_deflection,)
+
+
+def shortcut_flights(
+    construction: QuarterCarPlanes, made: Sequence[Frame], rule: Rule = delta, *, step: float
+) -> list[tuple[Frame, ...]]:
+    """For every lift-off of a march the flight from U to where x2 = x2st.
+
+    Returns
+    -------
+    the frames of each flight; the last one ends at the V of AP57's shortcut. A flight that begins
+    below x2st, or does not come down within 10 s, has none.
+    """
+    car = _InFlight(**{name: getattr(construction, name) for name in construction.__match_args__})
+    flights = []
+    for frame in made:
+        if frame.event != LIFT_OFF:
+            continue
+        states = tuple(frame.points[plane.state] for plane in construction.planes)
+        if car.margins(FLIGHT, states, frame.time)[0] <= 0.0:
+            continue
+        flown: list[Frame] = []
+        start = Start(frame.time, FLIGHT, states)
+        for one in frames(car, rule, step=step, duration=_LONGEST, start=start):
+            if one.event:
+                flights.append(tuple(flown))
+                break
+            flown.append(one)
+    return flights
+
+
+def with_shortcuts(
+    drawing: Drawing, construction: object, rule: Rule = delta, step: float | None = None
+) -> Drawing:
+    """The drawing with each flight continued to AP57's V, as a curve `shortcut` in either plane.
+
+    Parameters
+    ----------
+    construction, rule, step : those of the march; the step by default its longest one, s
+
+    Raises
+    ------
+    ValueError : not a quarter car with a linear tyre, the one for which AP57 has the shortcut.
+    """
+    if not (isinstance(construction, QuarterCarPlanes) and construction.tyre is None):
+        raise ValueError("AP57's shortcut for touchdown is for quarter cars with linear tyres")
+    step = step or max(frame.duration for frame in drawing.frames)
+    curves = tuple(
+        Curve("shortcut", tuple(trail(plane, flight)), f"V by x2 = x2st, {1e3 * end:.4g} ms")
+        for flight in shortcut_flights(construction, drawing.frames, rule, step=step)
+        for end in (flight[-1].time + flight[-1].duration,)
+        for plane in construction.planes
+    )
+    return replace(drawing, curves=drawing.curves + curves)

@@ -1,0 +1,374 @@
+"""From scenes and results to graphical constructions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import reduce
+from math import inf
+from operator import add
+from typing import TYPE_CHECKING, Any
+
+from suspension.characteristics import Characteristic, linear
+from suspension.models import build
+from suspension.systems import Axle, Element, System
+from suspension.variables import MODELS, Value
+
+from .equations import EQUATION, function_of
+from .errors import DrawingError, InputError, one_line
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    from phaseplane.constructions import Construction, Strut
+    from phaseplane.constructions.laws import Damper
+    from phaseplane.constructions.primitives import Drawing
+
+    Columns = Mapping[str, npt.NDArray[np.float64]]
+
+CONSTRUCTED = (*MODELS, EQUATION)
+"""The models whose construction is known."""
+
+
+def constructed(
+    model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any], duration: float
+) -> Drawing:
+    """The graphical construction marching by itself.
+
+    Parameters
+    ----------
+    parameters : of the model, all of them, SI
+    settings : rule, step (s), plane_distance (m), plane_scales, shortcut
+    duration : s
+
+    Raises
+    ------
+    DrawingError : settings with which it cannot be drawn, such as a step too long.
+    InputError : a model without a construction.
+    ArithmeticError : the construction leaves every sheet.
+    """
+    from phaseplane.constructions import march, rule_named, with_shortcuts  # noqa: PLC0415
+
+    planes = planes_of(model, parameters, settings)
+    rule, step = rule_named(settings["rule"]), settings["step"]
+    try:
+        drawing = march(planes, rule, step=step, duration=duration)
+        return with_shortcuts(drawing, planes, rule, step) if settings.get("shortcut") else drawing
+    except ValueError as error:
+        raise DrawingError(f"construction: {one_line(error)}") from None
+
+
+def laid_over(
+    columns: Columns,
+    model: str,
+    parameters: Mapping[str, Value],
+    settings: Mapping[str, Any],
+) -> Drawing:
+    """The graphical construction with the state points of a motion that is known.
+
+    Parameters
+    ----------
+    columns : `time` (s) and what the planes show with its rates, SI; `airborne` if there is lift-off
+    model, parameters : what moved
+    settings : as for `constructed`, and duration (s); where `step` is longer than the rows are apart,
+        rows are skipped, but never those where a wheel leaves the road or returns
+
+    Raises
+    ------
+    InputError : a model without a construction, columns that are missing, or settings with which it
+        cannot be drawn.
+    """
+    from phaseplane.constructions import overlay, rule_named  # noqa: PLC0415
+
+    planes = planes_of(model, parameters, settings)
+    shown = [name for plane in planes.planes for name in (plane.name, rate_of(plane.name))]
+    missing = [name for name in ("time", *shown) if name not in columns]
+    if missing:
+        raise InputError(
+            f"no column {missing[0]}; put it into show.outputs and run, or into the table; "
+            f"the construction needs time, {', '.join(shown)}"
+        )
+    flying = [name for name in columns if name.endswith("airborne")]
+    rows = list(_rows(columns, flying, settings["step"], settings.get("duration")))
+    wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
+    try:
+        return overlay(
+            planes,
+            columns["time"][rows].tolist(),
+            *(columns[name][rows].tolist() for name in shown),
+            rule=rule_named(settings["rule"]),
+            airborne=list(zip(*wheels, strict=True)) if wheels else None,
+        )
+    except ValueError as error:
+        raise InputError(f"construction: {one_line(error)}") from None
+
+
+def rate_of(displacement: str) -> str:
+    """The name of the rate of a displacement, as FMUs and constructions have it."""
+    stem = displacement.removesuffix("displacement")
+    return f"{stem}velocity" if stem != displacement else f"{displacement}_rate"
+
+
+def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
+    """What there is to be said of a construction, as plain data.
+
+    Returns
+    -------
+    steps and events; `control`: how far the motions of bodies by AP57 eqs. 24 and 25 are apart at
+    most; `drift`: how far a step laid over a given motion ends from it at most; both in m
+    """
+    readings = drawing.frames[-1].readings
+    controls = [name.removeprefix("control_") for name in readings if name.startswith("control_")]
+    return {
+        "title": drawing.title,
+        "steps": len(drawing.frames),
+        "seconds": seconds,
+        "events": [{"event": f.event, "time": f.time} for f in drawing.frames if f.event],
+        "control": {
+            name: max(abs(f.readings[name] - f.readings[f"control_{name}"]) for f in drawing.frames)
+            for name in controls
+            if name.endswith("displacement")
+        },
+        "drift": {
+            name.removesuffix("_drift"): max(f.readings[name] for f in drawing.frames)
+            for name in readings
+            if name.endswith("_drift")
+        },
+    }
+
+
+def _rows(
+    columns: Columns, flying: list[str], step: float, duration: float | None
+) -> Iterator[int]:
+    """The rows that lie a step apart, and those where the mode changes."""
+    time = columns["time"]
+    end = inf if duration is None else float(time[0]) + duration * (1.0 + 1e-9)
+    last = int((time <= end).sum()) - 1
+    due = time[0]
+    for row, instant in enumerate(time[: last + 1]):
+        changed = row > 0 and any(columns[n][row] != columns[n][row - 1] for n in flying)
+        if changed or instant >= due - 1e-6 * step or row == last:
+            yield row
+        if instant >= due - 1e-6 * step:
+            due += step * max(1, round((instant - due) / step + 1e-6) + 1)
+
+
+# The construction of a system.
+
+
+def planes_of(
+    model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any]
+) -> Construction:
+    """The phase planes of a model.
+
+    Raises
+    ------
+    InputError : a model without a construction, or one whose elements cannot be drawn.
+    """
+    if model not in CONSTRUCTED:
+        raise InputError(f"no construction is known for {model}; only for {', '.join(CONSTRUCTED)}")
+    try:
+        if model == EQUATION:
+            return _of_equation(parameters, settings)
+        return of_system(build(model, parameters), settings)
+    except ValueError as error:
+        raise InputError(f"construction: {one_line(error)}") from None
+
+
+def of_system(system: System, settings: Mapping[str, Any]) -> Construction:
+    """The phase planes of a system: one, two or four of them, by its axles and tyres.
+
+    Parameters
+    ----------
+    settings : plane_distance, m, and plane_scales; both may be left out
+
+    Raises
+    ------
+    ValueError : a system of another kind, or with dry friction, which sticks and cannot be drawn.
+    """
+    sticking = [element.name for element in system.elements if element.friction]
+    if sticking:
+        raise ValueError(f"{sticking[0]} has dry friction, for which there is no construction")
+    tyres = sum(bool(axle.tyre) for axle in system.axles)
+    make = {
+        (0, 0): _elastoplastic,
+        (1, 0): _one_dof,
+        (1, 1): _quarter_car,
+        (2, 0): _half_car_rigid_tyres,
+        (2, 2): _half_car,
+    }.get((len(system.axles), tyres))
+    if make is None:
+        raise ValueError(f"{len(system.axles)} axles, {tyres} of them with tyres: none is known")
+    return make(system, {k: v for k, v in settings.items() if v is not None})
+
+
+def _one_dof(system: System, settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import OneDofPlane  # noqa: PLC0415
+
+    (axle,) = system.axles
+    spring, damper = _laws(system, axle)
+    road = system.signals[axle.road]
+    return OneDofPlane(
+        mass=system.mass[0][0],
+        spring=spring,
+        damper=damper,
+        road=road,
+        initial_deflection=-road.value(0.0),
+        initial_rate=-road.rate(0.0),
+        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+    )
+
+
+def _quarter_car(system: System, settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import QuarterCarPlanes  # noqa: PLC0415
+
+    (axle,) = system.axles
+    spring, damper = _laws(system, axle)
+    body, wheel = system.mass[0][0], system.mass[1][1]
+    return QuarterCarPlanes(
+        sprung_mass=body,
+        unsprung_mass=wheel,
+        spring=spring,
+        damper=damper,
+        **_tyre(system, axle),
+        road=system.signals[axle.road],
+        gravity=axle.static_load / (body + wheel),
+        lift_off=_may_leave(system, axle),
+        **_sheet(settings),
+    )
+
+
+def _half_car_rigid_tyres(system: System, settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import HalfCarRigidTyresPlanes  # noqa: PLC0415
+
+    (front_spring, front_damper), (rear_spring, rear_damper) = (
+        _laws(system, axle) for axle in system.axles
+    )
+    front, rear = (system.signals[axle.road] for axle in system.axles)
+    return HalfCarRigidTyresPlanes(
+        front_mass=system.mass[0][0],
+        rear_mass=system.mass[1][1],
+        coupling_mass=system.mass[0][1],
+        front_spring=front_spring,
+        rear_spring=rear_spring,
+        front_damper=front_damper,
+        rear_damper=rear_damper,
+        front_road=front,
+        rear_road=rear,
+        initial_deflections=(-front.value(0.0), -rear.value(0.0)),
+        initial_rates=(-front.rate(0.0), -rear.rate(0.0)),
+        **_sheet(settings),
+    )
+
+
+def _half_car(system: System, settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import AxleData, HalfCarPlanes  # noqa: PLC0415
+
+    front, rear = (
+        AxleData(
+            system.mass[wheel][wheel],
+            *_laws(system, axle),
+            static_load=axle.static_load,
+            road=system.signals[axle.road],
+            **_tyre(system, axle),
+        )
+        for wheel, axle in enumerate(system.axles, start=2)
+    )
+    return HalfCarPlanes(
+        system.mass[0][0],
+        system.mass[1][1],
+        system.mass[0][1],
+        front,
+        rear,
+        lift_off=any(_may_leave(system, axle) for axle in system.axles),
+        **_sheet(settings),
+    )
+
+
+def _elastoplastic(system: System, settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import ElastoplasticPlane  # noqa: PLC0415
+
+    yielding = [element for element in system.elements if element.yield_force < inf]
+    if len(system.coordinates) != 1 or len(yielding) != 1 or len(system.loads) != 1:
+        raise ValueError("no construction is known for a system without axles, but that of H83")
+    (spring,) = yielding
+    damping = sum(element.damper.force(1.0) for element in system.elements)
+    return ElastoplasticPlane(
+        mass=system.mass[0][0],
+        damping=damping,
+        spring_rate=spring.spring.tangent(0.0),
+        yield_force=spring.yield_force,
+        hardening=spring.hardening,
+        load=system.signals[system.loads[0].signal],
+        permanent_set=spring.permanent_set,
+        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+    )
+
+
+def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import EquationPlane  # noqa: PLC0415
+
+    text = str(parameters["equation"])
+    function, autonomous = function_of(text)
+    scales = settings.get("plane_scales")
+    return EquationPlane(
+        function,
+        autonomous,
+        float(parameters["angular_frequency"]),
+        initial_displacement=float(parameters["displacement_start"]),
+        initial_velocity=float(parameters["velocity_start"]),
+        words=f"x'' + {text} = 0",
+        **({"scale": scales[0]} if scales else {}),
+    )
+
+
+def _laws(system: System, axle: Axle) -> tuple[Characteristic, Damper]:
+    """Spring and damper of an axle; what acts side by side in it is added."""
+    between = [
+        element
+        for element in system.elements
+        if element.direction == axle.suspension and element.name != axle.tyre
+    ]
+    spring = reduce(add, (element.spring for element in between), linear(0.0))
+    if not any(element.is_modulated for element in between):
+        return spring, reduce(add, (element.damper for element in between), linear(0.0))
+    return spring, lambda rate, y: sum(
+        e.damper.force(rate) * e.modulation.force(y) for e in between
+    )
+
+
+def _tyre(system: System, axle: Axle) -> dict[str, Any]:
+    """The tyre as stiffness and damping where it is linear, else as it is."""
+    from phaseplane.constructions import Strut  # noqa: PLC0415
+
+    tyre = _element(system, axle.tyre)
+    if _is_linear(tyre.spring) and _is_linear(tyre.damper):
+        return {
+            "tyre_stiffness": tyre.spring.tangent(0.0),
+            "tyre_damping": tyre.damper.tangent(0.0),
+        }
+    law: Strut = Strut(tyre.spring, tyre.damper)
+    return {"tyre": law}
+
+
+def _is_linear(law: Characteristic) -> bool:
+    return not law.corners and law.force(2.0) == 2.0 * law.tangent(0.0) == 2.0 * law.force(1.0)
+
+
+def _may_leave(system: System, axle: Axle) -> bool:
+    return _element(system, axle.tyre).limit < inf
+
+
+def _element(system: System, name: str) -> Element:
+    number = system.element(name)
+    assert number is not None
+    return system.elements[number]
+
+
+def _sheet(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """What is said of the sheet."""
+    return {
+        name: tuple(settings[name]) if name == "plane_scales" else settings[name]
+        for name in ("plane_distance", "plane_scales")
+        if name in settings
+    }

@@ -1,0 +1,242 @@
+"""From scenes, results and tables to constructions; equations as scenes."""
+
+from __future__ import annotations
+
+import json
+from math import isnan, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+
+from scenarios.cli import main
+from scenarios.constructions import constructed, laid_over, of_system, planes_of, rate_of, told_of
+from scenarios.equations import check_equation, function_of, solve
+from scenarios.errors import DrawingError, InputError
+from scenarios.schema import load_scene
+from suspension.characteristics import linear
+from suspension.models import build
+from suspension.session import simulate
+from suspension.systems import Element, System
+
+SETTINGS = {"rule": "delta", "step": 0.001}
+MODELS = {
+    "OneDof": ("suspension_deflection", "body_displacement"),
+    "QuarterCar": ("suspension_deflection", "wheel_displacement", "body_displacement"),
+    "HalfCarRigidTyres": ("front_suspension_deflection", "rear_body_displacement"),
+    "HalfCar": ("rear_suspension_deflection", "rear_wheel_displacement", "front_body_displacement"),
+}
+HALF = {"pitch_radius_of_gyration": 1.0}
+ROADS = (
+    {"road.length": 4.0, "speed": 10.0},
+    {"road.shape": "obstacle", "road.length": 4.0, "speed": 10.0, "road.start": 0.03},
+    {"road.shape": "table", "road.table": "0:0, 1:0.03, 2:0.01", "speed": 8.0},
+    {"road.shape": "sine", "road.height": 0.02, "road.length": 6.0, "speed": 10.0},
+)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def parameters_of(model: str, road: dict) -> dict:
+    from suspension.variables import checked_parameters  # noqa: PLC0415
+
+    extra = {"front.bump_stop.stiffness": 5e4, **HALF} if model.startswith("Half") else {}
+    return checked_parameters(model, {**road, **extra})
+
+
+@pytest.mark.parametrize("road", ROADS, ids=lambda r: r.get("road.shape", "bump"))
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_is_constructed_on_any_road(model, road):
+    """Against the integrator; the road of straight lines makes the state points jump."""
+    parameters = parameters_of(model, road)
+    drawing = constructed(model, parameters, SETTINGS, 0.5)
+    frames = [f for f in drawing if abs(f.time / 0.05 - round(f.time / 0.05)) < 1e-6]
+    columns = simulate(
+        model, {**parameters, "solver.tolerance": 1e-9}, [f.time for f in frames], MODELS[model]
+    )
+    for name in MODELS[model]:
+        found = np.array([f.readings[name] for f in frames])
+        assert np.max(np.abs(found - columns[name])) < 1e-4 * max(1.0, np.max(np.abs(found)) / 0.05)
+    assert told_of(drawing)["control"]
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_every_model_is_laid_over_its_run(model):
+    parameters = parameters_of(model, ROADS[0])
+    planes = planes_of(model, parameters, SETTINGS).planes
+    names = [name for plane in planes for name in (plane.name, rate_of(plane.name))]
+    times = np.linspace(0.0, 0.5, 501).tolist()
+    columns = {
+        name: np.asarray(column)
+        for name, column in simulate(model, parameters, times, names).items()
+    } | {"time": np.array(times)}
+    drawing = laid_over(columns, model, parameters, {**SETTINGS, "duration": 0.4})
+    assert len(drawing.frames) == 400
+    told = told_of(drawing)
+    assert set(told["drift"]) == {plane.name for plane in planes}
+    assert max(told["drift"].values()) < 1e-5
+    assert "laid over 400 steps of up to 1 ms" in drawing.title
+
+
+def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
+    from suspension.characteristics import table  # noqa: PLC0415
+    from suspension.systems import Axle, damper_family  # noqa: PLC0415
+
+    curves = {-0.05: linear(3000.0), 0.0: linear(1000.0), 0.05: linear(2500.0)}
+    spring = table([(-0.1, -1500.0), (0.1, 1500.0)])
+    system = System(
+        ("body",), ((300.0,),),
+        (Element("spring", (1.0,), spring=spring, road="road"),
+         *damper_family("damper", (1.0,), curves, "road")),
+        {"road": build("OneDof", {}).signals["road"]},
+        axles=(Axle("", (1.0,), "road"),),
+    )  # fmt: skip
+    one = of_system(system, {})
+    assert one.damper(0.2, 0.05) == pytest.approx(500.0)
+    assert one.damper(0.2, 0.025) == pytest.approx(350.0)
+
+
+def test_what_sticks_is_refused():
+    system = build("OneDof", {})
+    dry = System(
+        system.coordinates, system.mass, (*system.elements, Element("leaf", (1.0,), friction=50.0)),
+        system.signals, axles=system.axles,
+    )  # fmt: skip
+    with pytest.raises(ValueError, match="leaf has dry friction"):
+        of_system(dry, {})
+    with pytest.raises(InputError, match="no construction is known for Tractor"):
+        planes_of("Tractor", {}, {})
+
+
+def test_a_step_too_long_is_told_apart():
+    parameters = parameters_of("QuarterCar", {})
+    with pytest.raises(DrawingError, match="at most a right angle"):
+        constructed("QuarterCar", parameters, {**SETTINGS, "step": 1.0}, 2.0)
+
+
+def test_the_shortcut_is_drawn_if_asked():
+    parameters = parameters_of("QuarterCar", {})
+    plain = constructed("QuarterCar", parameters, SETTINGS, 0.15)
+    drawn = constructed("QuarterCar", parameters, {**SETTINGS, "shortcut": True}, 0.15)
+    assert drawn.frames == plain.frames
+    assert [c.role for c in drawn.curves[len(plain.curves) :]] == ["shortcut", "shortcut"]
+    with pytest.raises(DrawingError, match="shortcut for touchdown is for quarter cars"):
+        constructed("OneDof", parameters_of("OneDof", {}), {**SETTINGS, "shortcut": True}, 0.1)
+
+
+def test_replay_over_a_table():
+    """A motion from elsewhere, here a slow sine by itself: SCENE says what moves."""
+    times = np.arange(0.0, 0.1001, 0.001)
+    y = 0.01 * np.sin(20.0 * times)
+    v = 0.2 * np.cos(20.0 * times)
+    rows = np.column_stack([times, y, v, 0.1 * y, 0.1 * v])
+    names = (
+        "time,suspension_deflection,suspension_deflection_rate,wheel_displacement,wheel_velocity"
+    )
+    np.savetxt("motion.csv", rows, delimiter=",", header=names, comments="")
+    result = CliRunner().invoke(
+        main, ["replay", "ap57", "--over", "motion.csv", "--step", "2 ms", "--figure", "x.svg",
+               "--json"],
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    told = json.loads(result.stdout)
+    assert told["steps"] == 50
+    assert told["drift"]["suspension_deflection"] > 1e-5  # it is no motion of that car
+    assert Path("x.svg").exists()
+    Path("motion.csv").write_text("time,wheel_velocity\n0,0\n1,0\n")
+    refused = CliRunner().invoke(
+        main, ["replay", "ap57", "--over", "motion.csv", "--save", "x.rrd"]
+    )
+    assert refused.exit_code == 2
+    assert "no column suspension_deflection" in refused.stderr
+
+
+# Equations.
+
+number = st.floats(-2.0, 2.0)
+
+
+@given(number, number, number)
+def test_a_formula_is_what_it_says(v, x, t):
+    function, autonomous = function_of("-(x^2 - 1)*v + 2*sin(pi*t)/ (1 + exp(x)) - max(x, v)")
+    wanted = -(x**2 - 1) * v + 2 * np.sin(pi * t) / (1 + np.exp(x)) - max(x, v)
+    assert function(v, x, t) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+    assert not autonomous
+    assert function_of("x")[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x +", "not a formula"),
+        ("y + x", r"'y' is not known.*allowed are numbers"),
+        ("sin(x", "not a formula"),
+        ("sni(x)", "did you mean 'sin'"),
+        ("x.real", r"'x\.real' is not known"),
+        ("__import__('os')", "is not known"),
+        ("(lambda: 1)()", "is not known"),
+        ("x if v else t", "is not known"),
+        ("[x for x in v]", "is not known"),
+        ("sin(x=1)", "is not known"),
+        ("x + True", "'True' is not known"),
+        ("'a' * 9", "is not known"),
+        ("sin", "'sin' is not known"),
+        ("1" + "+1" * 600, "1201 characters"),
+        ("9" * 400, "too large"),
+        ("1/x", "is nan at the start"),
+        ("9^9^9^9", "is inf at the start"),
+        ("", "not a formula"),
+    ],
+)
+def test_what_is_no_formula_is_refused(text, message):
+    with pytest.raises(ValueError, match=message):
+        check_equation({"equation": text})
+
+
+def test_where_a_formula_has_no_value_it_is_not_a_number():
+    function, _ = function_of("sqrt(x) + (0 - 8)^(1/3)")
+    assert isnan(function(0.0, -1.0, 0.0))
+    assert isnan(function(0.0, 1.0, 0.0))
+
+
+def test_an_equation_is_solved():
+    times = np.linspace(0.0, 10.0, 101)
+    given = {"equation": "4*x", "displacement_start": 1.0, "velocity_start": 0.0}
+    columns, _, complaint = solve(given, times)
+    assert complaint == ""
+    assert columns["displacement"] == pytest.approx(np.cos(2.0 * times), abs=1e-8)
+    assert columns["acceleration"] == pytest.approx(-4.0 * columns["displacement"])
+
+
+def test_the_scene_of_van_der_pol():
+    result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "show.recording=false"])
+    assert result.exit_code == 0, result.stderr
+    assert "with SciPy" in result.stdout
+    summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
+    assert summary["drawn"]["steps"] == 200
+    over = CliRunner().invoke(
+        main, ["replay", "out/van_der_pol/results.csv", "--figure", "x.png", "--json"]
+    )
+    assert json.loads(over.stdout)["drift"]["displacement"] < 1e-2
+    assert load_scene("van_der_pol").fmu.model == "Equation"
+
+
+def test_an_equation_that_runs_away_keeps_what_there_is():
+    result = CliRunner().invoke(
+        main, ["run", "van_der_pol", "--set", "equation=-x^3", "--set", "show.recording=false"]
+    )
+    assert result.exit_code == 1
+    assert "leaves the sheet" in result.stdout
+    assert "stopped after" in result.stdout
+
+
+def test_a_scene_with_a_bad_equation():
+    result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "equation=x + import"])
+    assert result.exit_code == 2
+    assert "not a formula" in result.stderr
