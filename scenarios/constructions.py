@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from phaseplane.constructions.primitives import Drawing
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
+    Start = tuple[list[float], list[float]]
 
 CONSTRUCTED = (*MODELS, EQUATION)
 """The models whose construction is known."""
@@ -170,17 +171,38 @@ def planes_of(
     try:
         if model == EQUATION:
             return _of_equation(parameters, settings)
-        return of_system(build(model, parameters), settings)
+        system = build(model, parameters)
+        return of_system(system, settings, _start(system, parameters))
     except ValueError as error:
         raise InputError(f"construction: {one_line(error)}") from None
 
 
-def of_system(system: System, settings: Mapping[str, Any]) -> Construction:
+def _start(system: System, parameters: Mapping[str, Value]) -> Start:
+    """Displacements and velocities of the coordinates at time 0, as a run has them."""
+    from suspension.equilibrium import static_equilibrium  # noqa: PLC0415  (only where it is used)
+
+    levels = {axle.road: system.signals[axle.road].before(0.0) for axle in system.axles}
+    q, v = (
+        [
+            float(parameters.get(f"initial.{name}_{what}".replace("._", "."), 0.0))
+            for name in system.coordinates
+        ]
+        for what in ("displacement", "velocity")
+    )
+    if any(levels.values()):
+        q = [a + b for a, b in zip(q, static_equilibrium(system, levels), strict=True)]
+    return q, v
+
+
+def of_system(
+    system: System, settings: Mapping[str, Any], start: Start | None = None
+) -> Construction:
     """The phase planes of a system: one, two or four of them, by its axles and tyres.
 
     Parameters
     ----------
     settings : plane_distance, m, and plane_scales; both may be left out
+    start : displacements and velocities of the coordinates at time 0; at rest if left out
 
     Raises
     ------
@@ -199,32 +221,36 @@ def of_system(system: System, settings: Mapping[str, Any]) -> Construction:
     }.get((len(system.axles), tyres))
     if make is None:
         raise ValueError(f"{len(system.axles)} axles, {tyres} of them with tyres: none is known")
-    return make(system, {k: v for k, v in settings.items() if v is not None})
+    rest = [0.0] * len(system.coordinates)
+    given = {name: value for name, value in settings.items() if value is not None}
+    return make(system, given, start or (rest, rest))
 
 
-def _one_dof(system: System, settings: Mapping[str, Any]) -> Construction:
+def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
     from phaseplane.constructions import OneDofPlane  # noqa: PLC0415
 
     (axle,) = system.axles
     spring, damper = _laws(system, axle)
     road = system.signals[axle.road]
+    (q, v), (elevation, velocity) = start, road.derivatives(0.0)[:2]
     return OneDofPlane(
         mass=system.mass[0][0],
         spring=spring,
         damper=damper,
         road=road,
-        initial_deflection=-road.value(0.0),
-        initial_rate=-road.rate(0.0),
+        initial_deflection=q[0] - elevation,
+        initial_rate=v[0] - velocity,
         **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
     )
 
 
-def _quarter_car(system: System, settings: Mapping[str, Any]) -> Construction:
+def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
     from phaseplane.constructions import QuarterCarPlanes  # noqa: PLC0415
 
     (axle,) = system.axles
     spring, damper = _laws(system, axle)
     body, wheel = system.mass[0][0], system.mass[1][1]
+    q, v = start
     return QuarterCarPlanes(
         sprung_mass=body,
         unsprung_mass=wheel,
@@ -234,17 +260,25 @@ def _quarter_car(system: System, settings: Mapping[str, Any]) -> Construction:
         road=system.signals[axle.road],
         gravity=axle.static_load / (body + wheel),
         lift_off=_may_leave(system, axle),
+        initial_deflection=q[0] - q[1],
+        initial_deflection_rate=v[0] - v[1],
+        initial_wheel_displacement=q[1],
+        initial_wheel_velocity=v[1],
         **_sheet(settings),
     )
 
 
-def _half_car_rigid_tyres(system: System, settings: Mapping[str, Any]) -> Construction:
+def _half_car_rigid_tyres(
+    system: System, settings: Mapping[str, Any], start: Start
+) -> Construction:
     from phaseplane.constructions import HalfCarRigidTyresPlanes  # noqa: PLC0415
 
     (front_spring, front_damper), (rear_spring, rear_damper) = (
         _laws(system, axle) for axle in system.axles
     )
     front, rear = (system.signals[axle.road] for axle in system.axles)
+    roads = [road.derivatives(0.0) for road in (front, rear)]
+    q, v = start
     return HalfCarRigidTyresPlanes(
         front_mass=system.mass[0][0],
         rear_mass=system.mass[1][1],
@@ -255,24 +289,26 @@ def _half_car_rigid_tyres(system: System, settings: Mapping[str, Any]) -> Constr
         rear_damper=rear_damper,
         front_road=front,
         rear_road=rear,
-        initial_deflections=(-front.value(0.0), -rear.value(0.0)),
-        initial_rates=(-front.rate(0.0), -rear.rate(0.0)),
+        initial_deflections=(q[0] - roads[0][0], q[1] - roads[1][0]),
+        initial_rates=(v[0] - roads[0][1], v[1] - roads[1][1]),
         **_sheet(settings),
     )
 
 
-def _half_car(system: System, settings: Mapping[str, Any]) -> Construction:
+def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
     from phaseplane.constructions import AxleData, HalfCarPlanes  # noqa: PLC0415
 
+    q, v = start
     front, rear = (
         AxleData(
-            system.mass[wheel][wheel],
+            system.mass[i + 2][i + 2],
             *_laws(system, axle),
             static_load=axle.static_load,
             road=system.signals[axle.road],
+            initial=(q[i] - q[i + 2], v[i] - v[i + 2], q[i + 2], v[i + 2]),
             **_tyre(system, axle),
         )
-        for wheel, axle in enumerate(system.axles, start=2)
+        for i, axle in enumerate(system.axles)
     )
     return HalfCarPlanes(
         system.mass[0][0],
@@ -285,11 +321,13 @@ def _half_car(system: System, settings: Mapping[str, Any]) -> Construction:
     )
 
 
-def _elastoplastic(system: System, settings: Mapping[str, Any]) -> Construction:
+def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
     from phaseplane.constructions import ElastoplasticPlane  # noqa: PLC0415
 
     yielding = [element for element in system.elements if element.yield_force < inf]
-    if len(system.coordinates) != 1 or len(yielding) != 1 or len(system.loads) != 1:
+    loads = [system.signals[load.signal] for load in system.loads]
+    acting = [load for load in loads if load.joints or load.value(0.0)] or loads[:1]
+    if len(system.coordinates) != 1 or len(yielding) != 1 or len(acting) != 1:
         raise ValueError("no construction is known for a system without axles, but that of H83")
     (spring,) = yielding
     damping = sum(element.damper.force(1.0) for element in system.elements)
@@ -299,7 +337,9 @@ def _elastoplastic(system: System, settings: Mapping[str, Any]) -> Construction:
         spring_rate=spring.spring.tangent(0.0),
         yield_force=spring.yield_force,
         hardening=spring.hardening,
-        load=system.signals[system.loads[0].signal],
+        load=acting[0],
+        initial_displacement=start[0][0],
+        initial_velocity=start[1][0],
         permanent_set=spring.permanent_set,
         **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
     )

@@ -138,7 +138,7 @@ class HalfCarRigidTyresPlanes(Construction):
     plane_scales : paper per displacement in plane 1 and plane 2; AP57 takes the same (a : 1)
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
     plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
-    initial_deflections, initial_rates : y_i and y_i' at time 0, m and m/s
+    initial_deflections, initial_rates : y_i and y_i' at time 0, after a jump of the roads, m and m/s
     protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below plane 2
     auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
         lies on the curve of P's own y

@@ -97,8 +97,8 @@ class OneDofPlane(OnePlane):
     damper : Phi(y', y), N
     road : xi(t), m; where its elevation or velocity jumps, the state point jumps with it
     scale : of the sheet, paper per displacement (a : 1)
-    initial_deflection, initial_rate : y and y' at time 0, m and m/s; where the road's own velocity
-        jumps at time 0, y' is that after the jump
+    initial_deflection, initial_rate : y and y' at time 0, m and m/s; where the road jumps at time 0,
+        those after the jump
     protractor : vertex of the turn angle on the sheet, m of paper
     auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
         lies on the curve of P's own y

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from math import inf, nan, pi, sqrt
 
@@ -49,6 +50,10 @@ def motion(road: roads.Signal, times: np.ndarray, initial=(0.0, 0.0)) -> np.ndar
         state = solution.y[:, -1]
         found.append(solution.y[:, :-1])
     return np.hstack([*found, state[:, None]])
+
+
+def column(drawing, name: str) -> np.ndarray:
+    return np.array([frame.readings[name] for frame in drawing])
 
 
 @given(
@@ -197,3 +202,32 @@ def test_importing_the_constructions_is_light():
         env={"PYTHONPATH": ":".join(sys.path)},
     )
     assert found.stdout.strip() == "[]"
+
+
+def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():
+    """An upward kerb compresses: it meets the damper's bump rate, whatever the motion before."""
+    kerb, mass, bump = roads.step(0.01, 0.0323), 300.0, 500.0
+    one = OneDofPlane(mass, linear(15000.0), damper(2000.0, bump), kerb)
+    drawing = march(one, step=0.001, duration=0.25)
+    at = next(f for f in drawing if f.event == "jolt")
+    assert at.time == 0.0323
+    assert at.readings["suspension_deflection"] == pytest.approx(-0.01)
+    assert at.readings["body_displacement"] == pytest.approx(0.0, abs=1e-15)
+    assert at.readings["body_velocity"] == pytest.approx(bump * 0.01 / mass)
+    ramp = roads.ramp(0.01, 0.0001, 20.0, 0.0323)
+    steep = march(replace(one, road=ramp), step=0.001, duration=0.25)
+    end = [d.frames[-1].readings["body_displacement"] for d in (drawing, steep)]
+    assert end[0] == pytest.approx(end[1], abs=3e-7)
+
+
+def test_where_the_velocity_of_the_road_jumps_the_state_point_does():
+    """Over straight lines, against scipy; the step is too long to find the corners by chance."""
+    road = roads.table([(0.0, 0.0), (0.37, 0.03), (0.81, -0.01), (1.2, 0.0)], speed=1.0)
+    one = car(road=road, initial_rate=-road.rate(0.0))
+    drawing = march(one, step=0.01, duration=1.5)
+    jolts = [f for f in drawing if f.event == "jolt"]
+    assert [f.time for f in jolts] == pytest.approx([0.37, 0.81, 1.2])
+    times = np.array([f.time for f in drawing])
+    x, v = motion(road, np.append(times, 1.5))[:, :-1]
+    assert np.max(np.abs(column(drawing, "body_displacement") - x)) < 3e-5
+    assert np.max(np.abs(column(drawing, "body_velocity") - v)) < 2e-3
