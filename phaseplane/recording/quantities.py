@@ -53,7 +53,7 @@ def in_words(name: str) -> str:
 
 def rate_of(displacement: str) -> str:
     """The name of the rate of change of a displacement, as the FMUs name it."""
-    for ending, rate in (("_displacement", "_velocity"), ("_angle", "_rate")):
+    for ending, rate in (("displacement", "velocity"), ("_angle", "_rate")):
         if displacement.endswith(ending):
             return displacement.removesuffix(ending) + rate
     return f"{displacement}_rate"
