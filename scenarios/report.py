@@ -162,11 +162,28 @@ def road_words(parameters: Mapping[str, Any]) -> str:
         return shape or ""
     length, speed = parameters["road.length"], f"at {parameters['speed']:.4g} m/s"
     height = f"{1e3 * parameters['road.height']:.4g} mm"
-    if shape == "table":
-        return f"table of {len(parameters['road.table'].split(','))} points, {speed}"
+    if shape in ("table", "spline"):
+        return f"{shape} of {len(parameters['road.table'].split(','))} points, {speed}"
     if shape == "sine":
         return f"sine {height} from crest to trough, {length:.4g} m long, {speed}"
-    return f"{shape} {height} high, {length:.4g} m long, {speed}"
+    if shape == "sweep":
+        first, last = (parameters[f"road.{which}_frequency"] for which in ("first", "last"))
+        seconds = f"{parameters['road.duration']:.4g} s"
+        return f"sweep {height} from crest to trough, {first:.4g} to {last:.4g} Hz in {seconds}"
+    if shape == "random":
+        roughness = parameters["road.roughness"]
+        of = (
+            f"Gd(n0) = {1e6 * roughness:.4g} cm3"
+            if roughness
+            else f"class {parameters['road.class']}"
+        )
+        long = f"{parameters['road.profile_length']:.4g} m long"
+        return f"random, {of}, seed {parameters['road.seed']}, {long}, {speed}"
+    if shape == "step":
+        return f"step {height} high"
+    return (
+        f"{shape} {height} {'deep' if shape == 'pothole' else 'high'}, {length:.4g} m long, {speed}"
+    )
 
 
 def _solver_words(summary: Mapping[str, Any]) -> str:

@@ -5,6 +5,7 @@ Figures are made with its object interface alone: no window, no global state, no
 
 from __future__ import annotations
 
+from phaseplane.figures.characteristics import characteristics_sheet
 from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
@@ -12,6 +13,7 @@ from phaseplane.figures.style import save
 from phaseplane.figures.work_precision import work_precision
 
 __all__ = [
+    "characteristics_sheet",
     "columns",
     "comparison",
     "construction_sheet",

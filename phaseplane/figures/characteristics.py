@@ -1,0 +1,194 @@
+"""Every kind of characteristic on one sheet, drawn from the laws that the integrator evaluates.
+
+>>> from phaseplane.figures import characteristics_sheet, save
+>>> save(characteristics_sheet(), "characteristics.png")  # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from phaseplane.figures.style import BLUE, DARK, GREEN, LIGHT, ORANGE, Palette, new_figure
+from suspension import characteristics as law
+from suspension.characteristics import Characteristic
+from suspension.session import simulate
+from suspension.systems import damper_family
+
+_COLOURS = (BLUE, ORANGE, GREEN)
+_COLUMNS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One curve: arguments in m or m/s, forces in N, and where it bends."""
+
+    name: str
+    x: np.ndarray
+    force: np.ndarray
+    corners: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """Curves over one argument: `deflection` or `rate`."""
+
+    title: str
+    argument: str
+    lines: tuple[Line, ...]
+
+
+def characteristics_sheet(*, dark: bool = False) -> Figure:
+    """All kinds of springs, dampers, stops, tyres, friction and yield, a panel for each.
+
+    Dots mark the corners, on which the integrator lands. Loops are results of runs.
+
+    Parameters
+    ----------
+    dark : on a dark ground
+    """
+    palette = DARK if dark else LIGHT
+    panels = list(_panels())
+    rows = -(-len(panels) // _COLUMNS)
+    figure = new_figure(2.8 * _COLUMNS, 2.5 * rows, palette)
+    for k, panel in enumerate(panels, start=1):
+        _draw(figure.add_subplot(rows, _COLUMNS, k), panel, palette)
+    figure.tight_layout(w_pad=1.2, h_pad=1.4)
+    return figure
+
+
+def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
+    deflection = panel.argument == "deflection"
+    axes.set_facecolor(palette.paper)
+    axes.axhline(0.0, color=palette.faint, linewidth=0.7)
+    axes.axvline(0.0, color=palette.faint, linewidth=0.7)
+    factor = 1e3 if deflection else 1.0
+    for line, colour in zip(panel.lines, _COLOURS, strict=False):
+        axes.plot(factor * line.x, 1e-3 * line.force, color=colour, linewidth=1.5, label=line.name)
+        for x, force in line.corners:
+            axes.plot(factor * x, 1e-3 * force, "o", color=colour, markersize=3.5)
+    axes.set_title(panel.title, fontsize=9, color=palette.ink)
+    axes.set_xlabel("deflection, mm" if deflection else "rate, m/s", fontsize=8, color=palette.ink)
+    axes.set_ylabel("force, kN", fontsize=8, color=palette.ink)
+    axes.tick_params(labelsize=7, colors=palette.ink)
+    axes.grid(color=palette.grid, linewidth=0.6)
+    axes.margins(x=0.0)
+    for spine in axes.spines.values():
+        spine.set_color(palette.faint)
+    if len(panel.lines) > 1:
+        axes.legend(
+            fontsize=7, labelcolor=palette.ink, facecolor=palette.paper, edgecolor=palette.grid,
+            handlelength=1.2, borderpad=0.3, loc="best",
+        )  # fmt: skip
+
+
+def _line(name: str, curve: Characteristic, reach: float) -> Line:
+    corners = [x for x in curve.corners if abs(x) < reach]
+    x = np.unique([*np.linspace(-reach, reach, 241), *corners])
+    force = np.array([curve.force(value) for value in x])
+    return Line(name, x, force, tuple((corner, curve.force(corner)) for corner in corners))
+
+
+def _surface(name: str, force: Callable[[float], float], reach: float) -> Line:
+    x = np.linspace(-reach, reach, 401)
+    return Line(name, x, np.array([force(value) for value in x]))
+
+
+def _panels() -> Iterator[Panel]:
+    yield from _springs()
+    yield from _dampers()
+    yield _tyre()
+    yield from _loops()
+
+
+def _springs() -> Iterator[Panel]:
+    yield Panel("linear spring", "deflection", (_line("", law.linear(2e4), 0.1),))
+    yield Panel(
+        "cubic spring", "deflection",
+        (_line("hardening", law.cubic(15e3, 1.5e6), 0.1),
+         _line("softening", law.cubic(25e3, -0.6e6), 0.1)),
+    )  # fmt: skip
+    points = [(-0.1, -4e3), (-0.06, -1.3e3), (0.0, 0.0), (0.05, 700.0), (0.1, 2.4e3)]
+    yield Panel(
+        "table", "deflection",
+        (_line("straight lines", law.table(points), 0.1),
+         _line("monotone", law.monotone_table(points), 0.1)),
+    )  # fmt: skip
+    free = law.cubic(2e4, 1.5e6)
+    static = free.argument(-2e3)
+    yield Panel(
+        "under preload", "deflection",
+        (_line("from free length", free, 0.1),
+         _line("from rest under 2 kN", free.moved(static, -2e3), 0.1)),
+    )  # fmt: skip
+    stops = law.bump_stop(0.05, 1e5), law.rebound_stop(0.06, 8e4)
+    yield Panel(
+        "end stops", "deflection",
+        (_line("bump stop", stops[0], 0.1), _line("rebound stop", stops[1], 0.1)),
+    )  # fmt: skip
+
+
+def _dampers() -> Iterator[Panel]:
+    yield Panel(
+        "damper", "rate",
+        (_line("rebound and bump", law.damper(2500.0, 800.0), 1.0),
+         _line("with blow-off", law.damper(2500.0, 800.0, 1000.0, 450.0, 250.0), 1.0)),
+    )  # fmt: skip
+    yield Panel(
+        "saturating damper", "rate", (_line("", law.saturating(4000.0, 1000.0, 1500.0), 1.0),)
+    )
+    curves = {-0.05: law.damper(4500.0, 3000.0), 0.0: law.damper(2000.0, 700.0)}
+    parts = damper_family("damper", (1.0,), curves)
+
+    def at(deflection: float) -> Callable[[float], float]:
+        return lambda rate: sum(
+            part.damper.force(rate) * part.modulation.force(deflection) for part in parts
+        )
+
+    yield Panel(
+        "damper by deflection", "rate",
+        tuple(_surface(f"at {1e3 * d:g} mm", at(d), 1.0) for d in (-0.05, -0.025, 0.0)),
+    )  # fmt: skip
+
+
+def _tyre() -> Panel:
+    tyre = law.table([(-0.05, -9e3), (-0.02, -3e3), (0.05, 7.5e3)])
+    load = 3.2e3
+
+    def at(rate: float) -> Callable[[float], float]:
+        return lambda deflection: min(tyre.force(deflection) + 1.5e3 * rate, load)
+
+    lines = (
+        _line("at rest", tyre + law.constant(0.0), 0.04),
+        *(_surface(f"at {rate:+g} m/s", at(rate), 0.04) for rate in (1.0, -1.0)),
+    )
+    at_rest = Line("at rest", lines[0].x, np.minimum(lines[0].force, load), lines[0].corners)
+    return Panel("tyre that cannot pull", "deflection", (at_rest, *lines[1:]))
+
+
+def _loops() -> Iterator[Panel]:
+    leaf = {
+        "friction": 300.0, "spring.rate": 2e4, "damper.rebound_rate": 0.0, "damper.bump_rate": 0.0,
+        "road.shape": "sine", "road.length": 20.0, "sprung_mass": 250.0, "road.height": 0.08,
+    }  # fmt: skip
+    names = ["suspension_deflection", "spring_force", "friction_force"]
+    run = simulate("OneDof", leaf, [0.002 * k for k in range(1501)], names)
+    x, spring, friction = (np.array(run[name]) for name in names)
+    yield Panel("leaf spring: dry friction", "deflection", (Line("", x, spring + friction),))
+    for title, hardening in (("ideally elastic-plastic", 0.0), ("with linear hardening", 8e3)):
+        frame = {
+            "mass": 200.0, "spring.rate": 5e4, "yield_force": 1e3, "damper.rate": 0.0,
+            "hardening": hardening, "force.table": "0:0, 0.2:1400, 0.5:-1400, 0.8:1000, 1.2:0",
+        }  # fmt: skip
+        run = simulate(
+            "Elastoplastic",
+            frame,
+            [0.002 * k for k in range(701)],
+            ["displacement", "spring_force"],
+        )
+        x, force = (np.array(run[name]) for name in ("displacement", "spring_force"))
+        yield Panel(title, "deflection", (Line("", x, force),))
