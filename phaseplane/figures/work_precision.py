@@ -28,7 +28,7 @@ from phaseplane.figures.style import (
     new_figure,
 )
 
-_LARGEST, _FAILED, _SMALLEST = 1.0, 20.0, 1e-13  # errors: of the axis, of what failed
+_LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # errors: of the axis, of what failed
 _COLOURS = (ORANGE, GREEN, PINK, OCHRE, TEAL, VIOLET, RED)
 _MARKERS = "osD^vP"
 _DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
@@ -137,8 +137,8 @@ def _style(axes: Axes, palette: Palette) -> None:
     axes.set_facecolor(palette.paper)
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlim(_SMALLEST, _FAILED * 5.0)
-    axes.axvspan(_LARGEST * 2.0, _FAILED * 5.0, color=palette.shade, lw=0)
+    axes.set_xlim(_SMALLEST, _FAILED * 10.0)
+    axes.axvspan(_LARGEST * 2.0, _FAILED * 10.0, color=palette.shade, lw=0)
     axes.text(
         0.985, 0.02, "failed", transform=axes.transAxes, fontsize=7, color=palette.faint,
         ha="right", va="bottom", rotation=90,

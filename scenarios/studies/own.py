@@ -114,6 +114,8 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     problem = bench.problem
     if problem.model not in CONSTRUCTED:
         raise UnableError("its construction is not among those compared")
+    if any(element.friction for element in problem.system.elements):
+        raise UnableError("the construction knows no dry friction")
     parameters = {
         v.name: v.start for v in MODELS[problem.model] if v.causality == "parameter"
     } | dict(problem.parameters)
