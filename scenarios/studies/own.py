@@ -109,17 +109,20 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    from ..constructions import CONSTRUCTED, constructed  # noqa: PLC0415
+    from ..constructions import constructed, planes_of  # noqa: PLC0415
+    from ..errors import InputError, one_line  # noqa: PLC0415
 
     problem = bench.problem
-    if problem.model not in CONSTRUCTED:
-        raise UnableError("its construction is not among those compared")
-    if any(element.friction for element in problem.system.elements):
-        raise UnableError("the construction knows no dry friction")
+    if problem.model not in MODELS:
+        raise UnableError("there is no construction of this system")
     parameters = {
         v.name: v.start for v in MODELS[problem.model] if v.causality == "parameter"
     } | dict(problem.parameters)
-    settings = {"rule": rule, "step": step, "plane_distance": 0.25, "plane_scales": (1.0, 2.5)}
+    settings = {"rule": rule, "step": step}
+    try:
+        planes_of(problem.model, parameters, settings)
+    except InputError as error:
+        raise UnableError(one_line(error).removeprefix("construction: ")) from None
     names = [f"{name}_displacement".removeprefix("_") for name in problem.system.coordinates]
     interval = problem.duration / problem.intervals
 
