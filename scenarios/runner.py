@@ -245,7 +245,11 @@ def _summary(scene: Scene, drive: _Drive, build_time: float | None) -> dict[str,
     """All that is to be said of a run, as plain data."""
     outputs = scene.fmu.outputs()
     known = catalogue(outputs)
-    readings = take(known, scene.measures, Run(drive.columns, scene.all_parameters))
+    readings = take(
+        known,
+        scene.measures,
+        Run(drive.columns, scene.all_parameters, "" if scene.fmu.path else scene.fmu.model),
+    )
     reached = float(drive.columns["time"][-1])
     stopped = None
     if reached < scene.duration * (1.0 - 1e-9):

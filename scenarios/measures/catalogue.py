@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from suspension.variables import Variable
 
 from .axle import of_axles
+from .modal import of_modes
 from .motion import last, of_motion
 from .motion import peak as largest
 from .reading import COUNT, Measure, Reading, Run
@@ -30,7 +31,7 @@ def catalogue(outputs: Mapping[str, Variable]) -> dict[str, Measure]:
     """
     measures = [
         *of_motion(outputs), *of_axles(outputs), *of_ride(outputs), *of_roads(outputs),
-        *_of_the_solver(outputs),
+        *of_modes(outputs), *_of_the_solver(outputs),
     ]  # fmt: skip
     return {measure.name: measure for measure in measures}
 

@@ -41,10 +41,12 @@ class Run:
     ----------
     columns : `time` (s) and outputs, each of shape (rows,), in SI; at least one row
     parameters : of the model, in SI
+    model : its name, if it is one of this project
     """
 
     columns: Columns
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    model: str = ""
 
     @property
     def time(self) -> Column:

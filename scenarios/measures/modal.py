@@ -1,0 +1,33 @@
+"""The model itself, for small motions about rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+
+from suspension.models import build
+from suspension.variables import Variable
+
+from .reading import Measure, Reading, Run
+
+
+def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
+    """Natural frequencies and damping ratios, slowest mode first."""
+    if "stable_step" in outputs:  # a model of this project
+        for name, unit, what in (
+            ("natural_frequencies", "Hz", "frequency"),
+            ("damping_ratios", "1", "damping_ratio"),
+        ):
+            about = (
+                f"{name.replace('_', ' ')} of the model's small motions about rest, slowest first"
+            )
+            yield Measure(name, unit, (), partial(_of_run, what), about)
+
+
+def _of_run(what: str, run: Run) -> Reading:
+    from ..linearised import linearised  # noqa: PLC0415  (heavy)
+
+    if not run.model:
+        return Reading(None)
+    modes = linearised(build(run.model, run.parameters)).modes()
+    return Reading(tuple(getattr(mode, what) for mode in modes))
