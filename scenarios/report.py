@@ -112,6 +112,8 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
     count = values["lift_off_count"]
     if count == 0:
         yield _line(f"{axle}lift-off", "none")
+    elif values["lift_offs"] is None:
+        yield _line(f"{axle}lift-off", f"{count} times")
     for what in ("lift-off", "touchdown"):
         instants = values[f"{what.replace('-', '_')}s"]
         if instants:

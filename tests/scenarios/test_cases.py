@@ -1,0 +1,47 @@
+"""The scenes that come along: each can be read, says what it is, and holds what it expects."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from scenarios.layers import CASES, case_names
+from scenarios.report import failures
+from scenarios.runner import run
+from scenarios.schema import load_scene
+
+QUICK = ("ap57_obstacle", "h83_example40", "stiff_stop", "light_wheel", "speed_bump_20", "kerb")
+BARE = ["show.figures=[]", "show.recording=false"]
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_every_case_can_be_read_and_expects_something(name: str) -> None:
+    scene = load_scene(name)
+    assert scene.title
+    assert scene.expect or scene.during or scene.reference, name
+    text = (CASES / f"{name}.toml").read_text(encoding="utf-8")
+    assert text.endswith("\n")
+    assert max(map(len, text.splitlines())) <= 180
+
+
+def holds(name: str) -> None:
+    results = run(load_scene(name, BARE))
+    assert not failures({**results.summary, "problems": []})
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_a_quick_case_holds(name: str) -> None:
+    holds(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in case_names() if name not in QUICK])
+def test_a_case_holds(name: str) -> None:
+    holds(name)
+
+
+def test_the_titles_tell_the_cases_apart() -> None:
+    titles = [load_scene(name).title for name in case_names()]
+    assert len(set(titles)) == len(titles)
+    assert {path.suffix for path in Path(CASES).iterdir()} == {".toml"}
