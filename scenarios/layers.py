@@ -123,7 +123,7 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     raise SceneError(
         one_line(
             f"no scene {shown(reference)}{nearest(reference, case_names())}; "
-            f"there are {', '.join(case_names())}, or give the path of a .toml file"
+            "'phaseplane list' tells them all; or give the path of a .toml file"
         )
     )
 

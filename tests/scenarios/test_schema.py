@@ -184,7 +184,7 @@ def test_an_error_names_the_file_that_made_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("reference", "words"),
     [
-        ("ap75", ["no scene 'ap75'", "did you mean 'ap57'?", "ap57_figure13"]),
+        ("ap75", ["no scene 'ap75'", "did you mean 'ap57'?", "phaseplane list"]),
         ("nowhere/x.toml", ["no scene file nowhere/x.toml"]),
         ("", ["is a folder"]),
         ("a\0b", ["no scene"]),
