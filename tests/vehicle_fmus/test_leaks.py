@@ -1,4 +1,4 @@
-"""Instances made and freed by the thousand: they do not fail, and grow by the wrapper's own leak alone."""
+"""Instances made and freed by the thousand: none fails, and they grow by the wrapper's leak alone."""
 
 from __future__ import annotations
 

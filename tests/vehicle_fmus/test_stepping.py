@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import subprocess
 import sys
@@ -54,7 +55,7 @@ def grid(step: float, jitter: float = 0.0) -> list[float]:
 
 def walk(vehicle: Any, times: list[float]) -> dict[float, list[Any]]:
     rows = {}
-    for before, now in zip(times[:-1], times[1:], strict=True):
+    for before, now in itertools.pairwise(times):
         vehicle.step(before, now)
         rows[now] = read(vehicle)
     return rows
@@ -68,7 +69,7 @@ def test_internal_steps_are_the_same_whatever_the_communication_step(vehicle: An
         with vehicle.instance():
             vehicle.start()
             if len(times) > 1000:  # so that reading does not take for ever
-                for before, now in zip(times[:-1], times[1:], strict=True):
+                for before, now in itertools.pairwise(times):
                     vehicle.step(before, now)
                 rows = {END: read(vehicle)}
             else:
@@ -91,7 +92,7 @@ def test_rolling_back_leaves_no_trace(vehicle: Any) -> None:
     with vehicle.instance():
         vehicle.start()
         rows = {}
-        for before, now in zip(times[:-1], times[1:], strict=True):
+        for before, now in itertools.pairwise(times):
             state = vehicle.fmu.getFMUstate()
             vehicle.step(before, before + 0.021)  # too far
             vehicle.fmu.setFMUstate(state)

@@ -1,0 +1,176 @@
+"""What an FMU costs beside FMPy's own work; writes `fmu_cost.json`.
+
+    python benchmarks/fmu_cost.py [--print]
+
+Three FMUs are stepped in turn, so that a busy machine is busy for all of them: the smallest that C can
+make, a pythonfmu slave that does nothing, and `QuarterCar`. Minima of short stretches are compared.
+"""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.simulation import instantiate_fmu
+from native_fmu import OUTPUTS, native_fmu
+
+from suspension.session import simulate
+from vehicle_fmus.build import build
+
+STEP, STRETCH, ROUNDS = 1e-3, 40, 25  # s, steps
+READ = (
+    "body_displacement", "body_velocity", "body_acceleration", "wheel_displacement",
+    "wheel_velocity", "wheel_acceleration", "suspension_deflection", "contact_force",
+)  # fmt: skip
+
+_EMPTY_SLAVE = f"""
+from pythonfmu import Fmi2Causality, Fmi2Slave, Real
+
+
+class Empty(Fmi2Slave):
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.values = [0.0] * {OUTPUTS}
+        for k in range({OUTPUTS}):
+            self.register_variable(
+                Real(f"y{{k}}", causality=Fmi2Causality.output, getter=lambda: 0.0)
+            )
+
+    def do_step(self, current_time, step_size):
+        return True
+
+    def get_real(self, vrs):
+        values = self.values
+        return [values[vr] for vr in vrs]
+"""
+
+
+def empty_fmu(folder: Path) -> Path:
+    """A pythonfmu slave that does nothing: what the wrapper costs."""
+    (folder / "empty.py").write_text(_EMPTY_SLAVE)
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return folder / "Empty.fmu"
+
+
+class Stepped:
+    """An FMU under FMPy's slave interface, and the time one step and eight values take, s."""
+
+    def __init__(self, fmu: Path, names: tuple[str, ...]) -> None:
+        folder = extract(str(fmu))
+        description = read_model_description(folder, validate=False)
+        references = {v.name: v.valueReference for v in description.modelVariables}
+        self._read = [references[name] for name in names]
+        self._fmu: Any = instantiate_fmu(folder, description, "CoSimulation")
+        self._begin()
+
+    def _begin(self) -> None:
+        self._fmu.setupExperiment(startTime=0.0)
+        self._fmu.enterInitializationMode()
+        self._fmu.exitInitializationMode()
+
+    def time(self) -> float:
+        """The best of several stretches of one run."""
+        self._fmu.reset()
+        self._begin()
+        best = float("inf")
+        for k in range(ROUNDS):
+            started = perf_counter()
+            for step in range(k * STRETCH, (k + 1) * STRETCH):
+                self._fmu.doStep(step * STEP, STEP)
+                self._fmu.getReal(self._read)
+            best = min(best, (perf_counter() - started) / STRETCH)
+        return best
+
+
+def best_of(functions: dict[str, Callable[[], float]], rounds: int) -> dict[str, float]:
+    """The least that each function returns when they take turns."""
+    found = [{name: function() for name, function in functions.items()} for _ in range(rounds)]
+    return {name: min(one[name] for one in found) for name in functions}
+
+
+def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
+    """Time of one doStep and eight getReal, s, for each of the three FMUs."""
+    blank = tuple(f"y{k}" for k in range(OUTPUTS))
+    stepped = {
+        "native": Stepped(native_fmu(folder), blank),
+        "wrapper": Stepped(empty_fmu(folder), blank),
+        "QuarterCar": Stepped(build(["QuarterCar"], folder)[0], READ),
+    }
+    return best_of({name: one.time for name, one in stepped.items()}, rounds)
+
+
+def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
+    """Time of the worked example of AP57, 1 s at 1 ms, s: in-process and by `fmpy.simulate_fmu`."""
+    blank = tuple(f"y{k}" for k in range(OUTPUTS))
+    times = [k * STEP for k in range(1001)]
+
+    def by_fmpy(fmu: Path, names: tuple[str, ...]) -> Callable[[], float]:
+        folder = extract(str(fmu))
+        description = read_model_description(folder, validate=False)
+
+        def run() -> float:
+            instance = instantiate_fmu(folder, description, "CoSimulation")
+            started = perf_counter()
+            simulate_fmu(
+                folder, model_description=description, fmu_instance=instance, output=names,
+                stop_time=1.0, output_interval=STEP, validate=False, terminate=False,
+            )  # fmt: skip
+            taken = perf_counter() - started
+            instance.freeInstance()
+            return taken
+
+        return run
+
+    def in_process() -> float:
+        started = perf_counter()
+        simulate("QuarterCar", {}, times, READ)
+        return perf_counter() - started
+
+    return best_of(
+        {
+            "in-process": in_process,
+            "FMPy, native FMU": by_fmpy(native_fmu(folder), blank),
+            "FMPy, empty pythonfmu slave": by_fmpy(empty_fmu(folder), blank),
+            "FMPy, QuarterCar": by_fmpy(build(["QuarterCar"], folder)[0], READ),
+        },
+        rounds,
+    )
+
+
+def measured() -> dict[str, Any]:
+    """Both tables with their ratios, the machine and the versions."""
+    with tempfile.TemporaryDirectory() as work:
+        step, scene = step_costs(Path(work)), scene_costs(Path(work))
+    return {
+        "machine": {"processor": _processor(), "python": platform.python_version(),
+                    **{name: version(name) for name in ("fmpy", "pythonfmu")}},
+        "doStep + 8 getReal, us": {name: round(1e6 * t, 2) for name, t in step.items()},
+        "ratio to native": round(step["QuarterCar"] / step["native"], 2),
+        "AP57 scene of 1 s at 1 ms, ms": {name: round(1e3 * t, 2) for name, t in scene.items()},
+        "ratio to in-process": round(scene["FMPy, QuarterCar"] / scene["in-process"], 2),
+    }  # fmt: skip
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        return next(line.split(":")[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()
+
+
+if __name__ == "__main__":
+    told = json.dumps(measured(), indent=2) + "\n"
+    print(told, end="")
+    if "--print" not in sys.argv[1:]:
+        Path(__file__).with_suffix(".json").write_text(told)

@@ -1,0 +1,12 @@
+"""The cost of an FMU in FMPy, held to its bar."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fmu_cost import step_costs
+
+
+def test_a_communication_step(tmp_path: Path) -> None:
+    costs = step_costs(tmp_path)
+    assert costs["QuarterCar"] <= 2.5 * costs["native"], costs
