@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,7 +16,7 @@ import click
 
 from .errors import InputError, RunError, one_line
 
-DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED = 0, 1, 2, 130, 141
+DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
 
 
@@ -43,7 +45,8 @@ class Commands(click.Group):
             with suppress(AttributeError, ValueError):
                 stream.reconfigure(errors="replace")  # type: ignore[union-attr]
         try:
-            status = run()
+            with _cleaning_up_when_terminated():
+                status = run()
         except click.ClickException as error:
             complain(error.format_message())
             status = BAD_INPUT
@@ -69,6 +72,19 @@ class Commands(click.Group):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise _PipeClosedError from None
         return status
+
+
+@contextmanager
+def _cleaning_up_when_terminated() -> Iterator[None]:
+    """On SIGTERM leave through everything that cleans up, instead of at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(TERMINATED))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def complain(message: object) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,6 +38,12 @@ class Fmu:
     model: str
     path: Path | None
     variables: tuple[Variable, ...]
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether it is one of this project and version, so that the model itself can check values."""
+        names = [v.name for v in MODELS.get(self.model, ())]
+        return names == [v.name for v in self.variables]
 
     def parameters(self) -> dict[str, Variable]:
         """What can be set, by name."""
@@ -99,7 +105,11 @@ def _described(path: Path) -> Fmu:
         for scalar in description.modelVariables
         if scalar.causality in ("parameter", "input", "output") and scalar.type in _TYPES
     )
-    return Fmu(description.coSimulation.modelIdentifier, path, variables)
+    fmu = Fmu(description.coSimulation.modelIdentifier, path, variables)
+    if not fmu.is_ours:
+        return fmu
+    declared = zip(MODELS[fmu.model], variables, strict=True)  # with ranges as they are meant
+    return Fmu(fmu.model, path, tuple(replace(ours, start=own.start) for ours, own in declared))
 
 
 def _variable(scalar: ScalarVariable) -> Variable:

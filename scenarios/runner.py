@@ -92,7 +92,7 @@ def run(
     ------
     RunError : the FMU could not be packed, loaded or initialised. A run that fails midway raises
         nothing: its results say where it stopped and why.
-    KeyboardInterrupt : at the end of the step in which it came.
+    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM, at the end of the step in which it came.
     """
     if scene.fmu.model == EQUATION:
         return _solved(scene)
@@ -105,6 +105,8 @@ def run(
             drive = _driven(
                 scene, path, Path(folder, "unpacked"), progress, watch, realtime, interrupted
             )
+        if interrupted() == signal.SIGTERM:
+            raise SystemExit(128 + signal.SIGTERM)
         if interrupted():
             raise KeyboardInterrupt
     return _results(scene, drive, build_time)
@@ -144,7 +146,7 @@ def _driven(
     progress: Progress | None,
     watch: Watch | None,
     realtime: bool,
-    interrupted: Callable[[], bool],
+    interrupted: Callable[[], int],
 ) -> _Drive:
     """Take the FMU through the scene, keeping whatever it gives."""
     from fmpy import extract, read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
@@ -207,7 +209,7 @@ def _driven(
     return _Drive(_columns(table, failure), run_time, failure, uncompiled)
 
 
-def _wait_until(instant: float, interrupted: Callable[[], bool]) -> None:
+def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:
     """Let the clock catch up, unless the run is to end."""
     while (left := instant - perf_counter()) > 0.0 and not interrupted():
         sleep(min(left, _LONGEST_SLEEP))
@@ -301,14 +303,16 @@ def _versions() -> dict[str, str]:
 
 
 @contextmanager
-def _deferred_interrupt() -> Iterator[Callable[[], bool]]:
-    """Remember Ctrl-C; raised inside the FMU it would be taken for a failure of the FMU."""
-    came: list[int] = []
+def _deferred_interrupt() -> Iterator[Callable[[], int]]:
+    """Remember Ctrl-C and SIGTERM; raised inside the FMU they would be taken for its failure."""
+    came: list[int] = [0]
     if threading.current_thread() is not threading.main_thread():
-        yield lambda: bool(came)
+        yield lambda: came[-1]
         return
-    before = signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(one, lambda number, _frame: came.append(number)) for one in signals]
     try:
-        yield lambda: bool(came)
+        yield lambda: came[-1]
     finally:
-        signal.signal(signal.SIGINT, before)
+        for one, handler in zip(signals, before, strict=True):
+            signal.signal(one, handler)

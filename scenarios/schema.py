@@ -20,7 +20,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from suspension.models import build
 from suspension.units import nearest
-from suspension.variables import MODELS, ParameterError, Value, refuse_unknown
+from suspension.variables import ParameterError, Value, refuse_unknown
 
 from .equations import EQUATION, check_equation
 from .errors import InputError, SceneError, one_line, shown
@@ -232,9 +232,9 @@ class Scene(Strict):
                 raise _at("equation", str(error)) from None
         if checked.get("road.shape") == "input":
             raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
-        if fmu.model in MODELS and fmu.path is None:
+        if fmu.is_ours:
             try:
-                build(fmu.model, checked)
+                build(fmu.model, {name: v.start for name, v in declared.items()} | checked)
             except (ParameterError, OverflowError, ZeroDivisionError) as error:
                 about = next((name for name in checked if str(error).startswith(name)), "")
                 raise _at(about, str(error)) from None

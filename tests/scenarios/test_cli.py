@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from time import monotonic, sleep
 
 import pytest
 from click.testing import CliRunner, Result
@@ -313,6 +314,30 @@ def test_build_packs_what_runs() -> None:
     assert kinds == {".fmu", ".csv", ".opt", ".txt", ".ssp"}
     told = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", *BARE).stdout
     assert f"from {Path('fmus', 'QuarterCar.fmu')}" in told
+    for given, words in (
+        ('spring.table="0:1, 1:2"', "must pass through 0:0"),
+        ("unsprung_mass=-3", "unsprung_mass = -3: must be greater than 0"),
+    ):  # a packed model of ours checks what it is given as the model itself does
+        refused = phaseplane("run", "ap57", "--set", "fmu=fmus/QuarterCar.fmu", "--set", given)
+        assert refused.exit_code == 2
+        assert words in refused.stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="has no SIGTERM to handle")
+def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    running = subprocess.Popen(
+        [sys.executable, "-m", "scenarios.cli", "run", "ap57", *BARE, "--set", "duration=4000 s"],
+        env={**os.environ, **PATHS, "TMPDIR": str(scratch)},
+    )
+    until = monotonic() + 50.0
+    while not list(scratch.glob("phaseplane-*/unpacked/resources")) and monotonic() < until:
+        sleep(0.05)
+    assert list(scratch.iterdir())
+    running.terminate()
+    assert running.wait(timeout=50.0) == 143
+    assert not list(scratch.iterdir())
 
 
 def test_replay_a_scene() -> None:

@@ -128,8 +128,11 @@ def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> Non
         run(scene_of(bare))
 
 
-def test_an_fmu_that_refuses_its_parameters_tells_why(fmu: Path) -> None:
-    """What a model description cannot say, a packed FMU checks itself."""
+def test_an_fmu_that_refuses_its_parameters_tells_why(
+    fmu: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What the model description of a stranger cannot say, the packed FMU checks itself."""
+    monkeypatch.setattr("scenarios.fmus.Fmu.is_ours", False)
     scene = scene_of(fmu, "spring.table=0:1, 1:2")
     # from Python 3.12 on it can only tell with its first step
     with pytest.raises(RunError, match=r"(did not start|no run): .*spring\.table") as caught:
