@@ -74,7 +74,8 @@ def _planes(content: Content) -> rrb.Spatial2DView | None:
     if drawing is not None:
         kept += [EVENTS, *map(trail_path, drawing.planes)]
     box = sheet.bounds(drawing) if drawing is not None else state_box(runs, content)
-    name = drawing.title if drawing is not None else "phase plane"
+    manner = drawing.title.partition(": ")[2] if drawing is not None else ""
+    name = f"{content.title}: {manner}" if manner else content.title
     contents = [f"+ {SHEET}/**"] + ([] if content.live else [f"- {LIVE}/**"])
     return _view(contents, legible(name), box, overrides=dict.fromkeys(kept, past))
 

@@ -64,20 +64,22 @@ def made_planes(
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
 ) -> list[StatePlane]:
-    """One plane for each pair of columns, side by side, as large as the columns reach."""
+    """One plane for each pair of columns, below or beside one another, sized as they reach."""
+    beside = 1 if len(pairs) <= 2 else 2
+    origins = [_APART * complex(i % beside, -(i // beside)) for i in range(len(pairs))]
     return [
         StatePlane(
             Plane(
                 displacement,
                 1.0,
-                _axis(displacement, histories, units, _APART * i, 1 + 0j),
-                _axis(rate, histories, units, _APART * i, 1j),
+                _axis(displacement, histories, units, origin, 1 + 0j),
+                _axis(rate, histories, units, origin, 1j),
                 f"P{i + 1}",
             ),
             displacement,
             rate,
         )
-        for i, (displacement, rate) in enumerate(pairs)
+        for i, ((displacement, rate), origin) in enumerate(zip(pairs, origins, strict=True))
     ]
 
 
@@ -85,14 +87,14 @@ def _axis(
     name: str,
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
-    origin: float,
+    origin: complex,
     direction: complex,
 ) -> Axis:
     quantity = quantity_of(name, units)
     unit = units.get(name) or (quantity.si if quantity else "")
     values = np.asarray(histories.get(name, ()), float)
     largest = float(np.max(abs(values), initial=0.0, where=np.isfinite(values)))
-    return Axis(in_words(name), unit, complex(origin), direction, _HALF_WIDTH / rounded(largest))
+    return Axis(in_words(name), unit, origin, direction, _HALF_WIDTH / rounded(largest))
 
 
 def rounded(value: float) -> float:

@@ -30,8 +30,10 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
     ------
     ValueError : rerun is switched off by its environment variable.
     """
+    digest = content.digest()
+    # A viewer has one layout for each application: each content is one of its own.
     recording = rr.RecordingStream(
-        APPLICATION, recording_id=recording_id or content.digest(), send_properties=False
+        f"{APPLICATION} {digest[:8]}", recording_id=recording_id or digest, send_properties=False
     )
     if not rr.is_enabled(recording):
         raise ValueError("rerun is switched off by the environment variable RERUN: unset it")

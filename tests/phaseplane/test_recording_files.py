@@ -44,7 +44,7 @@ def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
 
 
 def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
-    assert recorded.entry.application_id == "phaseplane"
+    assert recorded.entry.application_id == f"phaseplane {recorded.entry.recording_id[:8]}"
     shown = replace(content(), histories=HISTORIES)
     assert recorded.entry.recording_id == new_recording(shown).get_recording_id()
     for other in (

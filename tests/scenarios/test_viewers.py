@@ -1,0 +1,167 @@
+"""What people see: every recording drawn by the viewer itself and by a browser.
+
+The pictures are kept in `artefacts/`.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+from rerun.experimental import ViewerClient
+
+from phaseplane.recording import serving
+from phaseplane.recording.server import viewer_program
+from phaseplane.recording.styles import STYLES
+from scenarios.job import run_scene
+from scenarios.layers import case_names
+from suspension.variables import MODELS
+
+ARTEFACTS = Path(__file__).parents[2] / "artefacts"
+SIZE = (1600, 1000)
+PATIENCE = 60.0  # s
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),  # of the viewer's own client
+]
+
+
+def drivers() -> list[Path]:
+    return [
+        *Path("/usr/share/vulkan/icd.d").glob("*.json"),
+        *Path("/etc/vulkan/icd.d").glob("*.json"),
+    ]
+
+
+@pytest.fixture(scope="module")
+def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ViewerClient]:
+    """A viewer without a screen."""
+    if not drivers():
+        pytest.skip("no Vulkan driver: install mesa-vulkan-drivers and libvulkan1")
+    with socket.socket() as trial:
+        trial.bind(("127.0.0.1", 0))
+        port = trial.getsockname()[1]
+    process = subprocess.Popen(
+        [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port),
+         "--window-size", "{}x{}".format(*SIZE)],
+        env={**os.environ, "XDG_RUNTIME_DIR": str(tmp_path_factory.mktemp("runtime")),
+             "RERUN_APP_ONLY": "true"},
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    url = f"rerun+http://127.0.0.1:{port}/proxy"
+    try:
+        until(lambda: ViewerClient(url).get_state() is not None)
+        yield ViewerClient(url)
+    finally:
+        process.kill()
+        process.wait()
+
+
+def until(holds: Any) -> None:
+    """Wait until a condition holds; errors count as not yet."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            if holds():
+                return
+        except (RuntimeError, ConnectionError):
+            if time.monotonic() > end:
+                raise
+        assert time.monotonic() < end, "nothing to be seen in time"
+        time.sleep(0.2)
+
+
+def pixels(picture: Path, role: str) -> int:
+    """How many pixels of a picture have the colour of a role, nearly."""
+    image = np.asarray(Image.open(picture).convert("RGB")).astype(int)
+    colour = np.array([*STYLES[role].colour.to_bytes(4)[:3]])
+    return int(np.sum(np.max(abs(image - colour), axis=2) < 12))
+
+
+def shows(viewer: ViewerClient, picture: Path, role: str) -> bool:
+    viewer.save_screenshot(str(picture))
+    return pixels(picture, role) > 20
+
+
+def scene_of(model: str, folder: Path) -> str:
+    path = folder / f"{model}.toml"
+    extra = (
+        'force.table = "0:0, 0.2:5, 0.4:8, 0.6:7, 1.0:3, 1.6:0"' if model == "Elastoplastic" else ""
+    )
+    path.write_text(f'fmu = "{model}"\nduration = "2 s"\n[parameters]\n{extra}\n')
+    return str(path)
+
+
+@pytest.mark.parametrize("name", [*case_names(), *MODELS])
+def test_the_viewer_draws_it(name: str, viewer: ViewerClient, tmp_path: Path) -> None:
+    reference = scene_of(name, tmp_path) if name in MODELS else name
+    settings = ["show.recording=stages", "show.figures=[]"]
+    summary, folder = run_scene(reference, settings, tmp_path / "out")
+    assert "construction.rrd" in summary["files"], summary["problems"]
+    viewer.close("all")
+    (opened,) = viewer.open(str(folder / "construction.rrd")).store_ids
+    until(lambda: viewer.get_state().active_recording == opened)
+
+    def timelines_of() -> set[str]:
+        recordings = viewer.get_state().recordings
+        return {t.name for r in recordings if r.store_id == opened for t in r.timelines}
+
+    until(timelines_of)
+    timelines = timelines_of()
+    ARTEFACTS.mkdir(exist_ok=True)
+    instants: list[tuple[str, dict[str, Any]]] = [("t", {"duration": 0.05})]
+    instants += [("stage", {"sequence": k}) for k in (30, 105, 205) if "stage" in timelines]
+    for timeline, at in instants:
+        viewer.set_time(timeline, play_state="paused", **at)
+        picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values()))}.png"
+        time.sleep(0.5)
+        wanted = ["trail" if "stage" in timelines else "run"]
+        wanted += ["road", "spring"] if "speed" in summary["parameters"] else []
+        for role in wanted:
+            until(partial(shows, viewer, picture, role))
+    views = viewer.get_state().views
+    assert len(views) >= 3
+    assert [(v.name, r.summary, r.details) for v in views for r in v.reports] == []
+
+
+def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
+    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
+    if not all(programs):
+        pytest.skip("no browser: install chromium and chromium-driver")
+    from selenium import webdriver  # noqa: PLC0415
+
+    _, folder = run_scene("ap57", ["show.figures=[]"], tmp_path / "out")
+    options = webdriver.ChromeOptions()
+    options.binary_location = str(programs[0])
+    with tempfile.TemporaryDirectory() as profile, serving([folder / "construction.rrd"]) as server:
+        for argument in (
+            "headless", "no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-sync",
+            "disable-background-networking", "disable-component-update", "enable-unsafe-swiftshader",
+            f"user-data-dir={profile}", "window-size={},{}".format(*SIZE),
+        ):  # fmt: skip
+            options.add_argument(f"--{argument}")
+        browser = webdriver.Chrome(options, webdriver.ChromeService(str(programs[1])))
+        try:
+            browser.get(server.page)
+            ARTEFACTS.mkdir(exist_ok=True)
+            picture = ARTEFACTS / "page.png"
+
+            def drawn() -> bool:
+                browser.save_screenshot(str(picture))
+                return min(pixels(picture, role) for role in ("auxiliary", "normal", "spring")) > 20
+
+            until(drawn)
+        finally:
+            browser.quit()
