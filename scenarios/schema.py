@@ -56,12 +56,12 @@ RULES: tuple[Rule, ...] = get_args(Rule)
 VIEWS: tuple[View, ...] = get_args(View)
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
 _SHOWN = (
-    "_displacement", "_velocity", "_acceleration", "_deflection", "_deflection_rate", "_elevation",
+    "displacement", "velocity", "acceleration", "deflection", "_deflection_rate", "elevation",
     "contact_force", "airborne",
 )  # fmt: skip
 # Drawn by the time histories and plotted in a recording.
 _DRAWN = (
-    "_displacement", "_velocity", "_acceleration", "_deflection", "_elevation", "airborne",
+    "displacement", "velocity", "acceleration", "deflection", "elevation", "airborne",
 )  # fmt: skip
 _EXPECTED_APART = ("during", "reference")  # in the file within [expect]
 _MOST_ROWS = 5_000_000

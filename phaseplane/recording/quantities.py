@@ -29,13 +29,13 @@ class Quantity:
 _DEGREES = 57.29577951308232
 QUANTITIES = (
     Quantity(
-        "displacement", "cm", 100.0, "m", ("_displacement", "_deflection", "_elevation", "_drift")
+        "displacement", "cm", 100.0, "m", ("displacement", "deflection", "elevation", "drift")
     ),
-    Quantity("velocity", "m/s", 1.0, "m/s", ("_velocity", "_rate")),
-    Quantity("acceleration", "m/s\N{SUPERSCRIPT TWO}", 1.0, "m/s2", ("_acceleration",)),
-    Quantity("force", "N", 1.0, "N", ("_force",)),
-    Quantity("energy", "J", 1.0, "J", ("_energy",)),
-    Quantity("angle", "\N{DEGREE SIGN}", _DEGREES, "rad", ("_angle",)),
+    Quantity("velocity", "m/s", 1.0, "m/s", ("velocity", "_rate")),
+    Quantity("acceleration", "m/s\N{SUPERSCRIPT TWO}", 1.0, "m/s2", ("acceleration",)),
+    Quantity("force", "N", 1.0, "N", ("force",)),
+    Quantity("energy", "J", 1.0, "J", ("energy",)),
+    Quantity("angle", "\N{DEGREE SIGN}", _DEGREES, "rad", ("angle",)),
 )
 
 

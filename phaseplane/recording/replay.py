@@ -22,12 +22,11 @@ from phaseplane.constructions.primitives import (
 from . import sheet
 from .columns import Clock, Integers, lettering, line_style, point_style
 from .styles import legible, style
-from .words import step_texts
+from .words import event_texts, step_texts
 
 SHEET = "/sheet"
 EVENTS = f"{SHEET}/events"
 WORDS = "/words"
-EVENT_LABELS = {"lift_off": "U lift-off", "touchdown": "V touchdown"}
 
 
 def log_construction(
@@ -106,21 +105,33 @@ def _log_trails(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -
 
 
 def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
+    """Marks in the planes of the axle that an event is named after, or in all."""
     rows = np.array([i for i, frame in enumerate(drawing.frames) if frame.event])
     if not rows.size:
         return
     frames = [drawing.frames[i] for i in rows]
-    planes = len(drawing.planes)
-    z = sheet.points(frames, [plane.state for plane in drawing.planes])
-    labels = [legible(EVENT_LABELS.get(f.event, f.event)) for f in frames for _ in drawing.planes]
+    marked = [_planes_of(frame.event, drawing.planes) for frame in frames]
+    z = [
+        frame.points[p.state] for frame, planes in zip(frames, marked, strict=True) for p in planes
+    ]
+    labels = [
+        legible(event_texts(frame.event)[0])
+        for frame, planes in zip(frames, marked, strict=True)
+        for _ in planes
+    ]
     recording.log(EVENTS, point_style([style("event")]), static=True)
     recording.send_columns(
         EVENTS,
         clock.columns(rows),
-        rr.Points2D.columns(positions=sheet.vertices(z.ravel()), labels=labels).partition(
-            [planes] * len(frames)
+        rr.Points2D.columns(positions=sheet.vertices(np.array(z)), labels=labels).partition(
+            [len(planes) for planes in marked]
         ),
     )
+
+
+def _planes_of(event: str, planes: Sequence[Plane]) -> Sequence[Plane]:
+    axle = event.partition("_")[0]
+    return [plane for plane in planes if plane.name.startswith(f"{axle}_")] or planes
 
 
 def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:

@@ -12,7 +12,20 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from .quantities import in_words, quantity_of
 from .styles import legible, typeset
 
-_EVENTS = {"lift_off": "The wheel leaves the road (U).", "touchdown": "The wheel is back (V)."}
+# What an event, named after its axle, is called: beside its mark, and in words.
+_EVENTS = {
+    "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
+    "touchdown": ("V {}touchdown", "The {}wheel is back (V)."),
+}
+
+
+def event_texts(event: str) -> tuple[str, str]:
+    """What is written beside the mark of an event, and what is said of it."""
+    for ending, texts in _EVENTS.items():
+        if event.endswith(ending):
+            axle = in_words(event.removesuffix(ending))
+            return texts[0].format(axle), texts[1].format(axle)
+    return in_words(event), in_words(event)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,9 +39,9 @@ class StepTexts:
 def step_texts(drawing: Drawing, frame: Frame) -> StepTexts:
     """The words and numbers of a step, in Markdown."""
     stages = drawing.schemes[frame.scheme].stages
-    event = _plain(legible(_EVENTS.get(frame.event, in_words(frame.event))))
+    event = _plain(legible(event_texts(frame.event)[1]))
     heading = (
-        f"**Step {frame.step} of {len(drawing.frames)}, {_plain(legible(frame.scheme))}**: "
+        f"**Step {frame.step} of {len(drawing.frames)}, {_plain(legible(in_words(frame.scheme)))}**: "
         f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {event}\n\n"
     )
     table = readings_table(frame.readings)

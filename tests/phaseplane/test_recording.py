@@ -177,6 +177,18 @@ def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) ->
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
 
 
+def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
+    planes = [
+        replace(p, name=f"{axle}_{p.name}")
+        for axle, p in zip(("front", "rear"), PLANES, strict=True)
+    ]
+    frames = (frame(0), replace(frame(1), event="rear_lift_off"))
+    record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
+    (row,) = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
+    assert row["Points2D:labels"] == ["U rear lift-off"]
+    np.testing.assert_allclose(paper(row["Points2D:positions"]), [spiral(2, 1)], atol=1e-7)
+
+
 def test_a_step_in_words(recorded: Recorded) -> None:
     complete = recorded.shown("/words", "step", 30)
     drawing_it = recorded.shown("/words", "stage", STAGES * 30 + 1)

@@ -114,20 +114,21 @@ def test_the_viewer_draws_it(name: str, viewer: ViewerClient, tmp_path: Path) ->
     (opened,) = viewer.open(str(folder / "construction.rrd")).store_ids
     until(lambda: viewer.get_state().active_recording == opened)
 
-    def timelines_of() -> set[str]:
-        recordings = viewer.get_state().recordings
-        return {t.name for r in recordings if r.store_id == opened for t in r.timelines}
+    def ends() -> dict[str, int]:
+        """The last instant of every timeline."""
+        (timelines,) = (r.timelines for r in viewer.get_state().recordings if r.store_id == opened)
+        return {t.name: t.end for t in timelines if t.end is not None}
 
-    until(timelines_of)
-    timelines = timelines_of()
+    until(ends)
     ARTEFACTS.mkdir(exist_ok=True)
-    instants: list[tuple[str, dict[str, Any]]] = [("t", {"duration": 0.05})]
-    instants += [("stage", {"sequence": k}) for k in (30, 105, 205) if "stage" in timelines]
+    instants: list[tuple[str, dict[str, Any]]] = [("t", {"duration": 1e-9 * ends()["t"] / 4})]
+    staged = ends().get("stage", 0)
+    instants += [("stage", {"sequence": k}) for k in (30, 105, staged // 2) if k < staged]
     for timeline, at in instants:
         viewer.set_time(timeline, play_state="paused", **at)
-        picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values()))}.png"
+        picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values())):g}.png"
         time.sleep(0.5)
-        wanted = ["trail" if "stage" in timelines else "run"]
+        wanted = ["trail" if staged else "run"]
         wanted += ["road", "spring"] if "speed" in summary["parameters"] else []
         for role in wanted:
             until(partial(shows, viewer, picture, role))
