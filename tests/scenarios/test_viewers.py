@@ -141,7 +141,7 @@ def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
     programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
     if not all(programs):
         pytest.skip("no browser: install chromium and chromium-driver")
-    from selenium import webdriver  # noqa: PLC0415
+    webdriver = pytest.importorskip("selenium.webdriver")
 
     _, folder = run_scene("ap57", ["show.figures=[]"], tmp_path / "out")
     options = webdriver.ChromeOptions()
