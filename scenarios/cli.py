@@ -55,6 +55,7 @@ for _command in (
     results.compare,
     modelling.ladder,
     studies.accuracy,
+    studies.rules,
     authoring.new,
     authoring.schema,
 ):

@@ -1,4 +1,4 @@
-"""How good the integrator is."""
+"""How good the integrator is, and the constructions."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..console import json_option, progress_bar
+from ..console import json_option, progress_bar, set_option
 
 
 @click.command()
@@ -37,3 +37,23 @@ def accuracy(
     with progress_bar("accuracy") as progress:
         data, tables, folder = compare(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")
+
+
+@click.command()
+@click.argument("scene", default="ap57_figure13")
+@set_option
+@json_option
+def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
+    """Compare the step rules of the construction of SCENE, and the integrator, with the exact motion.
+
+    [default: ap57_figure13, the 60 points of the worked example]
+    """
+    from ..results import as_json  # noqa: PLC0415
+    from ..schema import load_scene  # noqa: PLC0415
+    from ..studies import rules as study  # noqa: PLC0415
+
+    loaded = load_scene(scene, overrides)
+    results = study.measure_rules(loaded)
+    click.echo(
+        as_json(study.as_data(loaded, results)) if as_data else study.rules_table(loaded, results)
+    )

@@ -109,6 +109,39 @@ def test_midpoint_circle_is_seen_from_midway_between_the_feet(step):
 
 
 @given(steps())
+def test_mean_arc_circle_lays_the_mean_arc_off_on_the_circle(step):
+    states, feet, angles, construct = step
+    move = RULES["mean_arc_circle"].move(*step)
+    predicted = RULES["tangent"].move(*step).successors
+    new_feet, _ = construct(predicted)
+    for i, (p, d) in enumerate(zip(states, feet, strict=True)):
+        successor, centre = move.successors[i], move.helpers["S{n}"][i]
+        radius = abs(p - centre)
+        assume(radius > 1e-6)
+        chord = abs(successor - p)
+        assert isclose(abs(successor - centre), radius, rel_tol=1e-9)
+        arc = 0.5 * (abs(p - d) + abs(predicted[i] - new_feet[i])) * abs(angles[i])
+        assume(arc < pi * radius)
+        assert isclose(chord, 2.0 * radius * sin(0.5 * arc / radius), rel_tol=1e-6, abs_tol=1e-9)
+        way = ((p - d).conjugate() * (successor - p)).imag
+        assert way * angles[i] > 0.0  # in the sense of the tangent
+
+
+@given(steps())
+def test_the_mean_is_taken_where_normals_differ_by_more_than_a_tenth(step):
+    states, feet, _, construct = step
+    plain, mean, chosen = (
+        RULES[name].move(*step).successors
+        for name in ("tangent", "mean_normal", "auto_mean_normal")
+    )
+    new_feet, _ = construct(plain)
+    for i, (p, d) in enumerate(zip(states, feet, strict=True)):
+        change = abs(abs(plain[i] - new_feet[i]) / abs(p - d) - 1.0)
+        assume(abs(change - 0.1) > 1e-9)
+        assert chosen[i] == (mean[i] if change > 0.1 else plain[i])
+
+
+@given(steps())
 def test_delta_turns_the_state_about_the_mean_foot(step):
     states, feet, angles, construct = step
     middle = tuple(turned(p, d, 0.5 * a) for p, d, a in zip(states, feet, angles, strict=True))

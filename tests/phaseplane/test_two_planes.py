@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import islice, pairwise
+from itertools import pairwise
 from math import cos, inf, log2, nan, pi, sin
 
 import numpy as np
@@ -11,102 +11,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
+from worked_example import C1, C2, K2, KGF, STEP, M, ap57, by_scipy, column, elevation, m
 
 from phaseplane.constructions import (
     RULES,
-    OneDofPlane,
     QuarterCarPlanes,
+    Strut,
     Window,
-    delta,
     frames,
     march,
-    overlay,
 )
 from suspension import roads
 from suspension.characteristics import bump_stop, cubic, damper, linear
-
-KGF = 9.80665
-M, m = 30.0 * KGF, 3.0 * KGF
-C1, C2, K2 = 1500.0 * KGF, 15000.0 * KGF, 100.0 * KGF
-STEP = 0.0025
-
-
-def ap57(**changes) -> QuarterCarPlanes:
-    """AP57 section 8 in SI."""
-    data = {
-        "sprung_mass": M,
-        "unsprung_mass": m,
-        "spring": linear(C1),
-        "damper": damper(200.0 * KGF, 50.0 * KGF),
-        "tyre_stiffness": C2,
-        "tyre_damping": K2,
-        "road": roads.bump(0.05, 1.0, 20.0),
-    }
-    return QuarterCarPlanes(**(data | changes))
-
-
-def elevation(t: float) -> tuple[float, float]:
-    """The bump of AP57 section 8 and its velocity, written out."""
-    if not 0.0 <= t <= 0.05:
-        return 0.0, 0.0
-    return 0.025 * (1.0 - cos(40.0 * pi * t)), pi * sin(40.0 * pi * t)
-
-
-def _slope(t, z, flies):
-    x1, x2, v1, v2 = z
-    rate = v1 - v2
-    force = C1 * (x1 - x2) + (200.0 if rate > 0.0 else 50.0) * KGF * rate
-    xi, xi_rate = elevation(t)
-    tyre = (M + m) * 9.80665 if flies else C2 * (x2 - xi) + K2 * (v2 - xi_rate)
-    return v1, v2, -force / M, (force - tyre) / m
-
-
-def _gap(t, z, flies):
-    xi, xi_rate = elevation(t)
-    return C2 * (z[1] - xi) + K2 * (z[3] - xi_rate) - (M + m) * 9.80665
-
-
-def by_scipy(times: np.ndarray, lift_off: bool) -> tuple[np.ndarray, list[float]]:
-    """x1, x2, x1', x2' from AP57 eqs. 12, 26 and 29 in the coordinates of the masses; instants of
-    lift-off and touchdown.
-    """
-    time, state, flies = 0.0, np.zeros(4), False
-    rows, switches = [], []
-    while time < times[-1]:
-        end = 0.05 if time < 0.05 else times[-1]
-
-        def switch(t, z, flies):
-            return _gap(t, z, flies)
-
-        switch.terminal, switch.direction = lift_off, -1.0 if flies else 1.0
-        solution = solve_ivp(
-            _slope, (time, end), state, args=(flies,), events=switch,
-            method="DOP853", rtol=1e-11, atol=1e-13, max_step=0.002, dense_output=True,
-        )  # fmt: skip
-        last = solution.t[-1]
-        rows += [solution.sol(t) for t in times if time <= t < last]
-        time, state = last, solution.y[:, -1]
-        if solution.status == 1:
-            switches.append(time)
-            flies = not flies
-    rows.append(state)
-    return np.array(rows).T, switches
 
 
 @pytest.fixture(scope="module")
 def without_lift_off() -> np.ndarray:
     return by_scipy(np.arange(61) * STEP, lift_off=False)[0]
-
-
-@pytest.fixture(scope="module")
-def lift_off_and_touchdown() -> tuple[float, float]:
-    _, switches = by_scipy(np.array([0.0, 0.15]), lift_off=True)
-    lift_off, touchdown = switches
-    return lift_off, touchdown
-
-
-def column(drawing, name: str) -> np.ndarray:
-    return np.array([frame.readings[name] for frame in drawing])
 
 
 # Published numbers (AP57 section 8; its kgf, cm, s).
@@ -314,121 +235,6 @@ def test_the_control_agrees_to_the_error_of_the_step():
     assert apart[0] > 3.0 * apart[1] > 9.0 * apart[2] > 0.0
 
 
-# Lift-off.
-
-
-def test_lift_off_and_touchdown_converge(lift_off_and_touchdown):
-    lift_off, touchdown = lift_off_and_touchdown
-    assert 1e3 * touchdown == pytest.approx(65.6, abs=0.05)
-    for step in (STEP, STEP / 2, STEP / 4, STEP / 8):
-        found = {f.event: f.time for f in frames(ap57(), step=step, duration=0.15) if f.event}
-        assert list(found) == ["lift_off", "touchdown"]
-        assert abs(found["lift_off"] - lift_off) < 7.0 * step**2
-        assert abs(found["touchdown"] - touchdown) < 7.0 * step**2
-
-
-@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
-def test_steps_end_on_u_and_v(rule):
-    """There B2Q2 = b x2st (AP57 eq. 28), so that B2 and B0 are one point."""
-    car = ap57(plane_scales=(0.7, 3.1), plane_offset=0.03)
-    drawing = march(car, rule, step=STEP, duration=0.15)
-    events = [frame for frame in drawing if frame.event]
-    assert [f.event for f in events] == ["lift_off", "touchdown"]
-    assert [f.scheme for f in events] == ["flight", "contact"]
-    for frame in events:
-        states = (frame.points["P1"], frame.points["P2"])
-        points = car.points(frame.scheme, states, Window(frame.time))
-        assert abs(points["B2"] - points["B0"]) < 1e-13
-        length = (points["B2"] - points["Q2"]).real
-        assert length == pytest.approx(3.1 * (M + m) * 9.80665 / C2, rel=1e-11)
-        # the two constructions agree there: the tyre's force is continuous
-        other = car.points("contact", states, Window(frame.time))
-        flight = car.points("flight", states, Window(frame.time))
-        assert abs(other["D1"] - flight["D1"]) < 1e-12
-        assert abs(other["D2"] - flight["D2"]) < 1e-12
-
-
-def test_steps_follow_one_another_without_a_gap():
-    drawing = march(ap57(), step=STEP, duration=0.15)
-    for frame, following in pairwise(drawing.frames):
-        assert following.time == pytest.approx(frame.time + frame.duration, abs=1e-15)
-        assert following.points["P1"] == frame.points["P1'"]
-        assert following.points["P2"] == frame.points["P2'"]
-    ends = {round((f.time + f.duration) / STEP, 6) for f in drawing}
-    assert ends >= set(range(1, 61))
-    assert len(drawing.frames) == 62
-    flights = [f for f in drawing if f.scheme == "flight"]
-    assert all(f.readings["contact_force"] == 0.0 for f in flights)
-    assert column(drawing, "contact_force").min() > -1e-9
-    assert all("C2" in f.points for f in drawing if f.scheme == "contact")
-    assert all("C2" not in f.points for f in flights)
-
-
-def test_in_flight_the_centre_of_mass_falls_freely():
-    drawing = march(ap57(), step=STEP / 8, duration=0.15)
-    for frame in drawing:
-        if frame.scheme == "flight":
-            read = frame.readings
-            pull = M * read["body_acceleration"] + m * read["wheel_acceleration"]
-            assert pull == pytest.approx(-(M + m) * 9.80665, rel=1e-10)
-
-
-def test_a_wheel_that_hangs_in_the_air_falls_and_bounces():
-    """A drop of half a metre: it begins in flight, and every flight ends with a touchdown."""
-    car = ap57(
-        road=roads.constant(),
-        damper=linear(300.0),
-        tyre_damping=100.0,
-        initial_wheel_displacement=0.5,
-    )
-    drawing = march(car, step=0.001, duration=1.5)
-    assert drawing.frames[0].scheme == "flight"
-    events = [f.event for f in drawing if f.event]
-    assert events[0] == "touchdown"
-    assert len(events) >= 3
-    assert all(one != other for one, other in pairwise(events))
-
-
-def test_a_wheel_that_only_just_loses_the_road_does_not_hang_the_march():
-    """Bumps about the height at which lift-off begins, with rules of the first order too."""
-    for height in np.linspace(0.004, 0.02, 9):
-        for rule in (RULES["tangent"], delta):
-            made = list(frames(ap57(road=roads.bump(height, 1.0, 20.0)), rule, step=STEP, steps=40))
-            events = [f.event for f in made if f.event]
-            assert len(made) == 40 + len(events) or len(made) == 40
-            assert all(f.duration > 0.0 for f in made)
-            assert made[-1].time + made[-1].duration == pytest.approx(0.1, abs=1e-12)
-
-
-class Touching(OneDofPlane):
-    """Changes its mode at 10 ms, where the margin of the new mode is a rounding error and falls."""
-
-    def margins(self, mode, states, time):
-        if mode == "flight":
-            return (1e-18 - 1e-3 * (time - 0.01),)
-        return (0.01 - time if time < 0.013 else 1.0,)
-
-    def succeeding(self, mode, limit):
-        return "flight" if mode == "contact" else "contact"
-
-    def event(self, mode, successor):
-        return "lift_off" if successor == "flight" else "touchdown"
-
-
-def test_a_limit_that_is_only_touched_does_not_stop_the_march():
-    one = Touching(1.0, linear(100.0), linear(0.0), initial_deflection=0.1)
-    made = list(islice(frames(one, step=0.004, duration=0.02), 10))
-    ends = [f.time + f.duration for f in made]
-    assert ends == pytest.approx([0.004, 0.008, 0.01, 0.012, 0.016, 0.02])
-    assert [f.event for f in made] == ["", "", "", "lift_off", "touchdown", ""]
-
-
-def test_without_lift_off_the_wheel_sticks_to_the_road():
-    drawing = march(ap57(lift_off=False), step=STEP, duration=0.15)
-    assert {f.scheme for f in drawing} == {"contact"}
-    assert not any(f.event for f in drawing)
-
-
 # The drawing as data.
 
 
@@ -492,64 +298,6 @@ def test_a_stop_in_the_spring_is_felt():
     assert bare.min() + 0.002 < held.min() < -0.03
 
 
-# Laid over a given motion.
-
-
-def test_laid_over_a_solution_it_drifts_by_the_local_error():
-    times = np.arange(121) * STEP / 2
-    (x1, x2, v1, v2), _ = by_scipy(times, lift_off=False)
-    car = ap57(lift_off=False)
-    drawing = overlay(car, times, x1 - x2, v1 - v2, x2, v2)
-    assert [f.time for f in drawing] == pytest.approx(list(times[:-1]))
-    assert np.allclose(column(drawing, "suspension_deflection"), (x1 - x2)[:-1], atol=1e-15)
-    assert np.allclose(column(drawing, "wheel_velocity"), v2[:-1], atol=1e-13)
-    fine = max(f.readings["wheel_displacement_drift"] for f in drawing)
-    halved = (z[::2] for z in (times, x1 - x2, v1 - v2, x2, v2))
-    coarse = max(f.readings["wheel_displacement_drift"] for f in overlay(car, *halved))
-    assert 0.0 < fine < 1e-4
-    assert coarse / fine == pytest.approx(8.0, abs=2.0)
-
-
-def test_laid_over_its_own_march_it_does_not_drift_even_in_flight():
-    drawing = march(ap57(), step=STEP, duration=0.15)
-    names = (
-        "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
-    )  # fmt: skip
-    rows = [column(drawing, name) for name in names]
-    airborne = [frame.scheme == "flight" for frame in drawing]
-    times = [frame.time for frame in drawing]
-    laid = overlay(ap57(), times, *rows, airborne=airborne)
-    for name in ("suspension_deflection_drift", "wheel_displacement_drift"):
-        assert max(frame.readings[name] for frame in laid) < 1e-14
-    assert [f.event for f in laid if f.event] == ["lift_off", "touchdown"]
-    for one, other in zip(drawing.frames, laid.frames, strict=False):
-        assert one.readings["control_body_displacement"] == pytest.approx(
-            other.readings["control_body_displacement"], abs=1e-13
-        )
-
-
-def test_instants_given_twice_count_once():
-    rows = [[0.0, 0.01, 0.01, 0.02], *([[0.0, 0.0, 0.001, 0.001]] * 4)]
-    drawing = overlay(ap57(), *rows)
-    assert [f.time for f in drawing] == [0.0, 0.01]
-    assert drawing.frames[1].readings["suspension_deflection"] == pytest.approx(0.001)
-
-
-@pytest.mark.parametrize(
-    ("columns", "message"),
-    [
-        ([[0.0, 0.1]] * 4, "3 columns given; displacement and velocity of .* make 4"),
-        ([[0.0, 0.1], *[[0.0]] * 4], "one length, at least 2; given 2, 1, 1, 1, 1"),
-        ([[0.0, 0.1], *[[0.0, nan]] * 4], r"row 1 .* \(time 0.1 s\) is not finite"),
-        ([[0.1, 0.0], *[[0.0, 0.0]] * 4], "times must ascend, but 0 s follows 0.1 s"),
-        ([[0.1, 0.1], *[[0.0, 0.0]] * 4], "at least two different instants"),
-    ],
-)
-def test_a_motion_that_cannot_be_drawn_is_refused(columns, message):
-    with pytest.raises(ValueError, match=message):
-        overlay(ap57(), *columns)
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -604,3 +352,132 @@ def test_integral_of_a_bump():
     road = roads.bump(0.05, 1.0, 20.0, start=0.1)
     assert road.integral(0.0, 1.0) == pytest.approx(0.5 * 0.05 * 0.05, rel=1e-13)
     assert road.integral(0.1, 0.125) == pytest.approx(0.25 * 0.05 * 0.05, rel=1e-13)
+
+
+# A tyre that is not linear.
+
+
+def hard_tyre(**changes) -> QuarterCarPlanes:
+    law = Strut(cubic(C2, 4e7), lambda rate, y: K2 * rate * (1.0 + 8.0 * y))
+    return ap57(**({"tyre_stiffness": 0.0, "tyre_damping": 0.0, "tyre": law} | changes))
+
+
+def test_a_linear_tyre_moves_alike_in_either_plane():
+    """Over y2 = x2 - xi with xi'' as over x2 with h2, to the error of the step."""
+    law = Strut(linear(C2), linear(K2))
+    apart = []
+    for parts in (1, 2, 4):
+        ends = [
+            march(car, step=STEP / parts, duration=0.15).frames[-1].readings
+            for car in (ap57(), ap57(tyre_stiffness=0.0, tyre_damping=0.0, tyre=law))
+        ]
+        apart.append(abs(ends[0]["wheel_displacement"] - ends[1]["wheel_displacement"]))
+    assert apart[0] < 1e-3
+    assert apart[0] > 3.0 * apart[1] > 9.0 * apart[2] > 0.0
+
+
+@given(cars, windows)
+def test_projection_gives_the_feet_of_the_formulas_for_any_tyre(car, window):
+    """D1 and H2 against (18) with the bracket (f + phi) / c2, and xi'' / Omega2^2 in plane 2 alone."""
+    law = Strut(cubic(car.tyre_stiffness, 1e6), linear(car.tyre_damping))
+    one = replace(car, tyre_stiffness=0.0, tyre_damping=0.0, tyre=law)
+    points = one.points("contact", one.initial, window)
+    c1, c2 = one.axle.strut.rate, car.tyre_stiffness
+    a, b = one.plane_scales
+    elevation, rise, acceleration, _ = one.road.derivatives(0.0)
+    y, v = one.initial_wheel_displacement - elevation, one.initial_wheel_velocity - rise
+    bracket = law.force(v, y) / c2
+    force = one.damper.force(one.initial_deflection_rate) + one.spring.force(one.initial_deflection)
+    if window.duration:
+        change = one.road.rate(window.end) - one.road.rate(window.start)
+        acceleration = change / window.duration
+    else:
+        acceleration = one.road.acceleration(window.start)
+    first = force / c1 - one.coupling * bracket
+    second = bracket - force / c2 + acceleration * one.unsprung_mass / c2
+    size = max(abs(p) for p in points.values()) * (1.0 + a / b + b / a)
+    tolerance = 1e-10 * (size + a * one.coupling * abs(bracket) + b)
+    assert abs((points["Q1"] - points["D1"]).real - a * first) < tolerance
+    assert abs((points["H2"] - points["Q2"]).real - b * second) < tolerance
+    assert "B2" not in points
+
+
+def test_a_hardening_tyre_against_an_independent_solution():
+    car = hard_tyre()
+    weight = (M + m) * 9.80665
+
+    def bracket(t, z):
+        xi, rise = elevation(t)
+        y, rate = z[1] - xi, z[3] - rise
+        return C2 * y + 4e7 * y**3 + K2 * rate * (1.0 + 8.0 * y)
+
+    def slope(t, z, flies):
+        rate = z[2] - z[3]
+        force = C1 * (z[0] - z[1]) + (200.0 if rate > 0.0 else 50.0) * KGF * rate
+        tyre = weight if flies else bracket(t, z)
+        return z[2], z[3], -force / M, (force - tyre) / m
+
+    time, state, flies, switches = 0.0, np.zeros(4), False, []
+    while time < 0.15:
+
+        def switch(t, z, flies):
+            return bracket(t, z) - weight
+
+        switch.terminal, switch.direction = True, -1.0 if flies else 1.0
+        end = 0.05 if time < 0.05 else 0.15
+        solution = solve_ivp(slope, (time, end), state, args=(flies,), events=switch,
+                             method="DOP853", rtol=1e-10, atol=1e-12, max_step=0.002)  # fmt: skip
+        time, state = solution.t[-1], solution.y[:, -1]
+        if solution.status == 1:
+            switches.append(time)
+            flies = not flies
+    errors = []
+    for parts in (2, 4):
+        drawing = march(car, step=STEP / parts, duration=0.15)
+        last = drawing.frames[-1].points
+        y = [lienard.plane.displacement.read(last[f"{lienard.plane.state}'"])
+             for lienard in (car.axle.suspension, car.axle.wheel)]  # fmt: skip
+        errors.append(max(abs(y[1] - state[1]), abs(y[0] - state[0] + state[1])))
+        events = [f.time for f in drawing if f.event]
+        assert events == pytest.approx(switches, abs=6e-4 / parts)
+    assert errors[0] / errors[1] == pytest.approx(4.0, abs=1.2)
+    assert {f.scheme for f in drawing} == {"contact", "flight"}
+    assert "H2" in {mark.point for mark in drawing.schemes["contact"].marks}
+
+
+def test_stiffness_and_a_tyre_exclude_each_other():
+    with pytest.raises(ValueError, match="give either tyre_stiffness and tyre_damping or a tyre"):
+        hard_tyre(tyre_stiffness=C2)
+
+
+# A damper that depends on deflection, and its family of auxiliary curves.
+
+
+def test_between_the_curves_of_a_family_the_point_is_interpolated():
+    def progressive(rate: float, y: float) -> float:
+        return 1200.0 * rate * (1.0 + 200.0 * y * y)
+
+    own = march(ap57(damper=progressive), step=STEP, duration=0.15).frames[-1].points
+    apart = []
+    for count in (5, 9, 17):
+        levels = tuple(np.linspace(-0.06, 0.06, count))
+        car = ap57(damper=progressive, auxiliary_levels=levels)
+        drawing = march(car, step=STEP, duration=0.15)
+        apart.append(abs(drawing.frames[-1].points["P1'"] - own["P1'"]))
+        labels = [c.label for c in drawing.curves if c.role == "auxiliary"]
+        assert len(labels) == count + 1  # and the line of plane 2
+        assert labels[0] == "y1 = -6 cm"
+    assert apart[0] > 2.5 * apart[1] > 6.0 * apart[2] > 0.0
+    car = ap57(damper=progressive, auxiliary_levels=(-0.05, 0.0, 0.05), initial_deflection=0.02,
+               initial_deflection_rate=0.5)  # fmt: skip
+    a = car.points("contact", car.initial, Window(0.0))["A1"].real
+    between = [-progressive(0.5, y) / C1 for y in (0.0, 0.05)]
+    assert a == pytest.approx(0.6 * between[0] + 0.4 * between[1], rel=1e-12)
+
+
+def test_a_step_too_long_for_a_stiff_stop_says_when_it_leaves_the_sheet():
+    car = ap57(spring=linear(C1) + bump_stop(0.02, 1e9))
+    with pytest.raises(
+        ArithmeticError, match=r"leaves the sheet after 0\.0\d+ s; try a step shorter"
+    ):
+        march(car, step=STEP, duration=0.5)

@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
+from phaseplane.constructions import RULES
 from scenarios.cli import main
 from scenarios.constructions import constructed, laid_over, of_system, planes_of, rate_of, told_of
 from scenarios.equations import check_equation, function_of, solve
@@ -272,3 +273,41 @@ def test_a_scene_with_a_bad_equation():
     result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "equation=x + import"])
     assert result.exit_code == 2
     assert "not a formula" in result.stderr
+
+
+def test_the_rules_held_against_the_exact_motion():
+    """The 60 points of the worked example, and the integrator with the same steps beside them."""
+    result = CliRunner().invoke(main, ["rules", "--json"])
+    assert result.exit_code == 0, result.stderr
+    rows = {row["rule"]: row for row in json.loads(result.stdout)["rules"]}
+    assert set(rows) == {
+        *RULES,
+        "integrator: tangent",
+        "integrator: mean",
+        "integrator: equilibrium",
+    }
+    for row in rows.values():
+        assert row["steps"] == 60
+        assert row["seconds"] > 0.0
+        if row["rule"] != "auto_mean_normal":  # two rules by turns
+            assert row["orders"][-1] == pytest.approx(row["stated_order"], abs=0.15)
+    worst = {name: 100.0 * max(row["errors"].values()) for name, row in rows.items()}
+    assert worst["tangent"] == pytest.approx(0.66, abs=0.005)  # cm
+    assert worst["mean_normal"] == pytest.approx(1.02, abs=0.005)
+    assert worst["osculating_circle"] == pytest.approx(0.88, abs=0.005)
+    assert worst["delta"] < 0.03
+    table = CliRunner().invoke(main, ["rules", "van_der_pol", "--set", "construction.step=50 ms"])
+    assert "largest error with steps of 50 ms over 20 s" in table.stdout
+    assert "integrator" not in table.stdout
+
+
+def test_rules_that_cannot_be_drawn():
+    refused = CliRunner().invoke(main, ["rules", "ap57", "--set", "construction.step=1 s"])
+    assert refused.exit_code == 2
+    assert "at most a right angle" in refused.stderr
+    stiff = ["--set", "bump_stop.gap=2 cm", "--set", "bump_stop.stiffness=1e9"]
+    lost = CliRunner().invoke(main, ["rules", "ap57", *stiff])
+    assert lost.exit_code == 0
+    told = next(line for line in lost.stdout.splitlines() if line.startswith("delta"))
+    assert "leaves the sheet after 0.0" in told
+    assert "integrator: equilibrium" in lost.stdout

@@ -1,0 +1,205 @@
+"""The step rules of the constructions held against the exact motion: errors, orders, times."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from functools import partial
+from itertools import pairwise
+from math import log2, nan
+from operator import attrgetter
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from suspension.session import SimulationError, simulate
+
+from ..constructions import constructed, planes_of
+from ..equations import EQUATION, solve
+from ..errors import InputError, one_line
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    import numpy as np
+    import numpy.typing as npt
+
+    from ..schema import Scene
+
+    Columns = Mapping[str, npt.NDArray[np.float64]]
+
+_TOLERANCE = 1e-12  # of the integrator that gives the exact motion
+_HALVINGS = 2
+_REPEATS = 3
+_INTEGRATOR = {"tangent": 2, "mean": 2, "equilibrium": 2}  # its methods with fixed steps; order
+
+
+@dataclass(frozen=True, slots=True)
+class RuleResult:
+    """What a rule came to on a scene.
+
+    Parameters
+    ----------
+    rule : its name; `integrator: ...` for the incremental method beside it
+    stated_order : what it is said to converge with
+    errors : largest error of each displacement over the steps, m
+    orders : measured on halving the step twice, of the largest error of all; nan where it is no longer
+        the step that errs
+    steps : in all
+    seconds : for all of them, the fastest of three
+    failure : why it could not be made, or nothing
+    """
+
+    rule: str
+    stated_order: int
+    errors: dict[str, float]
+    orders: tuple[float, ...]
+    steps: int
+    seconds: float
+    failure: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    """Displacements by name at the ends of steps, and what they took."""
+
+    times: npt.NDArray[np.float64]
+    columns: Columns
+    steps: int
+    seconds: float
+
+
+def measure_rules(scene: Scene) -> list[RuleResult]:
+    """Every rule with the scene's own step, and the incremental integrator with the same step.
+
+    Raises
+    ------
+    InputError : a scene whose model has no construction.
+    """
+    from phaseplane.constructions import RULES  # noqa: PLC0415
+
+    names = _displacements(scene)
+    results = [
+        _measured(name, rule.order, scene, partial(_drawn, scene, name, names))
+        for name, rule in RULES.items()
+    ]
+    if scene.fmu.model != EQUATION:
+        results += [
+            _measured(f"integrator: {name}", order, scene, partial(_stepped, scene, name, names))
+            for name, order in _INTEGRATOR.items()
+        ]
+    return results
+
+
+def _displacements(scene: Scene) -> list[str]:
+    """The displacements of the planes and of the bodies."""
+    planes = planes_of(scene.fmu.model, scene.all_parameters, scene.construction.model_dump())
+    shown = [plane.name for plane in planes.planes]
+    bodies = [name for name in scene.fmu.outputs() if name.endswith("body_displacement")]
+    axles = any(name.startswith("front_") for name in bodies)
+    return shown + [name for name in bodies if not axles or not name.startswith("body")]
+
+
+def _measured(name: str, order: int, scene: Scene, run: Callable[[float], _Motion]) -> RuleResult:
+    step = scene.construction.step
+    try:
+        motion = min((run(step) for _ in range(_REPEATS)), key=attrgetter("seconds"))
+        errors = _errors(scene, motion)
+        worst = [max(errors.values())]
+        for halving in range(1, _HALVINGS + 1):
+            worst.append(max(_errors(scene, run(step / 2**halving)).values()))
+    except (ArithmeticError, SimulationError) as error:
+        return RuleResult(name, order, {}, (), 0, nan, one_line(error))
+    orders = (log2(f / g) if g > 0.0 else nan for f, g in pairwise(worst))
+    return RuleResult(name, order, errors, tuple(orders), motion.steps, motion.seconds)
+
+
+def _drawn(scene: Scene, rule: str, names: Sequence[str], step: float) -> _Motion:
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    settings = {**scene.construction.model_dump(), "rule": rule, "step": step, "shortcut": False}
+    started = perf_counter()
+    drawing = constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
+    seconds = perf_counter() - started
+    columns = {name: np.array([f.readings[name] for f in drawing.frames]) for name in names}
+    times = np.array([frame.time for frame in drawing.frames])
+    return _Motion(times, columns, len(times), seconds)
+
+
+def _stepped(scene: Scene, method: str, names: Sequence[str], step: float) -> _Motion:
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    steps = round(scene.construction_time / step)
+    times = np.linspace(0.0, steps * step, steps + 1)
+    started = perf_counter()
+    columns = _simulated(scene, times, names, method, step)
+    return _Motion(times, columns, steps, perf_counter() - started)
+
+
+def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
+    """Largest error of each displacement, m."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    names = list(motion.columns)
+    exact = (
+        solve(scene.all_parameters, motion.times)[0]
+        if scene.fmu.model == EQUATION
+        else _simulated(scene, motion.times, names)
+    )
+    return {name: float(np.max(np.abs(motion.columns[name] - exact[name]))) for name in names}
+
+
+def _simulated(
+    scene: Scene,
+    times: npt.NDArray[np.float64],
+    names: Sequence[str],
+    method: str = "extrapolated",
+    step: float = 0.0,
+) -> Columns:
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    solver = {"solver.method": method, "solver.step": step, "solver.tolerance": _TOLERANCE}
+    parameters = {**scene.all_parameters, **solver}
+    columns = simulate(scene.fmu.model, parameters, times.tolist(), names)
+    return {name: np.asarray(columns[name]) for name in names}
+
+
+def rules_table(scene: Scene, results: Sequence[RuleResult]) -> str:
+    """The results as text."""
+    return "\n".join(_lines(scene, results))
+
+
+def _lines(scene: Scene, results: Sequence[RuleResult]) -> Iterator[str]:
+    names = next((list(r.errors) for r in results if r.errors), [])
+    if not names:
+        raise InputError(f"no rule can be drawn: {results[0].failure}")
+    factor, unit = (1.0, "") if scene.fmu.model == EQUATION else (1e3, " in mm")
+    heads = [f"{name.replace('_', ' '):>9}" for name in names]
+    yield (
+        f"largest error{unit} with steps of {1e3 * scene.construction.step:g} ms over "
+        f"{scene.construction_time:g} s, and the order measured on halving them twice"
+    )
+    yield ""
+    yield f"{'rule':<24}{'  '.join(heads)}  order  measured    steps  seconds  steps/s"
+    for r in results:
+        if r.failure:
+            yield f"{r.rule:<24}{r.failure}"
+            continue
+        errors = "  ".join(
+            f"{factor * r.errors[name]:>{len(head)}.4g}"
+            for name, head in zip(names, heads, strict=True)
+        )
+        orders = ", ".join(f"{order:.2f}" for order in r.orders)
+        yield (
+            f"{r.rule:<24}{errors}  {r.stated_order:>5}  {orders:<10}  {r.steps:>5}  "
+            f"{r.seconds:>7.4f}  {r.steps / r.seconds:>7.0f}"
+        )
+
+
+def as_data(scene: Scene, results: Sequence[RuleResult]) -> dict[str, Any]:
+    """The results as plain data."""
+    return {
+        "scene": scene.name,
+        "step": scene.construction.step,
+        "duration": scene.construction_time,
+        "rules": [asdict(result) for result in results],
+    }

@@ -1,0 +1,66 @@
+"""Constructions laid over motions that are known already."""
+
+from __future__ import annotations
+
+from math import nan
+
+import numpy as np
+import pytest
+from worked_example import STEP, ap57, by_scipy, column
+
+from phaseplane.constructions import march, overlay
+
+
+def test_laid_over_a_solution_it_drifts_by_the_local_error():
+    times = np.arange(121) * STEP / 2
+    (x1, x2, v1, v2), _ = by_scipy(times, lift_off=False)
+    car = ap57(lift_off=False)
+    drawing = overlay(car, times, x1 - x2, v1 - v2, x2, v2)
+    assert [f.time for f in drawing] == pytest.approx(list(times[:-1]))
+    assert np.allclose(column(drawing, "suspension_deflection"), (x1 - x2)[:-1], atol=1e-15)
+    assert np.allclose(column(drawing, "wheel_velocity"), v2[:-1], atol=1e-13)
+    fine = max(f.readings["wheel_displacement_drift"] for f in drawing)
+    halved = (z[::2] for z in (times, x1 - x2, v1 - v2, x2, v2))
+    coarse = max(f.readings["wheel_displacement_drift"] for f in overlay(car, *halved))
+    assert 0.0 < fine < 1e-4
+    assert coarse / fine == pytest.approx(8.0, abs=2.0)
+
+
+def test_laid_over_its_own_march_it_does_not_drift_even_in_flight():
+    drawing = march(ap57(), step=STEP, duration=0.15)
+    names = (
+        "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
+    )  # fmt: skip
+    rows = [column(drawing, name) for name in names]
+    airborne = [frame.scheme == "flight" for frame in drawing]
+    times = [frame.time for frame in drawing]
+    laid = overlay(ap57(), times, *rows, airborne=airborne)
+    for name in ("suspension_deflection_drift", "wheel_displacement_drift"):
+        assert max(frame.readings[name] for frame in laid) < 1e-14
+    assert [f.event for f in laid if f.event] == ["lift_off", "touchdown"]
+    for one, other in zip(drawing.frames, laid.frames, strict=False):
+        assert one.readings["control_body_displacement"] == pytest.approx(
+            other.readings["control_body_displacement"], abs=1e-13
+        )
+
+
+def test_instants_given_twice_count_once():
+    rows = [[0.0, 0.01, 0.01, 0.02], *([[0.0, 0.0, 0.001, 0.001]] * 4)]
+    drawing = overlay(ap57(), *rows)
+    assert [f.time for f in drawing] == [0.0, 0.01]
+    assert drawing.frames[1].readings["suspension_deflection"] == pytest.approx(0.001)
+
+
+@pytest.mark.parametrize(
+    ("columns", "message"),
+    [
+        ([[0.0, 0.1]] * 4, "3 columns given; displacement and velocity of .* make 4"),
+        ([[0.0, 0.1], *[[0.0]] * 4], "one length, at least 2; given 2, 1, 1, 1, 1"),
+        ([[0.0, 0.1], *[[0.0, nan]] * 4], r"row 1 .* \(time 0.1 s\) is not finite"),
+        ([[0.1, 0.0], *[[0.0, 0.0]] * 4], "times must ascend, but 0 s follows 0.1 s"),
+        ([[0.1, 0.1], *[[0.0, 0.0]] * 4], "at least two different instants"),
+    ],
+)
+def test_a_motion_that_cannot_be_drawn_is_refused(columns, message):
+    with pytest.raises(ValueError, match=message):
+        overlay(ap57(), *columns)
