@@ -155,6 +155,17 @@ def stored(model: str) -> list[dict[str, Any]]:
     return json.loads((HERE / f"{model}.json").read_text(encoding="ascii"))["runs"]
 
 
+def public(model: str, p: Parameters) -> Parameters:
+    """The stored parameters by their public names."""
+    if model != "Elastoplastic":
+        return p
+    load = ", ".join(f"{t}:{f}" for t, f in p["load"])
+    same = ("mass", "spring.rate", "yield_force", "hardening")
+    return {name: p[name] for name in same} | {
+        "damper.rate": p["damping"], "force.table": load, "initial.permanent_set": p["permanent_set"],
+    }  # fmt: skip
+
+
 def main() -> None:
     """Make the stored files of the models named, or of all."""
     for model in sys.argv[1:] or SYSTEMS:

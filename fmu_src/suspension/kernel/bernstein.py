@@ -68,24 +68,29 @@ class Crossing:
         """First fraction of the step at which the polynomial passes the bound outwards, or 2.
 
         A branch just entered starts on its own bound: there that root is divided out, so that a
-        return is found however soon it comes.
+        return is found however soon it comes. Where a road's velocity has jumped, a branch may also
+        be entered far from its bound.
         """
         c = self.halves
         m = degree
-        # what departs starts on the bound, whatever rounding has made of it
-        start = self.bezier[0] if departing else bound
+        largest = 0.0
         for i in range(degree + 1):
-            c[i] = (self.bezier[i] - start) * -side
-        if departing:
+            c[i] = (self.bezier[i] - bound) * -side
+            largest = max(largest, fabs(c[i]))
+        if departing and fabs(c[0]) <= 1e-3 * largest:
+            # what departs starts on the bound, whatever rounding has made of it
+            start = c[0]
+            for i in range(degree + 1):
+                c[i] -= start
             # p(s)/s in Bernstein form; again while the derivative vanishes too, to rounding (a start
-            # at rest, friction that has just broken loose)
+            # at rest, friction that has just broken loose, flow that has just ended)
             for _k in range(3):
                 largest = 0.0
                 for i in range(m):
                     c[i] = c[i + 1] * m / (i + 1)
                     largest = max(largest, fabs(c[i]))
                 m -= 1
-                if fabs(c[0]) > 1e-12 * largest or largest == 0.0:
+                if fabs(c[0]) > 1e-9 * largest or largest == 0.0:
                     break
         if c[0] < 0.0:
             return 0.0

@@ -542,6 +542,27 @@ class Integrator:
         x = (t - self.step_start) / h
         return self.residual_start + x * (self.residual_end - self.residual_start)
 
+    def energies(self):
+        """Where the energy is at the end of the last step, and where it has gone until then, J.
+
+        Returns
+        -------
+        The kinetic energy, what each element stores, what each element has dissipated, and what each
+        signal, as a road or as a load, has brought in.
+        """
+        net, work = self.net, self.stepper.work
+        net.all_signals(self.time)
+        net.row_states(self.stepper.q, self.stepper.v)
+        stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
+        brought_in = [0.0] * net.signals
+        for r in range(net.rows):
+            if net.row_signal[r] >= 0:
+                brought_in[net.row_signal[r]] += work[net.elements + r]
+        for m in range(net.loads):
+            brought_in[net.load_signal[m]] += work[net.elements + net.rows + m]
+        kinetic = net.energy(self.stepper.v) - sum(stored)
+        return kinetic, stored, list(work[: net.elements]), brought_in
+
     def limited_time_at(self, e, t):
         """How long element e has been at its limit (a tyre off the road) up to t, s."""
         late = self.step_end - t if self.step_limited[e] else 0.0

@@ -1,0 +1,83 @@
+"""The energy ledger, entry by entry, against works that were integrated independently."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from make_drawn import SYSTEMS, instants, public, stored
+
+from suspension.engine import Integrator
+from suspension.models import System, build
+
+AXLES = {"OneDof": [""], "QuarterCar": [""]}
+
+
+def ledger(model: str, run: dict[str, Any], tolerance: float) -> tuple[System, Integrator]:
+    """A stored run, ended on its last instant."""
+    system = build(model, public(model, run["parameters"]))
+    integrator = Integrator(system, tolerance=tolerance)
+    assert integrator.advance(float(instants(model)[-1]), stop=True) == 0
+    return system, integrator
+
+
+@pytest.mark.parametrize("model", SYSTEMS)
+def test_every_entry_is_that_of_the_reference(model: str) -> None:
+    """Dissipated by damper, tyre and flow; brought in by each road and by the load."""
+    tolerance = 1e-8
+    for run in stored(model):
+        system, integrator = ledger(model, run, tolerance)
+        _, _, lost, brought_in = integrator.energies()
+        lost = dict(zip((e.name for e in system.elements), lost, strict=True))
+        brought_in = dict(zip(system.signals, brought_in, strict=True))
+        works = np.array(run["works"])
+        if model == "Elastoplastic":
+            damper, flow, load = works
+            assert sum(lost.values()) == pytest.approx(damper + flow, rel=10 * tolerance)
+            assert sum(brought_in.values()) == pytest.approx(load, rel=10 * tolerance)
+            continue
+        allowed = 10.0 * tolerance * np.abs(works).sum()
+        for axle, (damper, tyre, road) in zip(
+            AXLES.get(model, ["front_", "rear_"]), works, strict=True
+        ):
+            assert lost[f"{axle}damper"] == pytest.approx(damper, abs=allowed)
+            assert lost.get(f"{axle}tyre", 0.0) == pytest.approx(tyre, abs=allowed)
+            assert brought_in[f"{axle}road"] == pytest.approx(road, abs=allowed)
+            assert lost[f"{axle}spring"] == lost[f"{axle}bump_stop"] == 0.0
+
+
+@pytest.mark.parametrize("model", SYSTEMS)
+def test_the_entries_add_up_to_the_residual(model: str) -> None:
+    """T + U + dissipated = brought in, but for what a damped tyre exchanges at a contact switch."""
+    for run in stored(model)[:10]:
+        system, integrator = ledger(model, run, 1e-6)
+        kinetic, potential, lost, brought_in = integrator.energies()
+        velocity = np.array(integrator.sample_v)
+        integrator.sample(integrator.time)
+        velocity = np.array(integrator.sample_v)
+        assert kinetic == pytest.approx(0.5 * velocity @ np.array(system.mass) @ velocity, rel=1e-9)
+        start = Integrator(system).energies()
+        before = start[0] + sum(start[1])
+        balance = kinetic + sum(potential) + sum(lost) - sum(brought_in) - before
+        if "tyre" not in {e.name.removeprefix("front_") for e in system.elements}:
+            scale = np.abs(run["works"]).sum()
+            assert balance == pytest.approx(integrator.residual_end, abs=1e-13 * scale)
+
+
+@pytest.mark.parametrize("element", ["spring", "bump_stop", "rebound_stop"])
+def test_what_an_element_stores_is_its_potential(element: str) -> None:
+    run = stored("OneDof")[3]
+    system = build("OneDof", run["parameters"])
+    integrator = Integrator(system, tolerance=1e-8)
+    number = system.element(element)
+    law = system.elements[number].spring
+    seen = 0.0
+    for t in np.linspace(0.02, 0.3, 15):
+        assert integrator.advance(t, stop=True) == 0
+        integrator.sample(t)
+        deflection = integrator.sample_q[0] - system.signals["road"].value(t)
+        found = integrator.energies()[1][number]
+        assert found == pytest.approx(law.potential(deflection), abs=1e-12)
+        seen = max(seen, found)
+    assert seen > 0.01
