@@ -77,6 +77,7 @@ def build(
     refuse_unknown(models, SCRIPTS, "there is no FMU of")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     files: dict[str, bytes] = {}
+    roads: dict[str, bytes] = {}  # one may serve several systems
     for model in models:
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
@@ -85,20 +86,23 @@ def build(
         if references:
             files |= reference_files(model, start)
         if ssp and systems.connections(model):
-            files[f"{model}.ssp"] = _system(model, accepted)
+            files[f"{model}.ssp"] = _system(model, accepted, roads)
     Path(folder).mkdir(parents=True, exist_ok=True)
     contents = {Path(folder, name): content for name, content in files.items()}
     write_all(contents)
     return list(contents)
 
 
-def _system(model: str, parameters: Mapping[str, Value]) -> bytes:
-    """The whole archive of a vehicle on its road."""
+def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]) -> bytes:
+    """The whole archive of a vehicle on its road; `roads` keeps those packed, by parameters."""
     road, vehicle = systems.shared_out(model, parameters)
+    key = json.dumps(road, sort_keys=True)
+    if key not in roads:
+        roads[key] = _packed(systems.ROAD, road)
     return zipped(
         {
             "SystemStructure.ssd": systems.description(model),
-            f"resources/{systems.ROAD}.fmu": _packed(systems.ROAD, road),
+            f"resources/{systems.ROAD}.fmu": roads[key],
             f"resources/{model}.fmu": _packed(model, vehicle),
         }
     )

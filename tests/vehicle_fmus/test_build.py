@@ -225,10 +225,10 @@ print(json.dumps({
 """
 
 
-def run_in_a_bare_python(folder: Path) -> dict[str, Any]:
+def run_in_a_bare_python(folder: Path, python: str = sys.executable) -> dict[str, Any]:
     """Step the FMU's code in a Python that has nothing but its standard library."""
     done = subprocess.run(
-        [sys.executable, "-I", "-S", "-B", "-c", _BARE_HOST, str(folder / "resources"), *OUTPUTS],
+        [python, "-I", "-S", "-B", "-c", _BARE_HOST, str(folder / "resources"), *OUTPUTS],
         capture_output=True, text=True, check=False, env={**os.environ, "PYTHONPATH": ""},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -279,3 +279,34 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path, module: str) ->
     broken = run_in_a_bare_python(bare_folder)
     assert broken["values"] == as_packed["values"]
     assert any("uncompiled" in text and "cannot be loaded" in text for text in broken["log"])
+
+
+def test_binaries_for_another_python_are_passed_over(bare_folder: Path) -> None:
+    as_packed = run_in_a_bare_python(bare_folder)
+    for file in list(binaries_of(bare_folder).glob("*.*")):
+        file.rename(file.with_name(file.name.replace(EXTENSION_SUFFIXES[0], ".cpython-399-x.so")))
+    elsewhere = run_in_a_bare_python(bare_folder)
+    assert elsewhere["values"] == as_packed["values"]
+    assert any("uncompiled" in text for text in elsewhere["log"])
+
+
+def _runs(python: str) -> bool:
+    done = subprocess.run([python, "--version"], capture_output=True, check=False)
+    return done.returncode == 0
+
+
+def other_pythons() -> list[str]:
+    """Interpreters on the path that have not built the FMU and do run."""
+    names = (f"python3.{minor}" for minor in range(11, 16) if minor != sys.version_info.minor)
+    found = [path for name in names if (path := shutil.which(name))]
+    return [p for p in found if _runs(p)]
+
+
+def test_another_python_runs_it(bare_folder: Path, expected: list[Any]) -> None:
+    pythons = other_pythons()
+    if not pythons:
+        pytest.skip("no other Python 3.11 or newer on the path")
+    for python in pythons:
+        told = run_in_a_bare_python(bare_folder, python)
+        assert told["values"] == pytest.approx(expected, rel=1e-12)
+        assert any("uncompiled" in text for text in told["log"])

@@ -119,8 +119,9 @@ def on_road(model: str, step: float, steps: int, parameters: dict[str, Any]) -> 
 @pytest.fixture(scope="module")
 def ssps(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("systems")
-    build(list(SHOWN), folder, ssp=True)
-    return {model: folder / f"{model}.ssp" for model in SHOWN}
+    models = ["QuarterCar", "HalfCarRigidTyres"]  # one axle on a wheel, two on the road itself
+    build(models, folder, ssp=True)
+    return {model: folder / f"{model}.ssp" for model in models}
 
 
 @pytest.mark.parametrize("master", HOSTS)
@@ -139,10 +140,11 @@ def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_p
 def test_fmpy_runs_a_system(ssps: dict[str, Path], monkeypatch: pytest.MonkeyPatch,
                             tmp_path: Path) -> None:  # fmt: skip
     monkeypatch.chdir(tmp_path)
-    result = simulate_ssp(str(ssps["HalfCar"]), stop_time=0.2, step_size=1e-3)
-    found = np.array([result[f"vehicle.{name}"] for name in SHOWN["HalfCar"]]).T
+    model = "HalfCarRigidTyres"
+    result = simulate_ssp(str(ssps[model]), stop_time=0.2, step_size=1e-3)
+    found = np.array([result[f"vehicle.{name}"] for name in SHOWN[model]]).T
     # FMPy hands a road on one step late, because it connects what the same step has computed
-    ours = on_road("HalfCar", 1e-3, 200, {})
+    ours = on_road(model, 1e-3, 200, {})
     assert np.abs(found - ours).max(axis=0) == pytest.approx(0.0, abs=0.1 * np.abs(ours).max())
     assert np.abs(result["vehicle.front_ground_elevation"]).max() > 0.045
 
