@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from suspension.variables import Value, Variable, variables
+from suspension.variables import SOURCES, Value, Variable, variables
 
 from .model_description import in_words
 from .pictures import picture
@@ -31,13 +31,18 @@ def page(model: str, start: dict[str, Value], colophon: str) -> str:
     start : parameters whose start values are not the defaults
     colophon : what made the FMU
     """
-    return Template((DOCUMENTATION / "index.html").read_text("utf-8")).substitute(
+    return Template(_part("index")).substitute(
         model=model,
         picture=picture(model),
-        equations=(DOCUMENTATION / f"{model}.html").read_text("utf-8"),
+        equations=_part(model),
+        stepping="" if model in SOURCES else _part("stepping"),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),
     )
+
+
+def _part(name: str) -> str:
+    return (DOCUMENTATION / f"{name}.html").read_text("utf-8")
 
 
 def variable_table(declared: tuple[Variable, ...], start: dict[str, Value]) -> str:
