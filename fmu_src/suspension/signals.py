@@ -158,15 +158,13 @@ class Signal:
         """Integral of the value from t0 to t1, joint by joint."""
         if t1 < t0:
             return -self.integral(t1, t0)
-        joints = self.joints
-        first, last = bisect_right(joints, t0), bisect_right(joints, t1)
-        cuts = (t0, *joints[first:last], t1)
-        return sum(
-            segment.integral(a, b)
-            for segment, a, b in zip(
-                self.segments[first : last + 1], cuts[:-1], cuts[1:], strict=True
-            )
-        )
+        here = bisect_right(self.segments, t0, lo=1, key=_start)
+        total = 0.0
+        while here < len(self.segments) and (joint := self.segments[here].start) <= t1:
+            total += self.segments[here - 1].integral(t0, joint)
+            t0 = joint
+            here += 1
+        return total + self.segments[here - 1].integral(t0, t1)
 
     def delayed(self, delay: float) -> Signal:
         """The same signal, `delay` seconds later: the rear axle meets the front axle's road."""
