@@ -9,7 +9,7 @@ from phaseplane.constructions.primitives import Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.steps import Points, States, along_tangent
 
-_FARTHEST = 100.0  # m of paper: no sheet is so large
+_FARTHEST = 100.0  # m of paper from an origin along the y axis: no sheet is so large
 
 
 def signed_frequency(plane: Plane) -> float:
@@ -69,7 +69,7 @@ class Stepper:
             points["N" + number] = vertex + length
             points["N" + number + "'"] = vertex + length * exp(1j * abs(turn))
         for plane, successor in zip(self.planes, move.successors, strict=True):
-            distance = abs(successor - plane.displacement.origin)
+            distance = abs((successor - plane.displacement.origin).real)
             if not isfinite(successor) or distance > _FARTHEST:
                 raise OverflowError
         return points, move.successors + memory
