@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from statistics import median
-from time import perf_counter
+
+from scenarios.studies.peers import timed
 
 
 def medians(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
@@ -14,7 +15,5 @@ def medians(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[
         function()  # caches, compilers
     for _ in range(rounds):
         for name, function in functions.items():
-            started = perf_counter()
-            function()
-            times[name].append(perf_counter() - started)
+            times[name].append(timed(function)[1])
     return {name: median(taken) for name, taken in times.items()}

@@ -22,6 +22,7 @@ from .systems import Axle, Element, Load, Motion, System
 from .variables import ParameterError, Value, checked_parameters
 
 __all__ = [
+    "SYSTEMS",
     "Axle",
     "Element",
     "Load",
@@ -272,6 +273,8 @@ _BUILDERS = {
     "HalfCar": half_car,
     "Elastoplastic": elastoplastic,
 }
+SYSTEMS = tuple(_BUILDERS)
+"""The models that are systems; the others of `variables.MODELS` only give signals."""
 
 
 def build(model: str, parameters: Mapping[str, object]) -> System:

@@ -25,7 +25,7 @@ from suspension.variables import MODELS
 
 from ..errors import one_line
 from . import own, peers
-from .peers import Run, UnableError, Workbench
+from .peers import Run, UnableError, Workbench, timed
 from .problems import Problem
 from .reference import largest_error, truth
 
@@ -154,9 +154,7 @@ class _Timed:
     spent: float
 
     def again(self) -> None:
-        started = perf_counter()
-        self.run()
-        took = perf_counter() - started
+        _, took = timed(self.run)
         self.seconds, self.spent = min(self.seconds, took), self.spent + took
 
 
@@ -240,9 +238,7 @@ def _run(run: Run, *, again: bool) -> tuple[Any, float]:
         warnings.simplefilter("ignore")  # solvers warn of what shows in their error
         if again:
             run()
-        started = perf_counter()
-        found = run()
-    return found, perf_counter() - started
+        return timed(run)
 
 
 # -- what is said --------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from importlib.util import find_spec
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from .branches import Branches
@@ -27,6 +28,28 @@ Run = Callable[[], "Vector"]
 """One whole run: displacements at the instants of the problem, (len(times), n), m."""
 
 _MOST_STEPS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A run whose solver is brought back to the start first, which is set-up and not timed."""
+
+    reset: Callable[[], object]
+    go: Run
+
+    def __call__(self) -> Vector:
+        self.reset()
+        return self.go()
+
+
+def timed(run: Callable[[], object]) -> tuple[Any, float]:
+    """What a run gives, and how long it took, s."""
+    if isinstance(run, Prepared):
+        run.reset()
+        run = run.go
+    started = perf_counter()
+    found = run()
+    return found, perf_counter() - started
 
 
 class UnableError(Exception):
@@ -244,13 +267,16 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
     )
     times, start = problem.times, problem.start
 
-    def run() -> Vector:
-        course[0] = branches = bench.branches.copy()
+    def reset() -> None:
+        course[0] = bench.branches.copy()
         integrator.time = 0.0
         integrator.state[:] = start
-        integrator.pars[:] = branches.p
+        integrator.pars[:] = course[0].p
         if events:
             integrator.reset_cooldowns()
+
+    def run() -> Vector:
+        branches = course[0]
         out = np.empty((len(times), n))
         out[0] = start[:n]
         t, k = 0.0, 1
@@ -272,7 +298,7 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
                 integrator.pars[:] = branches.p
         return out
 
-    return run
+    return Prepared(reset, run)
 
 
 # -- without events ------------------------------------------------------------------------------

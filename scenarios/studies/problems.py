@@ -9,13 +9,13 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
 from suspension import characteristics, roads
-from suspension.models import build
+from suspension.models import SYSTEMS, build
 from suspension.session import Session
 from suspension.systems import Element, System
 from suspension.units import nearest
 from suspension.variables import Value
 
-from ..errors import InputError, SceneError, one_line
+from ..errors import InputError, one_line, shown
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Kind = Literal["non-smooth", "smooth", "stiff"]
 _KGF = 9.80665
+_MOST_INTERVALS = 2000  # of a scene; what lies between them is as good
 
 
 @dataclass(frozen=True)
@@ -281,25 +282,27 @@ def find_problem(name: str) -> Problem:
     ------
     InputError : neither, or a scene whose FMU is not one of this project's models.
     """
-    from ..layers import find_scene  # noqa: PLC0415
+    from ..layers import case_names  # noqa: PLC0415
     from ..schema import load_scene  # noqa: PLC0415
 
     if name in PROBLEMS:
         return PROBLEMS[name]()
-    try:
-        find_scene(name)
-    except SceneError as error:
-        raise SceneError(
-            one_line(f"{error}, or of a problem: {', '.join(PROBLEMS)}{nearest(name, PROBLEMS)}")
-        ) from None
-    scene = load_scene(name)
-    if scene.fmu.path is not None:
+    if not name.endswith(".toml") and "/" not in name and name not in case_names():
         raise InputError(
             one_line(
-                f"{name}: the equations of {scene.fmu.path} are not known; name a model instead"
+                f"no problem or scene {shown(name)}{nearest(name, (*PROBLEMS, *case_names()))}; "
+                f"problems are {', '.join(PROBLEMS)}; 'phaseplane list' tells the scenes"
             )
         )
-    intervals = max(1, round(scene.duration / scene.show.output_interval))
+    scene = load_scene(name)
+    if scene.fmu.path is not None or scene.fmu.model not in SYSTEMS:
+        raise InputError(
+            one_line(
+                f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only systems of this "
+                f"project can be compared: {', '.join(SYSTEMS)}"
+            )
+        )
+    intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)
     problem = of_model(
         scene.name,
         scene.title or scene.name,

@@ -169,8 +169,15 @@ def test_a_scene_is_a_problem() -> None:
     assert find_problem("smooth.toml").kind == "smooth"
 
 
+def test_what_is_no_system_is_no_problem() -> None:
+    with pytest.raises(InputError, match=r"van_der_pol: fmu = .* only systems .* QuarterCar"):
+        find_problem("van_der_pol")
+
+
 def test_an_unknown_name_names_scenes_and_problems() -> None:
-    with pytest.raises(InputError, match=r"ap57.*of a problem: lift_off, "):
+    with pytest.raises(
+        InputError, match=r"no problem or scene 'liftoff'; did you mean 'lift_off'.*half_car"
+    ):
         find_problem("liftoff")
 
 
@@ -203,7 +210,7 @@ def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.Monkey
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("nosuch",), "no scene 'nosuch'"),
+        (("nosuch",), "no problem or scene 'nosuch'"),
         (("yielding", "--repeats", "0"), "--repeats"),
         (("yielding", "-o", "taken"), "holds no results of a run"),
     ],
