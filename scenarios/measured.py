@@ -21,6 +21,7 @@ KEYS = ("file", "columns", "units", "delimiter")
 _UNITS = {
     "road.table": ("m", "m"),
     "force.table": ("s", "N"),
+    "body_force.table": ("s", "N"),
     "spring.table": ("m", "N"),
     "damper.table": ("m/s", "N"),
     "damper.deflection_table": ("m", "1"),

@@ -181,6 +181,12 @@ ROAD_INPUTS = (
 )  # fmt: skip
 
 
+BODY_FORCE_TABLE = parameter(
+    "body_force.table", "", "force on the body as 'time:force, ...' in s and N, upwards positive, "
+    "joined by straight lines, besides that of the input body_force; empty: none",
+)  # fmt: skip
+
+
 def body_force(where: str) -> Variable:
     """The input for a force on the body."""
     return Variable("body_force", f"force on the body {where}, upwards positive", "input", 0.0,

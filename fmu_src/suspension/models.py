@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 from . import characteristics, roads
 from .parts import (
-    blaming,
-    points,
+    force_course,
     road_from,
     suspension_elements,
     tyre_element,
@@ -43,6 +42,14 @@ __all__ = [
 _SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a displacement
 
 
+def _body_forces(p: Mapping[str, Value]) -> dict[str, Signal]:
+    """The force on the body from outside, and that of its table, if there is one."""
+    course = force_course(p, "body_force.table")
+    return {"body_force": roads.constant()} | (
+        {} if course is None else {"body_force_table": course}
+    )
+
+
 def one_dof(p: Mapping[str, Value]) -> System:
     """Body on a suspension that stands on the road itself (AP57 eqs. 2 to 11).
 
@@ -52,13 +59,13 @@ def one_dof(p: Mapping[str, Value]) -> System:
     ----------
     p : checked parameters of `OneDof`
     """
-    road = road_from(p)
+    road, forces = road_from(p), _body_forces(p)
     return System(
         coordinates=("body",),
         mass=((float(p["sprung_mass"]),),),
         elements=suspension_elements(p, (1.0,), road="road"),
-        signals={"road": road, "body_force": roads.constant()},
-        loads=(Load((1.0,), "body_force"),),
+        signals={"road": road, **forces},
+        loads=tuple(Load((1.0,), name) for name in forces),
         scales=(road.scale or _SMALL,),
         axles=(Axle("", (1.0,), "road"),),
     )
@@ -75,14 +82,14 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     """
     body, wheel = float(p["sprung_mass"]), float(p["unsprung_mass"])
     load = (body + wheel) * float(p["gravity"])
-    road = road_from(p)
+    road, forces = road_from(p), _body_forces(p)
     scale = road.scale or load / tyre_stiffness(p) or _SMALL
     return System(
         coordinates=("body", "wheel"),
         mass=((body, 0.0), (0.0, wheel)),
         elements=(*suspension_elements(p, (1.0, -1.0)), tyre_element(p, (0.0, 1.0), load)),
-        signals={"road": road, "body_force": roads.constant()},
-        loads=(Load((1.0, 0.0), "body_force"),),
+        signals={"road": road, **forces},
+        loads=tuple(Load((1.0, 0.0), name) for name in forces),
         scales=(scale, scale),
         axles=(Axle("", (1.0, -1.0), "road", "tyre", load),),
     )
@@ -136,7 +143,7 @@ class _Body:
             {
                 "front_road": road,
                 "rear_road": road.delayed(wheelbase / float(p["speed"])),
-                "body_force": roads.constant(),
+                **_body_forces(p),
             },
         )
 
@@ -172,7 +179,7 @@ def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
             *suspension_elements(p, over_rear, "rear", "rear_road"),
         ),
         signals=body.signals,
-        loads=(Load(body.shares, "body_force"),),
+        loads=tuple(Load(body.shares, name) for name in _body_forces(p)),
         scales=2 * (body.signals["front_road"].scale or _SMALL,),
         axles=(
             Axle("front_", over_front, "front_road"),
@@ -223,7 +230,7 @@ def half_car(p: Mapping[str, Value]) -> System:
             tyre_element(p, (0.0, 0.0, 0.0, 1.0), rear_load, "rear"),
         ),
         signals=body.signals,
-        loads=(Load((*body.shares, 0.0, 0.0), "body_force"),),
+        loads=tuple(Load((*body.shares, 0.0, 0.0), name) for name in _body_forces(p)),
         scales=4 * (scale,),
         axles=(
             Axle("front_", front_strut, "front_road", "front_tyre", front_load),
@@ -247,9 +254,7 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
         raise ParameterError(
             f"hardening = {float(p['hardening']):g}: must be below spring.rate = {rate:g} N/m"
         )
-    table = str(p["force.table"])
-    with blaming("force.table"):
-        course = roads.table(points("force.table", table)) if table else roads.constant()
+    course = force_course(p, "force.table") or roads.constant()
     return System(
         coordinates=("",),
         mass=((float(p["mass"]),),),

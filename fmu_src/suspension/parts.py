@@ -190,6 +190,15 @@ def _prefixes(axle: str) -> tuple[str, str]:
     return (f"{axle}.", f"{axle}_") if axle else ("", "")
 
 
+def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
+    """The force over time that a table of `time:force` gives, N; None without one."""
+    text = str(p[name])
+    if not text:
+        return None
+    with blaming(name):
+        return roads.table(points(name, text))
+
+
 def road_from(p: Mapping[str, Value]) -> Signal:
     """The road of `road.shape`; level where its signal comes from outside."""
     shape = str(p["road.shape"])

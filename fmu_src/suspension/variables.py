@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from .declared import (
+    BODY_FORCE_TABLE,
     CONTACT,
     GRAVITY,
     GROUND,
@@ -70,6 +71,7 @@ _ONE_DOF = (
     *SUSPENSION,
     *_ROAD,
     *initial({"body": "the body"}),
+    BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
     body_force("from outside"),
@@ -85,6 +87,7 @@ _QUARTER_CAR = (
     GRAVITY,
     *_ROAD,
     *initial({"body": "the body", "wheel": "the wheel"}),
+    BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
     body_force("from outside"),
@@ -144,6 +147,7 @@ _HALF_CAR_RIGID_TYRES = (
     *_both_axles(SUSPENSION),
     *_HALF_CAR_ROAD,
     *initial(_BODY_OVER_AXLES),
+    BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
     body_force("at its centre of gravity from outside"),
@@ -161,6 +165,7 @@ _HALF_CAR = (
     *initial(
         {**_BODY_OVER_AXLES, "front_wheel": "the front wheel", "rear_wheel": "the rear wheel"}
     ),
+    BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
     body_force("at its centre of gravity from outside"),

@@ -69,6 +69,7 @@ def test_a_run_over_a_measured_road(scene: Path, tmp_path: Path) -> None:
     ("model", "name", "heading", "units", "text"),
     [
         ("Elastoplastic", "force.table", "t,F", ["ms", "kN"], "0.0:0.0, 0.1:2000.0"),
+        ("OneDof", "body_force.table", "t,F", ["s", "N"], "0.0:0.0, 100.0:2.0"),
         ("QuarterCar", "damper.table", "v,F", ["mm/s", "N"], "0.0:0.0, 0.1:2.0"),
         ("HalfCar", "front.spring.table", "y,F", ["cm", "N"], "0.0:0.0, 1.0:2.0"),
         ("OneDof", "damper.deflection_table", "y,f", ["m", "%"], "0.0:0.0, 100.0:0.02"),

@@ -101,6 +101,25 @@ def test_step_of_the_force_on_the_body(
         assert session.value("body_displacement") == pytest.approx(x, abs=1e-9 * abs(force) / rate)
 
 
+def test_a_force_table_that_rises_and_then_stays() -> None:
+    """m x'' + k x = F' t: x = F'/k (t - sin(w t)/w); from its end on less the same, later."""
+    mass, natural, slope, ends = 250.0, 9.0, 4e3, 0.25
+    session = Session(
+        "OneDof",
+        {"sprung_mass": mass, "spring.rate": mass * natural**2, "damper.rebound_rate": 0.0,
+         "damper.bump_rate": 0.0, "road.shape": "flat", "solver.tolerance": TIGHT,
+         "body_force.table": f"0:0, {ends}:{slope * ends}"},
+    )  # fmt: skip
+
+    def rising(t: float) -> float:
+        return slope / (mass * natural**2) * (t - sin(natural * t) / natural)
+
+    for t in np.linspace(0.0, 1.0, 21):
+        session.advance(float(t))
+        expected = rising(t) - (rising(t - ends) if t > ends else 0.0)
+        assert session.value("body_displacement") == pytest.approx(expected, abs=1e-11)
+
+
 @pytest.mark.parametrize("duration", [0.05, 0.3, 0.9])
 @pytest.mark.parametrize("ratio", [0.0, 0.2])
 def test_half_a_sine_of_force(duration: float, ratio: float) -> None:
