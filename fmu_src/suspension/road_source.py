@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from functools import partial
+from collections.abc import Callable, Mapping
 from math import isfinite, nan
 
 from .models import road_from
 from .session import SimulationError
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown
 
 
 class RoadSource:
@@ -40,12 +39,14 @@ class RoadSource:
         self.messages: list[tuple[str, str]] = []
         self.parameters = p = checked_parameters(model, parameters)
         front = road_from(p)
-        self._roads = {
-            "front": front,
-            "rear": front.delayed(float(p["wheelbase"]) / float(p["speed"])),
+        rear = front.delayed(float(p["wheelbase"]) / float(p["speed"]))
+        self.readers: dict[str, Callable[[], Value]] = {
+            "front_elevation": lambda: front.value(self.time),
+            "front_velocity": lambda: front.rate(self.time),
+            "rear_elevation": lambda: rear.value(self.time),
+            "rear_velocity": lambda: rear.rate(self.time),
+            "ok": lambda: self.ok,
         }
-        self._outputs = {v.name for v in variables(model) if v.causality == "output"}
-        self.readers = {name: partial(self.value, name) for name in self._outputs}
 
     def set_input(self, name: str, value: float) -> None:
         """There are no inputs.
@@ -83,14 +84,10 @@ class RoadSource:
         ------
         ParameterError : no such variable.
         """
-        refuse_unknown([name], (*self._outputs, *self.parameters), "no variable")
-        if name == "ok":
-            return self.ok
-        if name not in self._outputs:
-            return self.parameters[name]
-        axle, quantity = name.split("_")
-        order = ("elevation", "velocity").index(quantity)
-        return self._roads[axle].derivatives(self.time)[order] if self.ok else nan
+        if name in self.readers:
+            return self.readers[name]() if self.ok or name == "ok" else nan
+        refuse_unknown([name], (*self.readers, *self.parameters), "no variable")
+        return self.parameters[name]
 
     def snapshot(self) -> bytes:
         """The whole state as bytes (JSON)."""

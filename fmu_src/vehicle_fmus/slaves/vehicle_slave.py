@@ -243,15 +243,20 @@ class VehicleSlave(Fmi2Slave):
         if state.get("model") != self.__module__:
             self._refuse("the state to be restored is not one of this FMU")
             return
-        self._parameters, self._inputs = dict(state["parameters"]), dict(state["inputs"])
-        self._start_time, self._tolerance = state["start"]
-        self._refusal = state["refusal"]
-        self._session = None
-        self._initialised = state["session"] is not None
-        if self._initialised:
-            self._session = self._new_session()
-            self._session.restore(state["session"].encode())
-            self._session.messages.clear()
+        before = self._session, self._initialised
+        try:
+            self._parameters, self._inputs = dict(state["parameters"]), dict(state["inputs"])
+            self._start_time, self._tolerance = state["start"]
+            self._refusal = state["refusal"]
+            self._session = None
+            self._initialised = state["session"] is not None
+            if self._initialised:
+                self._session = self._new_session()
+                self._session.restore(state["session"].encode())
+                self._session.messages.clear()
+        except Exception as error:  # bytes that were damaged on their way
+            self._session, self._initialised = before
+            self._refuse(f"the state cannot be restored: {error!r}")
 
     @staticmethod
     def _fmu_state_from_bytes(state: bytes) -> dict[str, Any]:

@@ -1,0 +1,87 @@
+"""Whatever goes wrong is said and discarded; no callback raises, and nothing senseless is fmi2OK."""
+
+from __future__ import annotations
+
+import json
+from math import isnan, nan
+from typing import Any
+
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from suspension.variables import variables
+
+DISCARD = 2
+
+
+def refused_step(vehicle: Any) -> None:
+    """The next step is discarded, and from then on there is nothing to be read."""
+    with pytest.raises(FMICallException) as caught:
+        vehicle.step(0.01, 0.02)
+    assert caught.value.status == DISCARD
+    for variable in vehicle.description.modelVariables:
+        if variable.causality == "output":
+            value = vehicle.get(variable.name)
+            assert isnan(value) if variable.type == "Real" else not value, variable.name
+    with pytest.raises(FMICallException):
+        vehicle.step(0.02, 0.03)
+
+
+def running(vehicle: Any, **values: Any) -> None:
+    vehicle.start(**values)
+    vehicle.step(0.0, 0.01)
+
+
+def test_an_input_that_is_not_a_number(model: str, vehicle: Any) -> None:
+    inputs = [v.name for v in variables(model) if v.causality == "input"]
+    for name in inputs:
+        with vehicle.instance():
+            running(vehicle)
+            vehicle.set(**{name: nan})
+            refused_step(vehicle)
+            assert f"input {name} = nan: must be finite" in vehicle.texts
+
+
+@pytest.mark.parametrize("until", [0.005, nan, float("inf")])
+def test_a_step_to_nowhere(vehicle: Any, until: float) -> None:
+    with vehicle.instance():
+        running(vehicle)
+        if vehicle.description.modelName == "Road" and until < 1.0:
+            return  # a road can be read anywhere
+        with pytest.raises(FMICallException) as caught:
+            vehicle.step(0.01, until)
+        assert caught.value.status == DISCARD
+        assert "cannot step" in vehicle.texts
+
+
+def test_every_parameter_is_refused_out_of_its_range(model: str, vehicle: Any) -> None:
+    """Before the run by its end of initialisation, during the run by the next step."""
+    for variable in variables(model):
+        if variable.causality != "parameter" or not (variable.positive or variable.minimum == 0.0):
+            continue
+        if isinstance(variable.start, float):
+            with vehicle.instance():
+                running(vehicle)
+                vehicle.set(**{variable.name.replace(".", "__"): -1.0})
+                refused_step(vehicle)
+                assert f"{variable.name} = -1" in vehicle.texts
+
+
+def damaged(state: bytes) -> list[bytes]:
+    """States that say they are of this FMU, and are not whole."""
+    content = json.loads(state)
+    without = [{k: v for k, v in content.items() if k != key} for key in ("inputs", "session")]
+    odd = [{**content, "session": text} for text in ("{}", "garbage")]
+    return [json.dumps(state).encode() for state in (*without, *odd)]
+
+
+def test_a_damaged_state(vehicle: Any) -> None:
+    with vehicle.instance():
+        running(vehicle)
+        state = bytes(vehicle.fmu.serializeFMUstate(vehicle.fmu.getFMUstate()))
+    for content in damaged(state):
+        with vehicle.instance():
+            running(vehicle)
+            vehicle.fmu.setFMUstate(vehicle.fmu.deSerializeFMUstate(content))
+            refused_step(vehicle)
+            assert "the state cannot be restored" in vehicle.texts
