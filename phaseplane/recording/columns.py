@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
@@ -20,6 +21,8 @@ from .styles import Style, style, typeset
 
 Integers = npt.NDArray[np.int64]
 Reals = npt.NDArray[np.float64]
+
+_STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
 
 TIMELINES = {"t": "seconds", "step": "seq", "stage": "seq"}
 
@@ -139,6 +142,13 @@ def lettering(texts: Sequence[sheet.Text], role: str) -> rr.Points2D:
         labels=[typeset(text.label) for text in texts],
         show_labels=True,
     )
+
+
+def strips(z: npt.NDArray[np.complex128]) -> pa.Array:
+    """Polylines of equally many vertices, shape (n, vertices), without a loop over them."""
+    vertices = rr.encodings.Vec2DBatch(sheet.vertices(z).reshape(-1, 2)).as_arrow_array()
+    offsets = np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32)
+    return pa.ListArray.from_arrays(offsets, vertices, type=_STRIPS)
 
 
 def flat(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.float32]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from hashlib import blake2b
 from typing import Literal, get_args
 
@@ -12,6 +13,7 @@ import numpy.typing as npt
 
 from phaseplane.constructions.primitives import Drawing
 
+from . import sheet
 from .vehicle import Vehicle
 
 Detail = Literal["trail", "steps", "stages"]
@@ -20,7 +22,7 @@ View = Literal["planes", "vehicle", "histories", "energies", "words"]
 VIEWS: tuple[View, ...] = get_args(View)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Content:
     """Everything that a recording is made from; what is left out is not logged.
 
@@ -58,6 +60,18 @@ class Content:
         """The drawing, if its planes are shown."""
         return self.drawing if self.shows("planes") else None
 
+    @cached_property
+    def trails(self) -> tuple[sheet.Complexes, ...]:
+        """The state points of all planes of the drawing."""
+        drawing = self.drawing
+        return tuple(sheet.trail(drawing, plane) for plane in drawing.planes) if drawing else ()
+
+    @cached_property
+    def box(self) -> sheet.Bounds:
+        """What a view of the whole drawing shows."""
+        assert self.drawing is not None
+        return sheet.bounds(self.drawing, self.trails)
+
     def check(self) -> None:
         """Refuse what cannot be recorded.
 
@@ -86,8 +100,11 @@ class Content:
     def digest(self) -> str:
         """The same for the same content: what makes a recording replace itself in a viewer."""
         digest = blake2b(repr((self.title, self.detail, self.views)).encode(), digest_size=8)
-        for frame in self.drawing.frames if self.drawing else ():
-            digest.update(np.array([frame.time, *frame.points.values()], complex).tobytes())
+        if self.drawing is not None:
+            digest.update(self.drawing.title.encode())
+            digest.update(np.array([frame.time for frame in self.drawing.frames]).tobytes())
+            for trail in self.trails:
+                digest.update(trail.tobytes())
         for name, column in self.histories.items():
             digest.update(name.encode() + np.asarray(column, float).tobytes())
         return digest.hexdigest()

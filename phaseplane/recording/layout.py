@@ -12,7 +12,7 @@ from .columns import TIMELINES
 from .content import Content
 from .histories import Panel, panels
 from .motion import LIVE, state_planes
-from .replay import EVENTS, SHEET, WORDS, trail_path
+from .replay import EVENTS, SHEET, STAGES, WORDS, trail_path
 from .side_view import VEHICLE, vehicle_of, view_box
 from .styles import legible
 from .whole import state_box
@@ -33,6 +33,7 @@ def blueprint(content: Content) -> rrb.Blueprint:
     if vehicle is not None:
         beside.append(_view([f"+ {VEHICLE}/**"], "from the side", view_box(vehicle)))
     if content.drawing is not None and content.shows("words") and content.detail != "trail":
+        beside.append(rrb.TextDocumentView(origin=STAGES, name="how it is drawn"))
         beside.append(rrb.TextDocumentView(origin=WORDS, name="this step"))
     columns: list[tuple[float, rrb.View | rrb.Container]] = []
     planes = _planes(content)
@@ -73,7 +74,7 @@ def _planes(content: Content) -> rrb.Spatial2DView | None:
     kept = [run.path for run in runs]
     if drawing is not None:
         kept += [EVENTS, *map(trail_path, drawing.planes)]
-    box = sheet.bounds(drawing) if drawing is not None else state_box(runs, content)
+    box = content.box if drawing is not None else state_box(runs, content)
     manner = drawing.title.partition(": ")[2] if drawing is not None else ""
     name = f"{content.title}: {manner}" if manner else content.title
     contents = [f"+ {SHEET}/**"] + ([] if content.live else [f"- {LIVE}/**"])

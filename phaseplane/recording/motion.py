@@ -11,9 +11,10 @@ import rerun as rr
 
 from phaseplane.constructions.primitives import Axis, Plane
 
-from .columns import Clock, Reals, flat, line_style, point_style
+from .columns import Clock, Reals, line_style, point_style, strips
 from .content import Content
 from .quantities import in_words, quantity_of, rate_of
+from .sheet import vertices
 from .styles import style
 
 RUN, LIVE = "/sheet/run", "/sheet/live"
@@ -139,16 +140,18 @@ def send_states(
     times, y, rate = (
         np.asarray(histories[name], float) for name in ("time", plane.displacement, plane.rate)
     )
-    states = flat(y, rate)[:, :2]
+    states = y + 1j * rate
     if len(states) < 2:
         return
     segments = np.stack([states[:-1], states[1:]], 1)
     for chosen, columns in clock.within(times[1:]):
         recording.send_columns(
-            plane.path, columns, rr.LineStrips2D.columns(strips=segments[chosen])
+            plane.path, columns, rr.LineStrips2D.columns(strips=strips(segments[chosen]))
         )
         recording.send_columns(
-            f"{plane.path}/state", columns, rr.Points2D.columns(positions=segments[chosen, 1])
+            f"{plane.path}/state",
+            columns,
+            rr.Points2D.columns(positions=vertices(segments[chosen, 1])),
         )
 
 

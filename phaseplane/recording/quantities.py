@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +44,11 @@ def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity |
     """The quantity of a variable by its SI unit, else by the end of its name; nothing if neither."""
     if units is not None and name in units:
         return next((quantity for quantity in QUANTITIES if quantity.si == units[name]), None)
+    return _by_ending(name)
+
+
+@cache
+def _by_ending(name: str) -> Quantity | None:
     return next((quantity for quantity in QUANTITIES if name.endswith(quantity.endings)), None)
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import rerun as rr
 
 from phaseplane.constructions.primitives import (
     Arc,
     Curve,
     Drawing,
-    Frame,
     Mark,
     Plane,
     Scheme,
@@ -20,30 +20,32 @@ from phaseplane.constructions.primitives import (
 )
 
 from . import sheet
-from .columns import Clock, Integers, lettering, line_style, point_style
+from .columns import Clock, Integers, lettering, line_style, point_style, strips
+from .content import Content
 from .styles import legible, style
-from .words import event_texts, step_texts
+from .words import event_texts, stage_texts, step_text
 
 SHEET = "/sheet"
 EVENTS = f"{SHEET}/events"
-WORDS = "/words"
+WORDS, STAGES = "/words/step", "/words/stages"
 
 
 def log_construction(
-    recording: rr.RecordingStream, drawing: Drawing, clock: Clock, *, complete: bool
+    recording: rr.RecordingStream, drawing: Drawing, content: Content, clock: Clock
 ) -> None:
-    """Log the planes, the motion in them and, if it is to be complete, how each step is drawn.
+    """Log the planes, the motion in them and, in more detail, how each step is drawn.
 
     Raises
     ------
     ValueError : a frame lacks a point that its scheme draws.
     """
-    box = sheet.bounds(drawing)
-    log_axes(recording, drawing.planes, [sheet.trail(drawing, p) for p in drawing.planes], box)
+    box = content.box
+    log_axes(recording, drawing.planes, content.trails, box)
     _log_curves(recording, drawing, box)
-    _log_trails(recording, drawing, clock)
+    for plane, trail in zip(drawing.planes, content.trails, strict=True):
+        _log_trail(recording, plane, trail, clock)
     _log_events(recording, drawing, clock)
-    for key in drawing.schemes if complete else ():
+    for key in drawing.schemes if content.detail != "trail" else ():
         _log_scheme(recording, drawing, key, clock, box)
 
 
@@ -85,23 +87,21 @@ def _log_curves(recording: rr.RecordingStream, drawing: Drawing, box: sheet.Boun
         )
 
 
-def _log_trails(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
+def _log_trail(
+    recording: rr.RecordingStream, plane: Plane, z: sheet.Complexes, clock: Clock
+) -> None:
     """One short segment for each step; the view shows all of them up to the cursor."""
-    for plane in drawing.planes:
-        z = sheet.trail(drawing, plane)
-        rows = np.arange(1, len(z))
-        path = trail_path(plane)
-        recording.log(
-            path, line_style([style("trail")]), point_style([style("trail")]), static=True
-        )
-        recording.send_columns(
-            path,
-            clock.columns(rows),
-            [
-                *rr.LineStrips2D.columns(strips=sheet.vertices(np.stack([z[:-1], z[1:]], 1))),
-                *rr.Points2D.columns(positions=sheet.vertices(z[1:])),
-            ],
-        )
+    rows = np.arange(1, len(z))
+    path = trail_path(plane)
+    recording.log(path, line_style([style("trail")]), point_style([style("trail")]), static=True)
+    recording.send_columns(
+        path,
+        clock.columns(rows),
+        [
+            *rr.LineStrips2D.columns(strips=strips(np.stack([z[:-1], z[1:]], 1))),
+            *rr.Points2D.columns(positions=sheet.vertices(z[1:])),
+        ],
+    )
 
 
 def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
@@ -135,23 +135,35 @@ def _planes_of(event: str, planes: Sequence[Plane]) -> Sequence[Plane]:
 
 
 def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
-    """Every step in words, with its numbers."""
-    texts = [step_texts(drawing, frame) for frame in drawing.frames]
-    rows = np.arange(len(texts))
-    recording.log(WORDS, rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN), static=True)
+    """Every step in words, with its numbers, and how it is drawn."""
+    rows = np.arange(len(drawing.frames))
+    for path in (WORDS, STAGES):
+        style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
+        recording.log(path, style_only, static=True)
     recording.send_columns(
         WORDS,
-        Clock(clock.times, clock.steps, 0).columns(rows),
-        rr.TextDocument.columns(text=[text.complete for text in texts]),
+        clock.columns(rows),
+        rr.TextDocument.columns(text=[step_text(drawing, frame) for frame in drawing.frames]),
+    )
+    texts = {key: stage_texts(scheme) for key, scheme in drawing.schemes.items()}
+    schemes = [frame.scheme for frame in drawing.frames]
+    new = np.array([i for i, key in enumerate(schemes) if i == 0 or key != schemes[i - 1]])
+    recording.send_columns(
+        STAGES,
+        Clock(clock.times, clock.steps).columns(new),
+        rr.TextDocument.columns(text=[texts[schemes[i]][0] for i in new]),
     )
     if clock.stages_per_step:
-        counts = [len(text.stages) for text in texts]
-        stage = np.concatenate([np.arange(count) for count in counts])
-        of_step = np.repeat(clock.steps[rows], counts)
+        first = dict(zip(texts, np.cumsum([0, *map(len, texts.values())]), strict=False))
+        counts = np.array([len(texts[key]) - 1 for key in schemes])
+        stage = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        chosen = np.repeat([first[key] + 1 for key in schemes], counts) + stage
+        said = pa.array([text for several in texts.values() for text in several]).take(chosen)
+        stages = clock.stages_per_step * np.repeat(clock.steps[rows], counts) + stage
         recording.send_columns(
-            WORDS,
-            [rr.TimeColumn("stage", sequence=clock.stages_per_step * of_step + stage)],
-            rr.TextDocument.columns(text=[words for text in texts for words in text.stages]),
+            STAGES,
+            [rr.TimeColumn("stage", sequence=stages)],
+            rr.TextDocument.columns(text=said),
         )
 
 
@@ -169,12 +181,23 @@ def _log_scheme(
     after = np.setdiff1d(steps + 1, [*steps, len(drawing.frames)])
     scheme = drawing.schemes[key]
     letters = sheet.letters(scheme, frames, box)
+    names = sorted(_named(scheme))
+    table = dict(zip(names, sheet.points(frames, names).T, strict=True)) if names else {}
     for stage in range(len(scheme.stages)):
         rows, offsets, drawn = _rows(steps, after, stage if clock.stages_per_step else 0)
-        for name, statics, columns in _primitives(scheme, stage, frames, drawn, letters):
+        for name, statics, columns in _primitives(scheme, stage, table, drawn, letters):
             path = f"{SHEET}/construction/{key}/{stage + 1}{name}"
             recording.log(path, *statics, static=True)
             recording.send_columns(path, clock.columns(rows, offsets), columns)
+
+
+def _named(scheme: Scheme) -> set[str]:
+    """The points that a scheme draws."""
+    return {
+        *(mark.point for mark in scheme.marks),
+        *(end for stroke in scheme.strokes for end in (stroke.start, stroke.end)),
+        *(place for arc in scheme.arcs for place in (arc.centre, arc.start, arc.end)),
+    }
 
 
 def _rows(steps: Integers, after: Integers, stage: int) -> tuple[Integers, Integers, Integers]:
@@ -189,14 +212,14 @@ def _rows(steps: Integers, after: Integers, stage: int) -> tuple[Integers, Integ
 def _primitives(
     scheme: Scheme,
     stage: int,
-    frames: Sequence[Frame],
+    table: Mapping[str, sheet.Complexes],
     drawn: Integers,
     letters: Mapping[Mark, str],
 ) -> Iterator[tuple[str, list[Any], list[Any]]]:
     """What a stage draws: suffix of its path, what is static, and the columns."""
 
-    def table(names: Sequence[str]) -> sheet.Complexes:
-        return sheet.points(frames, names)
+    def of(names: Sequence[str]) -> sheet.Complexes:
+        return np.stack([table[name] for name in names], 1)
 
     marks: list[Mark] = [mark for mark in scheme.marks if mark.stage == stage]
     strokes: list[Stroke] = [stroke for stroke in scheme.strokes if stroke.stage == stage]
@@ -204,29 +227,29 @@ def _primitives(
     statics: list[Any] = []
     columns: list[Any] = []
     if marks:
-        z = table([mark.point for mark in marks])
+        z = of([mark.point for mark in marks])
         statics.append(point_style([style(m.role) for m in marks], [letters[m] for m in marks]))
         columns += rr.Points2D.columns(positions=sheet.vertices(z.ravel())).partition(
             len(marks) * drawn
         )
     if strokes:
-        z = table([name for stroke in strokes for name in (stroke.start, stroke.end)])
+        z = of([name for stroke in strokes for name in (stroke.start, stroke.end)])
         statics.append(line_style([style(stroke.role) for stroke in strokes]))
-        columns += rr.LineStrips2D.columns(strips=sheet.vertices(z.reshape(-1, 2))).partition(
+        columns += rr.LineStrips2D.columns(strips=strips(z.reshape(-1, 2))).partition(
             len(strokes) * drawn
         )
     if columns:
         yield "", statics, columns
     if arcs:  # of another number of vertices than strokes: apart, so that both stay one array
         z = sheet.arcs(
-            *(table([getattr(a, part) for a in arcs]) for part in ("centre", "start", "end"))
+            *(of([getattr(a, part) for a in arcs]) for part in ("centre", "start", "end"))
         )
         yield (
             "/arcs",
             [line_style([style(arc.role) for arc in arcs])],
             [
-                *rr.LineStrips2D.columns(
-                    strips=sheet.vertices(z.reshape(-1, z.shape[-1]))
-                ).partition(len(arcs) * drawn)
+                *rr.LineStrips2D.columns(strips=strips(z.reshape(-1, z.shape[-1]))).partition(
+                    len(arcs) * drawn
+                )
             ],
         )

@@ -5,10 +5,10 @@ Nothing here knows of rerun. Points are complex, in metres of paper.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from math import ceil, floor, inf, log10
+from operator import itemgetter
 
 import numpy as np
 import numpy.typing as npt
@@ -69,9 +69,9 @@ class Bounds:
         return np.asarray(x + 1j * y)
 
     @staticmethod
-    def around(points: Iterable[complex]) -> Bounds:
+    def around(points: npt.ArrayLike) -> Bounds:
         """The smallest rectangle around all finite points."""
-        z = np.fromiter(points, complex)
+        z = np.asarray(points, complex)
         z = z[np.isfinite(z)]
         return Bounds(*map(float, (z.real.min(), z.real.max(), z.imag.min(), z.imag.max())))
 
@@ -83,8 +83,10 @@ def points(frames: Sequence[Frame], names: Sequence[str]) -> Complexes:
     ------
     ValueError : a frame lacks a point that its scheme draws.
     """
+    read = itemgetter(*names)
     try:
-        return np.array([[frame.points[name] for name in names] for frame in frames], complex)
+        table = np.array([read(frame.points) for frame in frames], complex)
+        return table.reshape(len(frames), len(names))
     except KeyError as error:
         step = next(frame.step for frame in frames if error.args[0] not in frame.points)
         raise ValueError(f"step {step} of the construction has no point {error}") from None
@@ -121,27 +123,31 @@ def trail(drawing: Drawing, plane: Plane) -> Complexes:
     return states if successor is None else np.append(states, successor)
 
 
-def bounds(drawing: Drawing) -> Bounds:
+def bounds(drawing: Drawing, moved: Sequence[Complexes]) -> Bounds:
     """What a view of the whole sheet shows: trails, axes, normals and turn angles.
 
     Other points may lie anywhere, like the crossing of two nearly parallel lines: they do not
     count, and normals count as far as they stay in the neighbourhood of the trails.
+
+    Parameters
+    ----------
+    moved : the trails in its planes
     """
-    origins = [plane.displacement.origin for plane in drawing.planes]
-    trails = Bounds.around([*origins, *(z for p in drawing.planes for z in trail(drawing, p))])
+    origins = np.array([plane.displacement.origin for plane in drawing.planes])
+    trails = Bounds.around(np.concatenate([origins, *moved]))
     size = max(trails.width, trails.height)
     near = trails.grown(_NEIGHBOURHOOD * size)
-    counted = [
-        frame.points[name]
-        for frame in drawing.frames
-        for name in _places(drawing.schemes[frame.scheme])
-        if name in frame.points
-    ]
-    box = Bounds.around([*origins, *trails.corners, *near.clamped(np.array(counted, complex))])
+    counted = [np.zeros(0, complex)]
+    for key, scheme in drawing.schemes.items():
+        frames = [frame for frame in drawing.frames if frame.scheme == key]
+        names = [name for name in _places(scheme) if frames and name in frames[0].points]
+        if names:
+            counted.append(points(frames, names).ravel())
+    places = near.clamped(np.concatenate(counted))
+    box = Bounds.around(np.concatenate([origins, trails.corners, places]))
     return box.grown(0.08 * max(box.width, box.height) or _AT_REST)
 
 
-@cache
 def _places(scheme: Scheme) -> tuple[str, ...]:
     """The points of a scheme that the bounds of the sheet have to hold."""
     marked = [mark.point for mark in scheme.marks if mark.role in _COUNTED_ROLES]
@@ -195,7 +201,8 @@ def axes(
     texts: list[Text] = []
     for axis in (plane.displacement, plane.scaled_velocity):
         upright = abs(axis.direction.imag) > 0.5
-        graduation = ticks(axis, [axis.read(z) for z in trail], 0.07 * size)
+        values = ((trail - axis.origin) * axis.direction.conjugate()).real / axis.scale
+        graduation = ticks(axis, values, 0.07 * size)
         if upright:
             graduation = [
                 tick

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from .columns import Clock, Reals, flat, line_style
+from .columns import Clock, Reals, flat, line_style, strips
 from .content import Content
 from .motion import thinned
 from .sheet import Bounds, vertices
@@ -150,7 +150,7 @@ def _send_gap(
     recording.send_columns(
         f"{VEHICLE}/{axle.name}/gap",
         columns,
-        rr.LineStrips2D.columns(strips=vertices(strokes[open_rows].reshape(-1, 2))).partition(
+        rr.LineStrips2D.columns(strips=strips(strokes[open_rows].reshape(-1, 2))).partition(
             strokes.shape[1] * open_rows
         ),
     )

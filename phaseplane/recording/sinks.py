@@ -80,6 +80,7 @@ def record(
 
 def encoded(content: Content) -> bytes:
     """The content of an `.rrd` file."""
+    content.check()
     with strict():
         recording = new_recording(content)
         # Encoded in memory: rerun's own file sink waits for ever once the disk is full.

@@ -36,7 +36,7 @@ def begin(recording: rr.RecordingStream, content: Content, *, construction: bool
     if content.shows("planes"):
         recording.log(SHEET, rr.Transform3D(scale=[1.0, -1.0, 1.0]), static=True)
     if construction and content.constructed is not None:
-        log_construction(recording, content.constructed, clock, complete=content.detail != "trail")
+        log_construction(recording, content.constructed, content, clock)
     log_state_planes(recording, content)
     worded = content.shows("words") and content.detail != "trail"
     if construction and content.drawing is not None and worded:
@@ -65,7 +65,7 @@ def log_state_planes(recording: rr.RecordingStream, content: Content) -> None:
 
 def state_box(planes: list[StatePlane], content: Content) -> sheet.Bounds:
     """What a view of such planes shows."""
-    box = sheet.Bounds.around(z for plane in planes for z in _corners(plane, content))
+    box = sheet.Bounds.around(np.concatenate([_corners(plane, content) for plane in planes]))
     return box.grown(0.2 * max(box.width, box.height))
 
 

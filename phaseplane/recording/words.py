@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
+from operator import mul
 
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing, Frame, Scheme
 
 from .quantities import in_words, quantity_of
 from .styles import legible, typeset
@@ -19,6 +19,9 @@ _EVENTS = {
 }
 
 
+_HEAD = "| read off the sheet | |\n|---|---|\n"
+
+
 def event_texts(event: str) -> tuple[str, str]:
     """What is written beside the mark of an event, and what is said of it."""
     for ending, texts in _EVENTS.items():
@@ -28,45 +31,49 @@ def event_texts(event: str) -> tuple[str, str]:
     return in_words(event), in_words(event)
 
 
-@dataclass(frozen=True, slots=True)
-class StepTexts:
-    """What is said of a step: once it is complete, and at each of its stages."""
-
-    complete: str
-    stages: tuple[str, ...]
-
-
-def step_texts(drawing: Drawing, frame: Frame) -> StepTexts:
+def step_text(drawing: Drawing, frame: Frame) -> str:
     """The words and numbers of a step, in Markdown."""
-    stages = drawing.schemes[frame.scheme].stages
-    event = _plain(legible(event_texts(frame.event)[1]))
-    heading = (
-        f"**Step {frame.step} of {len(drawing.frames)}, {_plain(legible(in_words(frame.scheme)))}**: "
+    event = _plain(legible(event_texts(frame.event)[1])) if frame.event else ""
+    return (
+        f"**Step {frame.step} of {len(drawing.frames)}, {_words(frame.scheme)}**: "
         f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {event}\n\n"
+        + readings_table(frame.readings)
     )
-    table = readings_table(frame.readings)
-    return StepTexts(
-        heading + table,
-        tuple(
-            f"{heading}{i} of {len(stages)}: {_plain(typeset(words))}\n\n{table}"
-            for i, words in enumerate(stages, 1)
-        ),
+
+
+@lru_cache
+def _words(name: str) -> str:
+    return _plain(legible(in_words(name)))
+
+
+def stage_texts(scheme: Scheme) -> tuple[str, ...]:
+    """How a step is drawn, in Markdown: all of it, and each stage by itself."""
+    told = [_plain(typeset(words)) for words in scheme.stages]
+    return (
+        "\n".join(f"{i}. {words}" for i, words in enumerate(told, 1)),
+        *(f"**{i} of {len(told)}**: {words}" for i, words in enumerate(told, 1)),
     )
 
 
 def readings_table(readings: Mapping[str, float]) -> str:
     """What is read off the sheet, as a Markdown table."""
-    rows = "\n".join(
-        f"| {_plain(legible(in_words(name)))} | {_value(name, value)} |"
-        for name, value in readings.items()
-    )
-    return f"| read off the sheet | |\n|---|---|\n{rows}" if rows else ""
+    if not readings:
+        return ""
+    form, factors = _table_form(tuple(readings))
+    values = tuple(map(mul, factors, readings.values()))
+    return _HEAD + (form % values).replace("-", "\N{MINUS SIGN}")
 
 
-def _value(name: str, value: float) -> str:
-    quantity = quantity_of(name)
-    factor, unit = (quantity.factor, quantity.unit) if quantity else (1.0, "")
-    return f"{factor * value:.4g} {unit}".strip().replace("-", "\N{MINUS SIGN}")
+@lru_cache
+def _table_form(names: tuple[str, ...]) -> tuple[str, tuple[float, ...]]:
+    """The rows of a table with a place for each value, and what the values are multiplied by."""
+    rows, factors = [], []
+    for name in names:
+        quantity = quantity_of(name)
+        unit = quantity.unit if quantity else ""
+        rows.append(f"| {_words(name).replace('%', '%%')} | %.4g {unit} |")
+        factors.append(quantity.factor if quantity else 1.0)
+    return "\n".join(rows), tuple(factors)
 
 
 @lru_cache

@@ -38,7 +38,6 @@ from phaseplane.constructions import (
     march,
 )
 from phaseplane.recording import DETAILS, new_recording, record
-from phaseplane.recording.sheet import bounds
 from phaseplane.recording.styles import STYLES
 from suspension.characteristics import cubic, damper
 from suspension.roads import bump
@@ -53,7 +52,8 @@ def test_rerun_verifies_the_file(path: Path) -> None:
 def test_entities(recorded: Recorded) -> None:
     planes = {plane.name for plane in PLANES}
     assert set(recorded.rows) == {
-        "/words",
+        "/words/step",
+        "/words/stages",
         "/sheet/events",
         *(f"/sheet/trail/{name}" for name in planes),
         *(f"/histories/{name}" for name in ("displacement", "velocity", "acceleration", "force")),
@@ -95,7 +95,8 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
         "velocity [m/s]": "/histories/velocity",
         "acceleration [m/s\N{SUPERSCRIPT TWO}]": "/histories/acceleration",
         "force [N]": "/histories/force",
-        "this step": "/words",
+        "how it is drawn": "/words/stages",
+        "this step": "/words/step",
     }
     assert set(views.values()) <= set(recorded.rows)
 
@@ -104,7 +105,7 @@ def test_sheet_stands_upright(recorded: Recorded) -> None:
     assert recorded.static["/sheet"]["Transform3D:scale"] == [[1.0, -1.0, 1.0]]
     (view,) = (r for p, r in recorded.layout if p.endswith("/VisualBounds2D"))
     (shown,) = view["VisualBounds2D:range"]
-    box = bounds(drawing())
+    box = content().box
     assert shown["x_range"] == pytest.approx([box.left, box.right])
     assert shown["y_range"] == pytest.approx([-box.top, -box.bottom])
     assert box.bottom < -DISTANCE < 0.0 < box.top
@@ -190,21 +191,29 @@ def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
 
 
 def test_a_step_in_words(recorded: Recorded) -> None:
-    complete = recorded.shown("/words", "step", 30)
-    drawing_it = recorded.shown("/words", "stage", STAGES * 30 + 1)
-    assert complete is not None
-    assert drawing_it is not None
-    (text,) = complete["TextDocument:text"]
-    assert "Step 30 of 60" in text
-    assert "flight" in text
-    assert "t = 0.07500 s, lasts 2.5 ms" in text
-    assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
-    assert "| contact force | 3236 N |" in text
-    assert "2 of 2: project along line I" in drawing_it["TextDocument:text"][0]
-    starred = recorded.shown("/words", "stage", STAGES * 10 + 1)
-    assert starred is not None
+    for timeline, instant in (("step", 30), ("stage", STAGES * 30 + 1)):
+        row = recorded.shown("/words/step", timeline, instant)
+        assert row is not None
+        (text,) = row["TextDocument:text"]
+        assert "Step 30 of 60" in text
+        assert "flight" in text
+        assert "t = 0.07500 s, lasts 2.5 ms" in text
+        assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
+        assert "| contact force | 3236 N |" in text
+
+
+def test_how_a_step_is_drawn_in_words(recorded: Recorded) -> None:
     one, two = "A\N{SUBSCRIPT ONE}\\*", "A\N{SUBSCRIPT TWO}\\*"
-    assert f"2 of 3: from {one} to {two}: the normals" in starred["TextDocument:text"][0]
+    said = {
+        ("stage", STAGES * 30 + 1): "**2 of 2**: project along line I",
+        ("stage", STAGES * 10 + 1): f"**2 of 3**: from {one} to {two}: the normals",
+        ("step", 30): "2. project along line I",
+        ("step", 10): f"2. from {one} to {two}: the normals\n3. the successors",
+    }
+    for (timeline, instant), words in said.items():
+        row = recorded.shown("/words/stages", timeline, instant)
+        assert row is not None
+        assert words in row["TextDocument:text"][0]
 
 
 def test_axes_carry_values_with_units_and_names(recorded: Recorded) -> None:
@@ -222,7 +231,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
     recorded = Recorded(tmp_path / "f.rrd")
     stages = any("stage" in row for rows in recorded.rows.values() for row in rows)
     assert stages == (detail == "stages")
-    assert ("/words" in recorded.rows) == (detail != "trail")
+    assert ("/words/step" in recorded.rows) == (detail != "trail")
     assert bool(recorded.drawn("step", 10)) == (detail != "trail")
     assert len(recorded.rows["/sheet/trail/wheel_displacement"]) == 60
     if detail == "steps":

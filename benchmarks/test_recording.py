@@ -1,0 +1,149 @@
+"""Recordings: how fast, how large, and how much a viewer costs a run. Ratios of interleaved repeats.
+
+pytest -s -m slow benchmarks/test_recording.py
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from time import process_time, sleep
+
+import numpy as np
+import pytest
+import rerun as rr
+from recorded import quarter_car
+from rerun.chunk import RrdReader
+
+from phaseplane.constructions import delta, march
+from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.recording import DETAILS, Content, new_recording, serving
+from phaseplane.recording.sheet import arcs, points, vertices
+from phaseplane.recording.sinks import encoded
+from phaseplane.recording.words import stage_texts, step_text
+from scenarios.live import shown_live
+from scenarios.runner import run
+from scenarios.schema import load_scene
+
+pytestmark = pytest.mark.slow
+
+
+def construction(steps: int) -> Drawing:
+    return march(quarter_car(), delta, step=0.0025, steps=steps)
+
+
+def log_one_by_one(drawing: Drawing) -> int:
+    """The same construction by a `log` call for each entity of each step, its style static."""
+    recording = new_recording(Content("one by one", drawing))
+    memory = recording.memory_recording()
+    for frame in drawing.frames:
+        recording.set_time("t", duration=frame.time)
+        recording.set_time("step", sequence=frame.step)
+        _log_frame(recording, drawing, frame)
+    size = len(memory.drain_as_bytes())
+    recording.disconnect()
+    return size
+
+
+def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) -> None:
+    scheme = drawing.schemes[frame.scheme]
+    texts = stage_texts(scheme)
+    for plane in drawing.planes:
+        segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
+        recording.log(
+            f"/sheet/trail/{plane.name}",
+            rr.LineStrips2D([vertices(np.array(segment))]),
+            rr.Points2D(vertices(np.array(segment[1:]))),
+        )
+    recording.log("/words/step", rr.TextDocument(step_text(drawing, frame)))
+    for stage in range(len(scheme.stages)):
+        recording.set_time("stage", sequence=len(scheme.stages) * frame.step + stage)
+        path = f"/sheet/construction/{frame.scheme}/{stage + 1}"
+        recording.log("/words/stages", rr.TextDocument(texts[stage + 1]))
+        marks = [m.point for m in scheme.marks if m.stage == stage]
+        strokes = [end for s in scheme.strokes if s.stage == stage for end in (s.start, s.end)]
+        drawn = [a for a in scheme.arcs if a.stage == stage]
+        parts: list[rr.AsComponents] = []
+        if marks:
+            parts.append(rr.Points2D(vertices(points([frame], marks)[0])))
+        if strokes:
+            parts.append(rr.LineStrips2D(vertices(points([frame], strokes).reshape(-1, 2))))
+        if parts:
+            recording.log(path, *parts)
+        if drawn:
+            ends = (
+                points([frame], [getattr(a, p) for a in drawn]) for p in ("centre", "start", "end")
+            )
+            recording.log(f"{path}/arcs", rr.LineStrips2D(vertices(arcs(*ends)[0])))
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Time of the processor, of all threads: a busy machine does not count."""
+    begun = process_time()
+    work()
+    return process_time() - begun
+
+
+def test_whole_columns_against_one_log_call_for_each_entity() -> None:
+    few, many = construction(200), construction(10_000)
+    encoded(Content("warm", few))
+    rates = {"one by one": 0.0, "whole columns": 0.0}
+    for _ in range(5):
+        rates["one by one"] = max(rates["one by one"], 200 / timed(lambda: log_one_by_one(few)))
+        rate = len(many.frames) / timed(lambda: encoded(Content("whole", many)))
+        rates["whole columns"] = max(rates["whole columns"], rate)
+    ratio = rates["whole columns"] / rates["one by one"]
+    print(
+        f"\n{rates['one by one']:.0f} and {rates['whole columns']:.0f} frames/s: {ratio:.0f} times"
+    )
+    assert ratio >= 50
+
+
+def test_what_each_level_of_detail_costs() -> None:
+    drawing = construction(400)
+    print("\ndetail    entities     bytes        ms")
+    costs = []
+    for detail in DETAILS:
+        content = Content("a level", drawing, detail=detail)
+        took = min(timed(lambda content=content: encoded(content)) for _ in range(5))
+        made = encoded(content)
+        costs.append((entities(made), len(made), took))
+        print(f"{detail:8} {costs[-1][0]:9} {costs[-1][1]:9} {1e3 * took:9.1f}")
+    assert costs == sorted(costs)
+
+
+def entities(made: bytes) -> int:
+    path = Path("/tmp") / f"levels-{id(made)}.rrd"
+    path.write_bytes(made)
+    try:
+        return len({chunk.entity_path for chunk in RrdReader(path).stream()})
+    finally:
+        path.unlink()
+
+
+def test_a_frame_costs_at_most_two_kilobytes() -> None:
+    one, three = (len(encoded(Content("sizes", construction(n)))) for n in (1000, 3000))
+    each = (three - one) / 2000
+    print(f"\n{each:.0f} bytes for each frame, {one - 1000 * each:.0f} once")
+    assert each <= 2000
+
+
+@pytest.mark.parametrize("realtime", [True, False])
+def test_what_a_viewer_costs_a_run(realtime: bool) -> None:
+    """A run of about five seconds, paced by the clock or as fast as it goes."""
+    settings = ["show.figures=[]", "show.recording=stages", "show.outputs=all"]
+    settings += ["duration=5"] if realtime else ["duration=10", "show.output_interval=0.05 ms"]
+    scene = load_scene("ap57", settings)
+    alone, watched = [], []
+    with serving() as server:
+        for _ in range(3):
+            alone.append(run(scene, realtime=realtime).summary["run_time"])
+            with shown_live(scene, None, server.url) as live:
+                assert live is not None
+                sleep(1.0)
+                results = run(scene, watch=live.watch, realtime=realtime)
+                assert list(live.complete(results)) == []
+                assert live.live.rows_drawn > 100
+            watched.append(results.summary["run_time"])
+    print(f"\nalone {min(alone):.2f} s, watched {min(watched):.2f} s")
+    assert min(watched) <= 1.10 * min(alone)
