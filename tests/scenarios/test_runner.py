@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scenarios.driving import opened
 from scenarios.errors import InputError, RunError
-from scenarios.runner import run
+from scenarios.runner import run, run_with
 from scenarios.schema import load_scene
 from suspension.session import simulate
 
@@ -154,3 +155,23 @@ def test_a_temporary_folder_that_would_crash_the_binary_is_refused(
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "größer"))
     with pytest.raises(InputError, match="set TMPDIR"):
         run(scene_of(fmu))
+
+
+def test_an_fmu_that_stays_open_runs_one_scene_after_another(fmu: Path) -> None:
+    """The same results as alone, in any order."""
+    scenes = [
+        scene_of(fmu),
+        scene_of(fmu, "speed=10"),
+        scene_of(fmu, "lift_off=false"),
+        scene_of(fmu),
+    ]
+    with opened(scenes[0].fmu) as (open_fmu, build_time):
+        together = [run_with(open_fmu, scene, build_time) for scene in scenes]
+    assert build_time is None
+    for scene, results in zip(scenes, together, strict=True):
+        alone = run(scene).columns
+        for name, column in results.columns.items():
+            assert column.tobytes() == alone[name].tobytes()
+    assert together[0].columns["body_displacement"].tobytes() == (
+        together[3].columns["body_displacement"].tobytes()
+    )
