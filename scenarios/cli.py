@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import click
 
-from .commands import authoring, modelling, results, running, studies, viewing
+from .commands import authoring, modelling, results, running, studies, sweeping, viewing
 from .console import Commands
 
 
@@ -54,6 +54,7 @@ for _command in (
     results.show,
     results.compare,
     modelling.ladder,
+    sweeping.sweep,
     studies.accuracy,
     studies.rules,
     authoring.new,

@@ -63,12 +63,13 @@ def write_results(results: Results, folder: Path) -> None:
     write_summary(results.summary, folder)
 
 
-def write_summary(summary: Mapping[str, Any], folder: Path) -> None:
-    """Write the summary, with the names of the files that now lie in the folder."""
+def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
+    """Write the summary, with the names of the files that now lie in the folder; returns them."""
     files = sorted({SUMMARY, *(path.name for path in folder.iterdir())})
     (folder / SUMMARY).write_text(
         as_json({_MARK: _LAYOUT, **summary, "files": files}) + "\n", encoding="utf-8"
     )
+    return files
 
 
 def as_json(data: object) -> str:

@@ -10,6 +10,7 @@ from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
 from phaseplane.figures.style import save
+from phaseplane.figures.sweeps import sweep
 from phaseplane.figures.work_precision import work_precision
 
 __all__ = [
@@ -19,6 +20,7 @@ __all__ = [
     "construction_sheet",
     "phase_planes",
     "save",
+    "sweep",
     "time_histories",
     "work_precision",
 ]

@@ -1,0 +1,68 @@
+"""Sweeps over parameters and scene keys."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..console import DONE, FAILED, complain, json_option, progress_bar
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of the results, replaced whole. [default: out/FILE]",
+)
+@click.option(
+    "--through",
+    type=click.Choice(["process", "fmu"]),
+    default="process",
+    show_default=True,
+    help="Run the model in the process, or through its FMU.",
+)
+@click.option(
+    "--workers", type=click.IntRange(min=1), help="Processes. [default: one on each core]"
+)
+@click.option("--dask", metavar="ADDRESS", default="", help="Let a Dask cluster do the work.")
+@click.option("--table", default="runs.csv", show_default=True, help="Name of the table of runs.")
+@json_option
+def sweep(
+    *,
+    file: Path,
+    output: Path | None,
+    through: str,
+    workers: int | None,
+    dask: str,
+    table: str,
+    as_data: bool,
+) -> int:
+    """Run a scene many times, as FILE says: a grid, a list, or a sample of parameters.
+
+    An interrupted sweep goes on where it stopped when it is started again.
+    """
+    from ..results import as_json  # noqa: PLC0415
+    from ..sweeps.job import run_sweep  # noqa: PLC0415
+    from ..sweeps.report import sweep_in_words  # noqa: PLC0415
+
+    with progress_bar(file.stem) as progress:
+        plan, summary, folder = run_sweep(
+            file,
+            output,
+            through=through,
+            workers=workers,
+            dask=dask,
+            table=table,
+            progress=progress,
+        )
+    click.echo(as_json(summary) if as_data else sweep_in_words(plan, summary, folder))
+    failures = summary["failures"]
+    if failures:
+        complain(
+            f"{plan.name}: {len(failures)} of {summary['runs']} runs failed: {failures[0]['reason']}"
+        )
+    return FAILED if failures else DONE

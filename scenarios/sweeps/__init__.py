@@ -1,0 +1,1 @@
+"""One scene run many times, with other values each time."""

@@ -1,0 +1,269 @@
+"""What a sweep file says: the scene, what is varied and how, and which measures make a row."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from itertools import product
+from math import log2
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from suspension.units import UnitError, nearest, to_si
+from suspension.variables import Value, Variable
+
+from ..errors import InputError, SceneError, one_line, shown
+from ..fields import Strict, choices, one_of, tuple_from
+from ..layers import KEYS
+from ..measures import catalogue
+from ..schema import Scene, load_scene
+
+METHODS = ("grid", "list", "latin_hypercube", "sobol")
+_MOST_RUNS = 1_000_000
+_TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
+
+
+class Range(Strict):
+    """Values between two ends."""
+
+    start: Annotated[float | str, Field(alias="from")]
+    """the first value, or the lower end, a number in SI or a text with a unit"""
+    end: Annotated[float | str, Field(alias="to")]
+    """the last value, or the upper end"""
+    count: Annotated[int, Field(ge=2)] | None = None
+    """how many values, evenly spaced; for a grid"""
+
+    def ends(self, unit: str) -> tuple[float, float]:
+        """Both ends in SI.
+
+        Raises
+        ------
+        ValueError : no numbers, or not in that unit.
+        """
+        first, last = (
+            to_si(x, unit) if isinstance(x, str) else float(x) for x in (self.start, self.end)
+        )
+        return first, last
+
+
+class SweepFile(Strict):
+    """A sweep file."""
+
+    scene: str
+    """the case or scene file that is varied"""
+    title: str = ""
+    """what the sweep is called"""
+    method: Annotated[str, BeforeValidator(one_of(METHODS)), choices(METHODS)] = "grid"
+    """every combination, value by value, or a sample of the ranges"""
+    runs: Annotated[int, Field(ge=1, le=_MOST_RUNS)] | None = None
+    """how many runs; for latin_hypercube and sobol"""
+    seed: Annotated[int, Field(ge=0)] = 1
+    """what the sample is drawn from"""
+    measures: Annotated[tuple[str, ...], BeforeValidator(tuple_from)]
+    """names of the measures that make a row"""
+    vary: dict[str, Range | tuple[Any, ...]]
+    """values of a parameter or scene key: a list, or { from = ..., to = ..., count = ... }"""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _lists(cls, content: Any) -> Any:
+        if isinstance(content, dict) and isinstance(content.get("vary"), dict):
+            varied = {k: tuple(v) if isinstance(v, list) else v for k, v in content["vary"].items()}
+            return {**content, "vary": varied}
+        return content
+
+    @model_validator(mode="after")
+    def _fits(self) -> SweepFile:
+        sampled = self.method in ("latin_hypercube", "sobol")
+        if not self.vary or not self.measures:
+            raise ValueError("a sweep varies something and takes at least one measure")
+        if sampled != (self.runs is not None):
+            raise ValueError(f"runs belongs to {METHODS[2]} and {METHODS[3]}, and only to them")
+        if self.method == "sobol" and self.runs and not log2(self.runs).is_integer():
+            raise ValueError(f"runs = {self.runs}: a Sobol sample needs a power of two")
+        for key, values in self.vary.items():
+            if isinstance(values, tuple):
+                if sampled:
+                    raise ValueError(f"{key}: a sample is drawn from a range, {{ from, to }}")
+                if not values:
+                    raise ValueError(f"{key}: an empty list")
+            elif not sampled and values.count is None:
+                raise ValueError(f"{key}: a range needs count, except in a sample")
+        lengths = {len(v) if isinstance(v, tuple) else v.count for v in self.vary.values()}
+        if self.method == "list" and len(lengths) > 1:
+            raise ValueError("method list takes the values side by side: all as many")
+        return self
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A sweep whose runs are all known.
+
+    Parameters
+    ----------
+    name : of its file
+    title : for people
+    scene : what is varied
+    reference : by which the scene is found
+    keys : what is varied
+    units : of the keys, where they have one
+    points : their values in every run, in SI where they are parameters, shape (runs, keys)
+    measures : that make a row
+    """
+
+    name: str
+    title: str
+    scene: Scene
+    reference: str
+    keys: tuple[str, ...]
+    units: tuple[str, ...]
+    points: tuple[tuple[Value, ...], ...]
+    measures: tuple[str, ...]
+
+    @property
+    def parameters_only(self) -> bool:
+        """Whether nothing but parameters of the model is varied."""
+        return all(key in self.scene.fmu.parameters() for key in self.keys)
+
+    @property
+    def hash(self) -> str:
+        """Of all that decides the rows: a sweep that was interrupted goes on if it is equal."""
+        said = (self.scene.hash, self.keys, self.points, self.measures)
+        return sha256(repr(said).encode()).hexdigest()[:24]
+
+    def scene_of(self, point: tuple[Value, ...]) -> Scene:
+        """The scene of one run.
+
+        Raises
+        ------
+        SceneError : values that the scene does not take.
+        """
+        overrides = [f"{key}={_as_text(x)}" for key, x in zip(self.keys, point, strict=True)]
+        wanted = f"show.measures={list(self.measures)!r}".replace("'", '"')
+        return load_scene(self.reference, [*overrides, wanted, *BARE])
+
+
+BARE = ("show.figures=[]", "show.recording=false", "show.outputs=[]")
+
+
+def load_plan(path: Path) -> Plan:
+    """Read a sweep file.
+
+    Raises
+    ------
+    InputError : one line that names file, key, value and what is allowed.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        why = getattr(error, "strerror", None) or f"not TOML: {error}"
+        raise InputError(one_line(f"cannot read {path}: {why}")) from None
+    try:
+        said = SweepFile.model_validate(content)
+    except ValidationError as error:
+        raise InputError(_told(path, error)) from None
+    scene = _scene(path, said.scene)
+    known = catalogue(scene.fmu.outputs())
+    for name in said.measures:
+        if name not in known:
+            raise InputError(
+                one_line(f"{path}: measures: no measure {shown(name)}{nearest(name, known)}")
+            )
+    declared = scene.fmu.parameters()
+    columns = [_values(path, key, values, declared) for key, values in said.vary.items()]
+    if said.method == "grid":
+        points = list(product(*columns))
+    elif said.method == "list":
+        points = list(zip(*columns, strict=True))
+    else:
+        points = _sampled(said, [(min(c), max(c)) for c in columns])
+    if len(points) > _MOST_RUNS:
+        raise InputError(one_line(f"{path}: {len(points)} runs; allowed: {_MOST_RUNS}"))
+    units = tuple(declared[key].unit if key in declared else "" for key in said.vary)
+    plan = Plan(
+        path.stem, said.title, scene, str(_base(path, said.scene)), tuple(said.vary), units,
+        tuple(points), said.measures,
+    )  # fmt: skip
+    if not plan.parameters_only:
+        try:
+            plan.scene_of(plan.points[0])  # a key that no scene has is told at once
+        except SceneError as error:
+            raise InputError(one_line(f"{path}: {error}")) from None
+    return plan
+
+
+def _base(path: Path, reference: str) -> str | Path:
+    """The scene as the sweep file names it: a case, or a path from where the file lies."""
+    beside = path.parent / reference
+    return beside if reference.endswith(".toml") and beside.is_file() else reference
+
+
+def _scene(path: Path, reference: str) -> Scene:
+    try:
+        return load_scene(str(_base(path, reference)), BARE)
+    except SceneError as error:
+        raise InputError(one_line(f"{path}: scene: {error}")) from None
+
+
+def _values(
+    path: Path, key: str, values: Range | tuple[Any, ...], declared: Mapping[str, Variable]
+) -> list[Value]:
+    """The values of a key in SI, checked where it is a parameter; of a range without count its ends."""
+    variable = declared.get(key)
+    if variable is None and key.split(".", maxsplit=1)[0] not in KEYS:
+        near = nearest(key, (*declared, *KEYS))
+        raise InputError(one_line(f"{path}: vary: no parameter or scene key {shown(key)}{near}"))
+    unit = variable.unit if variable else "s" if key in _TIMES else ""
+    try:
+        if isinstance(values, Range):
+            first, last = values.ends(unit or "1")
+            count = values.count or 2
+            values = tuple(first + (last - first) * k / (count - 1) for k in range(count))
+            if variable is not None and isinstance(variable.start, int):
+                values = tuple(round(value) for value in values)
+        if variable is None:
+            return list(values)
+        return [variable.checked(value) for value in values]
+    except (UnitError, ValueError) as error:
+        raise InputError(one_line(f"{path}: vary.{key}: {error}")) from None
+
+
+def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, ...]]:
+    """A sample of the box between the ends."""
+    from scipy.stats import qmc  # noqa: PLC0415  (heavy)
+
+    sampler = (
+        qmc.LatinHypercube(len(ends), rng=said.seed)
+        if said.method == "latin_hypercube"
+        else qmc.Sobol(len(ends), rng=said.seed)
+    )
+    low, high = zip(*ends, strict=True)
+    unit = sampler.random(said.runs or 1)
+    return [
+        tuple(float(a + (b - a) * x) for a, b, x in zip(low, high, row, strict=True))
+        for row in unit
+    ]
+
+
+def _as_text(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return repr(value) if not isinstance(value, str) else f'"{value}"'
+
+
+def _told(path: Path, error: ValidationError) -> str:
+    errors = error.errors(include_url=False)
+    first = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
+    key = ".".join(str(part) for part in first["loc"] if part not in ("Range",))
+    names = [field.alias or name for name, field in SweepFile.model_fields.items()]
+    if first["type"] == "missing":
+        return one_line(f"{path}: {key} is missing; a sweep has {', '.join(names)}")
+    if first["type"] == "extra_forbidden":
+        known = names if len(first["loc"]) == 1 else ["from", "to", "count"]
+        return one_line(f"{path}: unknown key {key!r}{nearest(str(first['loc'][-1]), known)}")
+    message = first["msg"].removeprefix("Value error, ")
+    return one_line(f"{path}: {f'{key}: ' if key else ''}{message}")

@@ -1,0 +1,107 @@
+"""What a sweep leaves: a table of its rows, a picture, and a few lines on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError, one_line
+from ..report import aligned
+from .plan import Plan
+from .running import Row
+
+TABLES = (".csv", ".parquet")
+
+
+def check_table(name: str) -> None:
+    """Refuse the name of a table of rows.
+
+    Raises
+    ------
+    InputError
+    """
+    if Path(name).name != name or Path(name).suffix not in TABLES:
+        raise InputError(
+            one_line(f"--table {name}: a file name that ends in {' or '.join(TABLES)}")
+        )
+
+
+def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
+    """One row per run: its number, the values varied, the measures, whether it went well and why not."""
+    import pyarrow  # noqa: PLC0415  (heavy)
+    from pyarrow import csv, parquet  # noqa: PLC0415
+
+    columns: dict[str, list[Any]] = {"run": [row.run for row in rows]}
+    for k, key in enumerate(plan.keys):
+        columns[key] = [plan.points[row.run][k] for row in rows]
+    for k, name in enumerate(plan.measures):
+        columns[name] = [row.values[k] for row in rows]
+    columns["ok"] = [not row.reason for row in rows]
+    columns["reason"] = [row.reason for row in rows]
+    table = pyarrow.table(columns)
+    if path.suffix == ".csv":
+        csv.write_csv(table, path)
+    else:
+        parquet.write_table(table, path)
+
+
+def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict[str, Any]:
+    """All that is to be said of a sweep, as plain data."""
+    failures = [row for row in rows if row.reason]
+    extent = {}
+    for k, name in enumerate(plan.measures):
+        found = [(row.values[k], row.run) for row in rows if row.values[k] is not None]
+        if found:
+            (low, first), (high, last) = min(found), max(found)
+            extent[name] = {"min": low, "run_of_min": first, "max": high, "run_of_max": last}
+    return {
+        "sweep": plan.name,
+        "title": plan.title,
+        "scene": plan.scene.name,
+        "keys": list(plan.keys),
+        "units": dict(zip(plan.keys, plan.units, strict=True)),
+        "runs": len(rows),
+        "measures": extent,
+        "failures": [{"run": row.run, "reason": row.reason} for row in failures],
+        "hash": plan.hash,
+        **told,
+    }
+
+
+def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
+    """A sweep in a few aligned lines."""
+    rows = [("measure", "smallest", "at", "largest", "at")]
+    for name, extent in summary["measures"].items():
+        rows.append(
+            (
+                name,
+                f"{extent['min']:.5g}", _where(plan, extent["run_of_min"]),
+                f"{extent['max']:.5g}", _where(plan, extent["run_of_max"]),
+            )
+        )  # fmt: skip
+    made, seconds = summary["made"], summary["seconds"]
+    rate = f", {made / seconds:.4g} a second" if made and seconds > 0.0 else ""
+    before = summary["runs"] - made
+    lines = [
+        summary["title"] or summary["sweep"],
+        "",
+        *aligned(rows),
+        "",
+        f"{summary['runs']} runs of {summary['scene']} in {seconds:.2f} s{rate}"
+        + (f"; {before} kept from before" if before else ""),
+    ]
+    if "disagreement" in summary:
+        lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")
+    failures = summary["failures"]
+    if failures:
+        lines.append(f"{len(failures)} failed; the first: {failures[0]['reason']}")
+    return "\n".join([*lines, *(str(folder / name) for name in summary["files"])])
+
+
+def _where(plan: Plan, run: int) -> str:
+    parts = []
+    for key, unit, value in zip(plan.keys, plan.units, plan.points[run], strict=True):
+        number = f"{value:.4g}" if isinstance(value, float) else str(value)
+        parts.append(f"{key} = {number}{f' {unit}' if unit not in ('', '1') else ''}")
+    return ", ".join(parts)

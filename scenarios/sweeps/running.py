@@ -1,0 +1,294 @@
+"""The runs of a sweep, side by side in processes, each a row; what is done is never done again.
+
+Every row goes into a journal beside the results as soon as it is there, so that a sweep that was
+interrupted goes on where it stopped. A run that fails is a row with its reason.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from math import ceil, isfinite
+from multiprocessing import get_context
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from suspension.session import SimulationError
+from suspension.variables import ParameterError, Value
+
+from ..errors import InputError, RunError, one_line
+from ..measures import Run, catalogue, outputs_needed, take
+from .plan import Plan
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Column = npt.NDArray[np.float64]
+
+_MOST_IN_CHUNK = 200
+_CHECKED = 3  # runs that are made both ways, where the FMU is driven
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What became of one run.
+
+    Parameters
+    ----------
+    run : its number in the plan, from 0
+    values : of the measures; None where the run does not tell
+    reason : why it failed, or empty
+    """
+
+    run: int
+    values: tuple[float | int | None, ...]
+    reason: str = ""
+
+
+def sweep(
+    plan: Plan,
+    journal: Path,
+    *,
+    through: str = "process",
+    workers: int | None = None,
+    dask: str = "",
+    progress: Callable[[float], None] | None = None,
+) -> tuple[list[Row], dict[str, Any]]:
+    """Make all runs of a plan.
+
+    Parameters
+    ----------
+    plan : of `load_plan`
+    journal : file of the rows made so far; it is kept if the sweep is interrupted
+    through : "process", where the model is run in this project's own processes, or "fmu"
+    workers : processes; None for one on each core
+    dask : address of a Dask scheduler that is to do the work instead
+    progress : called with the part done, 0 to 1
+
+    Returns
+    -------
+    A row for every run, in their order, and how the sweep went: seconds, runs made now, agreement.
+
+    Raises
+    ------
+    InputError : a way of running that does not fit the plan.
+    RunError : no Dask scheduler there.
+    KeyboardInterrupt : what is done stands in the journal.
+    """
+    if through == "process" and plan.scene.fmu.path is not None:
+        raise InputError("a sweep over an .fmu file goes through the FMU: add --through fmu")
+    started = perf_counter()
+    rows = _kept_rows(plan, journal)
+    left = [run for run in range(len(plan.points)) if run not in rows]
+    count = workers or os.cpu_count() or 1
+    size = max(1, min(_MOST_IN_CHUNK, ceil(len(left) / (8 * count))))
+    chunks = [left[k : k + size] for k in range(0, len(left), size)]
+    with _kept(plan, journal) as keep, _executor(count, dask) as executor:
+        futures = [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
+        try:
+            for future in as_completed(futures):
+                for row in future.result():
+                    rows[row.run] = row
+                    keep(row)
+                if progress is not None:
+                    progress(len(rows) / len(plan.points))
+        except BaseException:
+            for future in futures:
+                future.cancel()
+            raise
+    ordered = [rows[run] for run in range(len(plan.points))]
+    told = {"seconds": perf_counter() - started, "made": len(left)}
+    if through == "fmu" and plan.scene.fmu.path is None:
+        told["disagreement"] = _disagreement(plan, ordered)
+    return ordered, told
+
+
+# -- one chunk, in whatever process ----------------------------------------------------------------
+
+
+def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
+    """Some runs of a plan, one after the other."""
+    if through == "fmu":
+        return list(_through_fmu(plan, runs))
+    if plan.parameters_only:
+        return list(_in_process(plan, runs))
+    return [row for run in runs for row in _in_process_alone(plan, run)]
+
+
+def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
+    """The model itself, all runs over the same instants."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    scene = plan.scene
+    time = _instants(scene.duration, scene.show.output_interval)
+    sets = [
+        {**scene.parameters, **dict(zip(plan.keys, plan.points[run], strict=True))} for run in runs
+    ]
+    outputs = outputs_needed(catalogue(scene.fmu.outputs()), plan.measures)
+    for run, given, (columns, reason) in zip(
+        runs, sets, _columns(scene.fmu.model, sets, time, outputs), strict=True
+    ):
+        if reason:
+            yield Row(run, (None,) * len(plan.measures), reason)
+        else:
+            yield _row(
+                plan, run, {"time": time, **{n: np.asarray(c) for n, c in columns.items()}}, given
+            )
+
+
+def _columns(
+    model: str, sets: Sequence[Mapping[str, Value]], time: Column, outputs: set[str]
+) -> Iterator[tuple[Mapping[str, Any], str]]:
+    """The outputs of every run, or why there are none."""
+    from suspension.session import simulate  # noqa: PLC0415
+
+    for given in sets:
+        try:
+            yield simulate(model, given, time.tolist(), outputs), ""
+        except (ParameterError, SimulationError, ArithmeticError, ValueError) as error:
+            yield {}, one_line(error)
+
+
+def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
+    """One run whose scene is another one, not only its parameters."""
+    try:
+        scene = plan.scene_of(plan.points[run])
+    except InputError as error:
+        yield Row(run, (None,) * len(plan.measures), one_line(error))
+        return
+    alone = Plan(**{**vars(plan), "scene": scene, "keys": (), "points": ((),)})
+    yield from (Row(run, row.values, row.reason) for row in _in_process(alone, [0]))
+
+
+def _through_fmu(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
+    """The FMU, which stays open from run to run."""
+    from ..driving import opened  # noqa: PLC0415
+    from ..runner import run_with  # noqa: PLC0415
+
+    with opened(plan.scene.fmu) as (fmu, _):
+        for run in runs:
+            try:
+                summary = run_with(fmu, plan.scene_of(plan.points[run])).summary
+            except (InputError, RunError) as error:
+                yield Row(run, (None,) * len(plan.measures), one_line(error))
+                continue
+            reason = summary["stopped"]["reason"] if summary["stopped"] else ""
+            values = tuple(summary["measures"][name]["value"] for name in plan.measures)
+            yield Row(run, _plain(values), reason)
+
+
+def _instants(duration: float, interval: float) -> Column:
+    """The instants of the rows, as FMPy takes them: the last interval may be shorter."""
+    import numpy as np  # noqa: PLC0415
+
+    count = int(duration / interval * (1.0 + 1e-12))
+    time = [k * interval for k in range(count + 1)]
+    return np.array(time if time[-1] >= duration * (1.0 - 1e-12) else [*time, duration])
+
+
+def _row(plan: Plan, run: int, columns: Mapping[str, Column], given: Mapping[str, Value]) -> Row:
+    scene = plan.scene
+    known = catalogue(scene.fmu.outputs())
+    told = take(
+        known, plan.measures, Run(columns, {**scene.all_parameters, **given}, scene.fmu.model)
+    )
+    values = _plain(tuple(told[name].value for name in plan.measures))
+    broken = [name for name, x in zip(plan.measures, values, strict=True)
+              if isinstance(x, float) and not isfinite(x)]  # fmt: skip
+    return Row(run, values, f"{broken[0]} is not a number" if broken else "")
+
+
+def _plain(values: tuple[Any, ...]) -> tuple[float | int | None, ...]:
+    """Lists of instants become how many there are."""
+    return tuple(len(x) if isinstance(x, tuple | list) else x for x in values)
+
+
+def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
+    """How far a few runs through the FMU lie from the same runs in the process, relatively."""
+    picked = sorted({round(k * (len(rows) - 1) / max(1, _CHECKED - 1)) for k in range(_CHECKED)})
+    worst = 0.0
+    for ours in run_chunk(plan, picked, "process"):
+        for a, b in zip(ours.values, rows[ours.run].values, strict=True):
+            if isinstance(a, int | float) and isinstance(b, int | float):
+                worst = max(worst, abs(a - b) / max(abs(a), abs(b), 1e-300) if a != b else 0.0)
+            elif a != b:
+                worst = float("inf")
+    return worst
+
+
+# -- workers and journal ---------------------------------------------------------------------------
+
+
+@contextmanager
+def _executor(count: int, dask: str) -> Iterator[Executor]:
+    """Processes of this machine, or the workers of a Dask cluster."""
+    with ExitStack() as stack:
+        if not dask:
+            pool: Executor = (
+                ThreadPoolExecutor(1)  # no process is worth its start for a single worker
+                if count == 1
+                else ProcessPoolExecutor(
+                    count, mp_context=get_context("spawn"), initializer=_leave_interrupts_to_us
+                )
+            )
+            stack.callback(pool.shutdown, cancel_futures=True)
+            yield pool
+            return
+        try:
+            from distributed import Client  # noqa: PLC0415  (optional)
+        except ImportError:
+            raise InputError("--dask needs Dask: pip install 'phaseplane[dask]'") from None
+        try:
+            client = stack.enter_context(Client(dask, timeout="10s"))
+        except Exception as error:
+            raise RunError(one_line(f"no Dask scheduler at {dask}: {error}")) from None
+        yield client.get_executor()
+
+
+def _leave_interrupts_to_us() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Row], None]]:
+    """The journal, open for further rows; without work to be kept it is not there."""
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    fresh = not journal.exists() or not _is_of(plan, journal)
+    with journal.open("w" if fresh else "a", encoding="utf-8") as file:
+        if fresh:
+            file.write(json.dumps({"plan": plan.hash}) + "\n")
+
+        def keep(row: Row) -> None:
+            file.write(json.dumps([row.run, list(row.values), row.reason]) + "\n")
+            file.flush()
+
+        yield keep
+
+
+def _kept_rows(plan: Plan, journal: Path) -> dict[int, Row]:
+    """The rows that an interrupted sweep of the same plan has left."""
+    if not journal.exists() or not _is_of(plan, journal):
+        return {}
+    rows = {}
+    for line in journal.read_text(encoding="utf-8").splitlines()[1:]:
+        try:
+            run, values, reason = json.loads(line)
+        except ValueError:
+            continue  # the last line may be a torn one
+        rows[run] = Row(run, tuple(values), reason)
+    return rows
+
+
+def _is_of(plan: Plan, journal: Path) -> bool:
+    try:
+        with journal.open(encoding="utf-8") as file:
+            return bool(json.loads(file.readline()) == {"plan": plan.hash})
+    except ValueError:
+        return False

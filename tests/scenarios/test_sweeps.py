@@ -1,0 +1,262 @@
+"""Sweeps: what a file may say, rows against runs by hand, failures, interruption, the FMU, a cluster."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from scenarios.cli import main
+from scenarios.errors import InputError
+from scenarios.sweeps.plan import load_plan
+from scenarios.sweeps.running import Row, sweep
+from suspension.session import simulate
+
+ROOT = Path(__file__).parents[2]
+GRID = """
+scene = "scene.toml"
+measures = ["peak.body_displacement", "lift_off_count"]
+[vary]
+speed = { from = "36 km/h", to = 20.0, count = 3 }
+"road.height" = ["2 cm", 0.05]
+"""
+SCENE = """
+fmu = "QuarterCar"
+duration = 0.2
+[show]
+output_interval = "5 ms"
+"""
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+def written(text: str, name: str = "sweep.toml") -> Path:
+    Path(name).write_text(text)
+    return Path(name)
+
+
+def phaseplane(*arguments: str) -> Result:
+    return CliRunner().invoke(main, arguments)
+
+
+def rows(folder: str = "out/sweep") -> list[dict[str, str]]:
+    with Path(folder, "runs.csv").open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+# -- plans -----------------------------------------------------------------------------------------
+
+
+def test_a_grid_has_every_combination_and_a_list_goes_side_by_side() -> None:
+    plan = load_plan(written(GRID))
+    assert plan.keys == ("speed", "road.height")
+    assert plan.units == ("m/s", "m")
+    assert plan.points == tuple((v, h) for v in (10.0, 15.0, 20.0) for h in (0.02, 0.05))
+    listed = GRID.replace("[vary]", 'method = "list"\n[vary]').replace('"2 cm",', '"2 cm", 0.03,')
+    assert load_plan(written(listed)).points == ((10.0, 0.02), (15.0, 0.03), (20.0, 0.05))
+
+
+@pytest.mark.parametrize("method", ["latin_hypercube", "sobol"])
+def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
+    text = f"""
+    scene = "scene.toml"
+    method = "{method}"
+    runs = 32
+    seed = 4
+    measures = ["lift_off_count"]
+    [vary]
+    speed = {{ from = 10, to = 20 }}
+    "damper.bump_rate" = {{ from = "1 kN.s/m", to = 500 }}
+    """
+    plan = load_plan(written(text))
+    assert len(set(plan.points)) == 32
+    for k, (low, high) in enumerate(((10.0, 20.0), (500.0, 1000.0))):
+        values = sorted(float(point[k]) for point in plan.points)
+        assert low <= values[0] < low + 0.1 * (high - low)
+        assert high - 0.1 * (high - low) < values[-1] <= high
+        # stratified: one value in each of 32 equal parts
+        assert sorted({int(32 * (v - low) / (high - low)) for v in values}) == list(range(32))
+    assert load_plan(written(text)).points == plan.points
+    assert load_plan(written(text.replace("seed = 4", "seed = 5"))).points != plan.points
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('scene = "scene.toml"', "", "scene is missing"),
+        ("scene.toml", "nowhere.toml", "no scene file"),
+        ("scene.toml", "ap75", "did you mean 'ap57'?"),
+        ("measures =", "measure =", "'measure'; did you mean 'measures'?"),
+        ("lift_off_count", "lift_of_count", "did you mean 'lift_off_count'?"),
+        ("speed =", "spead =", "did you mean 'speed'?"),
+        ("count = 3", "counts = 3", "did you mean 'count'?"),
+        (", count = 3", "", "needs count"),
+        ("count = 3", "count = 1", "greater than or equal to 2"),
+        ('["2 cm", 0.05]', "[]", "empty list"),
+        ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
+        ('"36 km/h"', "-1", "must be greater than 0"),
+        ("[vary]", 'method = "sobol"\n[vary]', "runs belongs to"),
+        ("[vary]", 'method = "sobol"\nruns = 5\n[vary]', "power of two"),
+        ("[vary]", 'method = "latin_hypercube"\nruns = 5\n[vary]', "drawn from a range"),
+        ("[vary]", 'method = "griddle"\n[vary]', "did you mean 'grid'?"),
+        ("[vary]", 'method = "list"\n[vary]', "all as many"),
+        ("[vary]", "[vary", "not TOML"),
+        ("[vary]", "runs = 4\n[vary]", "runs belongs to"),
+    ],
+)
+def test_what_a_sweep_file_may_not_say(old: str, new: str, words: str) -> None:
+    assert old in GRID
+    with pytest.raises(InputError) as caught:
+        load_plan(written(GRID.replace(old, new)))
+    assert words in str(caught.value)
+    assert str(caught.value).startswith("sweep.toml: ") or "cannot read" in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+# -- runs ------------------------------------------------------------------------------------------
+
+
+def test_rows_are_what_runs_by_hand_give() -> None:
+    result = phaseplane("sweep", str(written(GRID)), "--workers", "2")
+    assert result.exit_code == 0, result.stderr
+    found = rows()
+    assert [row["run"] for row in found] == [str(k) for k in range(6)]
+    times = [0.005 * k for k in range(41)]
+    for row in found:
+        given = {"speed": float(row["speed"]), "road.height": float(row["road.height"])}
+        columns = simulate("QuarterCar", given, times, ["body_displacement", "lift_off_count"])
+        peak = max(columns["body_displacement"], key=abs)  # type: ignore[arg-type]
+        assert float(row["peak.body_displacement"]) == peak
+        assert int(row["lift_off_count"]) == columns["lift_off_count"][-1]
+        assert (row["ok"], row["reason"]) == ("true", "")
+    assert sorted(os.listdir("out/sweep")) == ["runs.csv", "summary.json", "sweep.png"]
+    assert os.listdir("out") == ["sweep"]  # and no journal
+
+
+def test_keys_of_the_scene_may_be_varied_too() -> None:
+    text = (
+        GRID.split("[vary]", maxsplit=1)[0]
+        + "[vary]\nduration = [0.1, 0.2]\nlift_off = [true, false]\n"
+    )
+    assert phaseplane("sweep", str(written(text)), "--workers", "1").exit_code == 0
+    found = rows()
+    assert [(row["duration"], row["lift_off"]) for row in found] == [
+        ("0.1", "true"), ("0.1", "false"), ("0.2", "true"), ("0.2", "false"),
+    ]  # fmt: skip
+    assert [row["lift_off_count"] for row in found] == ["1", "0", "1", "0"]
+
+
+def test_a_run_that_fails_is_a_row_with_its_reason() -> None:
+    text = GRID.replace(
+        '"road.height" = ["2 cm", 0.05]', '"spring.table" = ["", "-1:-5, 0:0, 1:5", "1:2, 0:0"]'
+    )
+    result = phaseplane("sweep", str(written(text)), "--json", "--workers", "1")
+    assert result.exit_code == 1
+    assert "3 of 9 runs failed: spring.table" in result.stderr
+    failed = [row for row in rows() if row["ok"] == "false"]
+    assert [row["spring.table"] for row in failed] == ["1:2, 0:0"] * 3
+    assert all("ascend" in row["reason"] or "spring.table" in row["reason"] for row in failed)
+    assert failed[0]["peak.body_displacement"] == ""
+    assert len(json.loads(result.stdout)["failures"]) == 3
+
+
+def test_the_fmu_agrees_with_the_process(fmu: Path) -> None:
+    result = phaseplane("sweep", str(written(GRID)), "--through", "fmu", "--workers", "1", "--json")
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["disagreement"] == 0.0
+    through_fmu = rows()
+    assert phaseplane("sweep", str(written(GRID)), "--workers", "1").exit_code == 0
+    assert rows() == through_fmu
+    Path("scene.toml").write_text(SCENE.replace('"QuarterCar"', f'"{fmu}"'))
+    refused = phaseplane("sweep", str(written(GRID)))
+    assert (refused.exit_code, "--through fmu" in refused.stderr) == (2, True)
+
+
+def test_parquet_and_refusals() -> None:
+    from pyarrow import parquet  # noqa: PLC0415
+
+    made = phaseplane("sweep", str(written(GRID)), "--workers", "1", "--table", "rows.parquet")
+    assert made.exit_code == 0
+    assert parquet.read_table("out/sweep/rows.parquet").num_rows == 6
+    Path("out/sweep/diary.txt").touch()
+    for arguments, words in (
+        (["--table", "rows.xlsx"], "ends in .csv or .parquet"),
+        ([], "diary.txt, which no run wrote"),
+        (["-o", "x", "--dask", "tcp://127.0.0.1:1"], "no Dask scheduler"),
+    ):
+        result = phaseplane("sweep", str(written(GRID)), *arguments)
+        assert result.exit_code in (1, 2)
+        assert words in result.stderr
+        assert len(result.stderr.splitlines()) == 1
+
+
+# -- interruption ----------------------------------------------------------------------------------
+
+
+def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
+    plan = load_plan(written(GRID))
+    journal = tmp_path / "journal"
+    made_up = (123.0, 45)
+    journal.write_text(
+        json.dumps({"plan": plan.hash}) + "\n" + json.dumps([2, list(made_up), ""]) + "\n[3, [1"
+    )
+    found, told = sweep(plan, journal, workers=1)
+    assert told["made"] == 5
+    assert found[2] == Row(2, made_up)
+    assert found[3].values != made_up
+    journal.write_text(json.dumps({"plan": "another"}) + "\n" + json.dumps([2, list(made_up), ""]))
+    found, told = sweep(plan, journal, workers=1)
+    assert told["made"] == 6
+    assert found[2].values != made_up
+
+
+@pytest.mark.slow
+def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
+    Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
+    text = GRID.replace("count = 3", "count = 60")
+    command = [sys.executable, "-m", "scenarios.cli", "sweep", str(written(text)), "--workers", "2"]
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
+    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    journal = Path("out/.sweep.journal")
+    for _ in range(600):
+        if journal.exists() and len(journal.read_text().splitlines()) > 3:
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, complaint = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert complaint.splitlines()[-1].startswith("phaseplane: interrupted")
+    assert not Path("out/sweep").exists()
+    kept = len(journal.read_text().splitlines()) - 1
+    assert 0 < kept < 120
+    again = subprocess.run([*command, "--json"], env=environment, capture_output=True, text=True,
+                           check=True, timeout=300)  # fmt: skip
+    assert json.loads(again.stdout)["made"] == 120 - kept
+    assert len(rows()) == 120
+    assert not journal.exists()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
+def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    plan = load_plan(written(GRID))
+    alone, _ = sweep(plan, tmp_path / "a", workers=1)
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        together, _ = sweep(plan, tmp_path / "b", dask=cluster.scheduler_address)
+    assert together == alone
