@@ -33,6 +33,16 @@ SMOOTH = [
     roads.spline(MEASURED, speed=8.0, start=0.05),
     roads.spline(MEASURED, speed=8.0, ends="level"),
     roads.random_profile("C", 5.0, 10.0, 3, band=(0.05, 1.0)),
+    roads.sequence(
+        [
+            roads.bump(0.05, 1.0, 20.0),
+            roads.ramp(0.03, 0.5, 20.0),
+            roads.obstacle(-0.04, 1.0, 20.0),
+        ],
+        [2.0, 0.0],
+        20.0,
+        0.02,
+    ),
     roads.Signal(
         (roads.Segment(-float("inf"), 0.0, (0.01, 0.1, -0.2, 0.3), 0.04, (0.3, 20.0, 15.0)),)
     ),
