@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, isclose
 
 import numpy as np
 import pytest
 import quarter_car_reference as reference
 
+from scenarios.errors import InputError
+from scenarios.layers import case_names
 from scenarios.studies.branches import Branches, ChatterError
 from scenarios.studies.equations import Equations
-from scenarios.studies.problems import PROBLEMS, Problem, of_model
+from scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from scenarios.studies.reference import largest_error, plain, truth, until
 from suspension import characteristics, roads
 from suspension.engine import Integrator
@@ -191,3 +194,25 @@ def test_an_instant_beside_the_end_is_the_end() -> None:
     assert until(times, 0.05).tolist() == [0.025, 0.05]
     assert until(times, 0.04).tolist() == [0.025]
     assert isclose(times[1], 0.05)  # and the instants themselves stay
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", case_names())
+def test_every_scene_is_the_same_motion_to_both(name: str) -> None:
+    if name == "light_wheel":
+        pytest.skip("the reference is explicit and takes minutes for a wheel of a gram")
+    try:
+        problem = find_problem(name)
+    except InputError as error:
+        pytest.skip(str(error))
+    kept = min(problem.intervals, int(problem.intervals / problem.duration) + 1)
+    problem = replace(problem, duration=problem.times[kept], intervals=kept)
+    n = len(problem.system.mass)
+    integrator = Integrator(problem.system, tolerance=1e-9)
+    integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
+    rows = []
+    for t in problem.times.tolist():
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        rows.append(list(integrator.sample_q))
+    assert largest_error(np.array(rows), truth(problem)) < 3e-9
