@@ -56,10 +56,12 @@ def shared_out(
 
 
 def description(model: str) -> bytes:
-    """SystemStructure.ssd: both components with all they offer, and their connections.
+    """SystemStructure.ssd: both components with their outputs, and their connections.
 
-    Start values stand in the FMUs themselves, because not every tool reads them from here.
+    Start values stand in the FMUs themselves, because not every tool reads them from here. Inputs that
+    nothing is connected to are left out: FMPy's reader connects them with whatever it connected last.
     """
+    links = connections(model)
     ElementTree.register_namespace("ssd", _SSD)
     ElementTree.register_namespace("ssc", _SSC)
     ElementTree.register_namespace("oms", _OMS)
@@ -73,11 +75,11 @@ def description(model: str) -> bytes:
         )  # fmt: skip
         connectors = _in(component, "Connectors")
         for variable in variables(source):
-            if variable.causality in ("input", "output"):
+            if variable.causality == "output" or variable.name in links.values():
                 _connector(connectors, variable)
-    links = _in(system, "Connections")
-    for output, inlet in connections(model).items():
-        _in(links, "Connection", startElement="road", startConnector=output,
+    connected = _in(system, "Connections")
+    for output, inlet in links.items():
+        _in(connected, "Connection", startElement="road", startConnector=output,
             endElement="vehicle", endConnector=inlet)  # fmt: skip
     _openmodelica(system)
     _units(root, model)
