@@ -19,6 +19,7 @@ from phaseplane.constructions import (
     shortcut_flights,
     with_shortcuts,
 )
+from phaseplane.constructions.switching import _end_of
 from suspension import roads
 from suspension.characteristics import damper, linear
 
@@ -230,3 +231,16 @@ def test_down_a_kerb_the_tyre_does_not_pull():
     without = replace(car, lift_off=False)
     jumped = next(f for f in march(without, step=STEP, duration=0.1) if f.time == 0.02)
     assert jumped.readings["wheel_velocity"] == pytest.approx(-100.0 * KGF * 0.02 / m)
+
+
+def test_a_dip_between_two_looks_is_found():
+    """A margin that is negative for 2 % of the window, between the looks at its quarters."""
+
+    def left(part: float) -> float:
+        return (part - 0.37) ** 2 - 1e-4
+
+    course = [left(part) for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+    assert min(course) > 0.0
+    assert _end_of(course, left, 1.0, fresh=False) == pytest.approx(0.36, abs=1e-12)
+    touched = [(part - 0.37) ** 2 + 1e-4 for part in (0.0, 0.25, 0.5, 0.75, 1.0)]
+    assert _end_of(touched, lambda part: (part - 0.37) ** 2 + 1e-4, 1.0, fresh=False) is None
