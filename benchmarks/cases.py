@@ -14,9 +14,9 @@ import hard_coded
 
 from scenarios.studies import own, peers
 from scenarios.studies.accuracy import Solver, solvers
-from scenarios.studies.peers import UnableError, Workbench
 from scenarios.studies.problems import PROBLEMS
 from scenarios.studies.reference import largest_error, truth
+from scenarios.studies.workbench import Prepared, UnableError, Workbench
 from suspension import engine
 
 STEP, DURATION = 1e-3, 2.0
@@ -41,12 +41,11 @@ def fixed_steps(integrator_class: Any, method: str = "equilibrium") -> Callable[
     integrator = integrator_class(PROBLEMS["lift_off"]().system, method, STEP)
     start = integrator.snapshot()
 
-    def run() -> int:
-        integrator.restore(start)
+    def go() -> int:
         assert integrator.advance(DURATION) == 0
         return int(integrator.step_count)
 
-    return run
+    return Prepared(lambda: integrator.restore(start), go)
 
 
 def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:

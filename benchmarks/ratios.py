@@ -19,7 +19,7 @@ from pathlib import Path
 import cases
 from measuring import medians
 
-from scenarios.studies.accuracy import machine, versions
+from scenarios.studies.telling import machine, versions
 from suspension.engine import Integrator
 
 HERE = Path(__file__).parent

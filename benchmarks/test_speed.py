@@ -13,9 +13,9 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from scenarios.studies import own, peers
-from scenarios.studies.peers import Workbench
 from scenarios.studies.problems import PROBLEMS
 from scenarios.studies.reference import truth
+from scenarios.studies.workbench import UnableError, Workbench
 from suspension.engine import Integrator
 
 
@@ -61,6 +61,6 @@ def test_peers(benchmark: BenchmarkFixture, bench: Workbench, name: str, toleran
     try:
         run = make(bench, tolerance)
         run()
-    except (peers.UnableError, ArithmeticError) as error:
+    except (UnableError, ArithmeticError) as error:
         pytest.skip(str(error))
     benchmark(run)

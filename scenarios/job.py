@@ -149,8 +149,9 @@ def accuracy(
     """
     from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
 
-    from .studies.accuracy import as_data, measure, panels, solvers, table  # noqa: PLC0415
+    from .studies.accuracy import measure, solvers  # noqa: PLC0415
     from .studies.problems import PROBLEMS, find_problem  # noqa: PLC0415
+    from .studies.telling import as_data, panels, table  # noqa: PLC0415
 
     folder = folder or OUTPUT / "accuracy"
     check_replaceable(folder)

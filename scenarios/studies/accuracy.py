@@ -7,32 +7,25 @@ least of repeated runs that the solvers take in turn.
 
 from __future__ import annotations
 
-import os
-import platform
-import re
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
 
-from suspension import engine
 from suspension.variables import MODELS
 
 from ..errors import one_line
 from . import own, peers
-from .peers import Run, UnableError, Workbench, timed
 from .problems import Problem
 from .reference import largest_error, truth
+from .workbench import Run, UnableError, Workbench, timed
 
 Family = Literal["incremental", "FMU", "construction", "peer"]
 Progress = Callable[[float], None]
 
-LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors at which run times are compared
 REPEATS = 7
 _TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 _FRACTIONS = tuple(0.5**k for k in range(8))  # of the output interval, for fixed steps
@@ -45,9 +38,6 @@ _PACKAGES = {
     "numbalsoda": ("numba", "numbalsoda"), "cvode": ("sksundae",), "heyoka": ("heyoka",),
     "rk4": ("numba",),
 }  # fmt: skip
-_DISTRIBUTIONS = (
-    "phaseplane", "numpy", "scipy", "fmpy", "numba", "numbalsoda", "scikit-sundae", "heyoka",
-)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,144 +229,3 @@ def _run(run: Run, *, again: bool) -> tuple[Any, float]:
         if again:
             run()
         return timed(run)
-
-
-# -- what is said --------------------------------------------------------------------------------
-
-
-def machine() -> dict[str, Any]:
-    """What it ran on."""
-    name = platform.processor()
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        name = next(
-            line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")
-        )
-    except (OSError, StopIteration):
-        pass
-    return {
-        "processor": name or platform.machine(),
-        "cores": os.cpu_count(),
-        "system": f"{platform.system()} {platform.machine()}",
-        "compiled": engine.compiled,
-    }
-
-
-def versions() -> dict[str, str]:
-    """Python and the packages that count."""
-    found = {"python": platform.python_version()}
-    for name in _DISTRIBUTIONS:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
-
-
-def as_data(problems: Sequence[Problem], points: Sequence[Point], repeats: int) -> dict[str, Any]:
-    """The whole study as plain data."""
-    return {
-        "study": "error against run time",
-        "machine": machine(),
-        "versions": versions(),
-        "repeats": repeats,
-        "problems": [
-            {
-                "name": p.name,
-                "title": p.title,
-                "kind": p.kind,
-                "degrees_of_freedom": len(p.system.mass),
-                "duration": p.duration,
-                "instants": p.intervals + 1,
-            }
-            for p in problems
-        ],
-        "points": [asdict(point) for point in points],
-    }
-
-
-def time_to_reach(points: Sequence[Point], level: float) -> float | None:
-    """The shortest run time among those whose error is at most `level`, s."""
-    times = [
-        point.seconds
-        for point in points
-        if point.error is not None and point.seconds is not None and point.error <= level
-    ]
-    return min(times, default=None)
-
-
-def table(problem: Problem, points: Sequence[Point]) -> str:
-    """Microseconds to reach each error level, a line for each solver; then what failed."""
-    lines = [f"{problem.name}: {problem.title} ({problem.kind})", ""]
-    heads = "".join(f"{f'{level:.0e}':>9}" for level in LEVELS)
-    lines.append(f"{'us to an error of':<34}{heads}")
-    mine = [point for point in points if point.problem == problem.name]
-    for family in _FAMILIES:
-        for solver in dict.fromkeys(p.solver for p in mine if p.family == family):
-            reached = [p for p in mine if (p.solver, p.family) == (solver, family)]
-            if any(p.error is not None for p in reached):
-                times = (time_to_reach(reached, level) for level in LEVELS)
-                cells = ("-" if s is None else f"{1e6 * s:.0f}" for s in times)
-                lines.append(f"{_label(solver, family):<34}{''.join(f'{c:>9}' for c in cells)}")
-    return "\n".join([*lines, *_failures(mine)])
-
-
-def _label(solver: str, family: str) -> str:
-    return solver if family in ("incremental", "peer") else f"{family}: {solver}"
-
-
-def _failures(points: Sequence[Point]) -> Iterator[str]:
-    """Each kind of failure once, with those that failed so; a whole family by its name."""
-    kinds = {point: _NUMBERS.sub("", point.failure) for point in points if point.failure}
-    for kind in dict.fromkeys(kinds.values()):
-        who = []
-        for family in _FAMILIES:
-            members = dict.fromkeys(p.solver for p in points if p.family == family)
-            counts = {}
-            for solver in members:
-                runs = [p for p in points if (p.solver, p.family) == (solver, family)]
-                failed = [p for p in runs if kinds.get(p) == kind]
-                if failed:
-                    whole = len(failed) == len(runs)
-                    counts[solver] = "" if whole else f" ({len(failed)} of {len(runs)} runs)"
-            if len(members) > 1 and len(counts) == len(members) and not any(counts.values()):
-                who.append(f"all {family}s")
-            else:
-                who += [f"{_label(solver, family)}{count}" for solver, count in counts.items()]
-        yield f"failed: {', '.join(who)}: {kind}"
-
-
-# where it happened, and by how much
-_NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: wrong by .*)$")
-_FAMILIES = ("incremental", "FMU", "construction", "peer")
-
-
-def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:
-    """What `phaseplane.figures.work_precision` draws: for each problem a title and its curves."""
-    from phaseplane.figures.work_precision import Curve  # noqa: PLC0415  (imports matplotlib)
-
-    drawn = []
-    for problem in problems:
-        curves: dict[tuple[str, str], list[Point]] = {}
-        for point in points:
-            if point.problem == problem.name and point.seconds is not None:
-                curves.setdefault((point.solver, point.family), []).append(point)
-        drawn.append(
-            (
-                f"{problem.name.replace('_', ' ')} ({problem.kind})",
-                [
-                    Curve(
-                        solver,
-                        family,
-                        tuple(
-                            (p.error, p.seconds)
-                            for p in mine
-                            if p.error is not None and p.seconds is not None
-                        ),
-                        tuple(p.seconds for p in mine if p.error is None and p.seconds is not None),
-                    )
-                    for (solver, family), mine in curves.items()
-                ],
-            )
-        )
-    return drawn

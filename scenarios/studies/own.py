@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from suspension.engine import FAILURES, Integrator
 from suspension.variables import MODELS
 
-from .peers import Run, UnableError, Workbench
+from .workbench import Prepared, Run, UnableError, Workbench
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,18 +41,17 @@ def in_process(bench: Workbench, **options: Any) -> Run:
     integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
     start, times = integrator.snapshot(), problem.times.tolist()
 
-    def run() -> Vector:
-        integrator.restore(start)
-        rows = []
-        for t in times:
+    def go() -> Vector:
+        out = np.empty((len(times), n))
+        for row, t in zip(out, times, strict=True):
             status = integrator.advance(t)
             if status:
                 raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
             integrator.sample(t)
-            rows.append(tuple(integrator.sample_q))
-        return np.array(rows)
+            row[:] = integrator.sample_q
+        return out
 
-    return run
+    return Prepared(lambda: integrator.restore(start), go)
 
 
 @cache

@@ -15,10 +15,11 @@ from phaseplane.figures.work_precision import Curve
 from scenarios.cli import main
 from scenarios.errors import InputError
 from scenarios.studies import accuracy, own
-from scenarios.studies.accuracy import Point, Solver, measure, solvers, table, time_to_reach
-from scenarios.studies.peers import Run, UnableError, Workbench
+from scenarios.studies.accuracy import Point, Solver, measure, solvers
 from scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from scenarios.studies.reference import truth
+from scenarios.studies.telling import table, time_to_reach
+from scenarios.studies.workbench import Run, UnableError, Workbench
 
 
 @pytest.fixture(autouse=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenarios.studies import peers
+from scenarios.studies import peers, workbench
 from scenarios.studies.accuracy import Solver, solvers
-from scenarios.studies.peers import UnableError, Workbench
 from scenarios.studies.problems import PROBLEMS, of_model
 from scenarios.studies.reference import largest_error, truth
+from scenarios.studies.workbench import UnableError, Workbench
 
 PEERS = [s for s in solvers(with_peers=True) if s.family == "peer"]
 
@@ -33,7 +33,7 @@ def leaf() -> Workbench:
 
 
 def test_scipy_runs_without_a_compiler_too(car: Workbench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(peers, "find_spec", lambda name: None)
+    monkeypatch.setattr(workbench, "find_spec", lambda name: None)
     bench = Workbench(car.problem, car.true)
     assert bench.compiled == {}
     assert largest_error(peers.scipy_method("DOP853", bench, 1e-9)(), car.true) < 1e-7

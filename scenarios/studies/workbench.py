@@ -1,0 +1,162 @@
+"""What a solver needs of a problem, made once; and a run of it, timed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from .branches import Branches
+from .equations import Equations
+from .problems import Problem
+from .reference import plain, until
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Vector = npt.NDArray[np.float64]
+
+Run = Callable[[], "Vector"]
+"""One whole run: displacements at the instants of the problem, (len(times), n), m."""
+
+
+@dataclass(frozen=True, slots=True)
+class Prepared:
+    """A run whose solver is brought back to the start first, which is set-up and not timed."""
+
+    reset: Callable[[], object]
+    go: Run
+
+    def __call__(self) -> Vector:
+        self.reset()
+        return self.go()
+
+
+def timed(run: Callable[[], object]) -> tuple[Any, float]:
+    """What a run gives, and how long it took, s."""
+    if isinstance(run, Prepared):
+        run.reset()
+        run = run.go
+    started = perf_counter()
+    found = run()
+    return found, perf_counter() - started
+
+
+class UnableError(Exception):
+    """A solver cannot take a problem; the message says why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segmented:
+    """A run up to a joint of the road: p there, the instants with both ends, how many are wanted."""
+
+    end: float
+    p: Vector
+    instants: Vector
+    wanted: int
+
+
+class Workbench:
+    """What is made once for a problem: its equations, compiled, and the scales of its motion.
+
+    Parameters
+    ----------
+    problem : what is to be solved
+    true : displacements at its instants, (len(times), n), m
+    """
+
+    def __init__(self, problem: Problem, true: Vector) -> None:
+        self.problem = problem
+        self.true = true
+        self.equations = Equations(problem.system)
+
+    @cached_property
+    def scale(self) -> Vector:
+        """Largest displacement and largest velocity, for each coordinate's two tolerances."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        rates = np.gradient(self.true, self.problem.times, axis=0)
+        n = self.equations.n
+        largest = [np.abs(self.true).max(), np.abs(rates).max()]
+        return np.repeat(largest, n)
+
+    @cached_property
+    def branches(self) -> Branches:
+        """Those at the start."""
+        guards = self.compiled["guards"] if self.compiled else None
+        return Branches(self.equations, 0.0, self.problem.start, guards)
+
+    @cached_property
+    def compiled(self) -> dict[str, Any]:
+        """`rhs` and `guards` by numba, and `choosing` where no element has a memory; or nothing."""
+        if find_spec("numba") is None:
+            return {}
+        from numba import njit  # noqa: PLC0415  (heavy, optional)
+
+        made = {name: njit(f) for name, f in self.equations.functions().items()}
+        if self.equations.choosing_source:
+            made["choosing"] = njit(self.equations.functions(choosing=True)["rhs"])
+        return made
+
+    @cached_property
+    def returning(
+        self,
+    ) -> tuple[
+        Callable[[float, Vector, Vector], Vector],
+        Callable[[float, Vector, Vector], float] | None,
+    ]:
+        """Right-hand side and smallest guard as functions that return their result."""
+        if not self.compiled:
+            return plain(self.equations)
+        import numpy as np  # noqa: PLC0415  (heavy)
+        from numba import njit  # noqa: PLC0415  (heavy, optional)
+
+        fill, fill_guards = self.compiled["rhs"], self.compiled["guards"]
+        size, guards = 2 * self.equations.n, len(self.equations.guards)
+
+        @njit
+        def rhs(t: float, y: Vector, p: Vector) -> Vector:
+            dy = np.empty(size)
+            fill(t, y, dy, p)
+            return dy
+
+        @njit
+        def margin(t: float, y: Vector, p: Vector) -> float:
+            g = np.empty(guards)
+            fill_guards(t, y, g, p)
+            return g.min()
+
+        return rhs, margin if guards else None
+
+    def choosing(self) -> Any:
+        """The right-hand side that finds its branches by itself, compiled.
+
+        Raises
+        ------
+        UnableError : there is none.
+        """
+        if self.equations.memory:
+            raise UnableError(f"has no events, which it would need ({self.equations.memory})")
+        return self.compiled["choosing"]
+
+    def stretches(self) -> list[Segmented]:
+        """The run from joint to joint."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        times, y, t, k = self.problem.times, self.problem.start, 0.0, 1
+        branches = self.branches.copy()
+        found = []
+        while k < len(times):
+            end = min(branches.next_joint(t), times[-1])
+            wanted = until(times[k:], end)
+            ends = [] if len(wanted) and wanted[-1] == end else [end]
+            found.append(
+                Segmented(end, branches.p.copy(), np.array([t, *wanted, *ends]), len(wanted))
+            )
+            branches.pass_joint(end, y.copy())
+            t, k = end, k + len(wanted)
+        return found
