@@ -166,6 +166,10 @@ def road_words(parameters: Mapping[str, Any]) -> str:
     height = f"{1e3 * parameters['road.height']:.4g} mm"
     if shape in ("table", "spline"):
         return f"{shape} of {len(parameters['road.table'].split(','))} points, {speed}"
+    if shape == "sequence":
+        return (
+            f"{', '.join(part.strip() for part in parameters['road.sequence'].split(','))}, {speed}"
+        )
     if shape == "sine":
         return f"sine {height} from crest to trough, {length:.4g} m long, {speed}"
     if shape == "sweep":

@@ -21,6 +21,10 @@ from suspension.variables import checked_parameters
             {"shape": "random", "roughness": 1e-4},
             "random, Gd(n0) = 100 cm3, seed 1, 200 m long, at 20 m/s",
         ),
+        (
+            {"shape": "sequence", "sequence": "bump 0.05 1,gap 3, step 0.02"},
+            "bump 0.05 1, gap 3, step 0.02, at 20 m/s",
+        ),
         ({"shape": "spline", "table": "0:0, 1:0.1, 2:0"}, "spline of 3 points, at 20 m/s"),
     ],
 )
