@@ -50,11 +50,6 @@ def parameters_of(model: str, road: dict) -> dict:
     from suspension.variables import checked_parameters  # noqa: PLC0415
 
     extra = {"front.bump_stop.stiffness": 5e4, **HALF} if model.startswith("Half") else {}
-    if road.get("road.shape") == "step":  # the integrator takes the damper's slope before the kerb
-        axles = ("front.", "rear.") if model.startswith("Half") else ("",)
-        extra |= {
-            f"{axle}damper.{way}_rate": 1200.0 for axle in axles for way in ("bump", "rebound")
-        }
     return checked_parameters(model, {**road, **extra})
 
 

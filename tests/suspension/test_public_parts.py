@@ -188,3 +188,24 @@ def test_a_start_is_given_from_equilibrium() -> None:
     assert session.value("front_body_displacement") == 0.01
     assert session.value("rear_wheel_velocity") == -0.3
     assert session.value("front_spring_force") == pytest.approx(0.01 * 1500 * 9.80665)
+
+
+@pytest.mark.parametrize("shape", ["plank", "pothole"])
+@pytest.mark.parametrize("model", ["QuarterCar", "OneDof"])
+def test_a_kerb_is_the_limit_of_ever_shorter_ramps(model: str, shape: str) -> None:
+    """To first order in the ramp: tyres do not pull, and dampers act as they do at high rates."""
+    parameters = {
+        "road.shape": shape, "road.height": 0.03, "road.start": 0.03, "solver.tolerance": 1e-8,
+        "damper.rebound_limit": 400.0, "damper.limit_slope": 50.0,
+    }  # fmt: skip
+    kerb, *ramps = (
+        np.array(
+            simulate(model, {**parameters, "road.ramp_length": ramp}, TIMES, ["body_displacement"])[
+                "body_displacement"
+            ]
+        )
+        for ramp in (0.0, 1e-2, 1e-3, 1e-4)
+    )
+    errors = [np.abs(ramp - kerb).max() / np.abs(kerb).max() for ramp in ramps]
+    assert errors[0] < 0.02
+    assert errors[1:] == pytest.approx([0.1 * errors[0], 0.01 * errors[0]], rel=0.1)

@@ -26,7 +26,8 @@ cdef class Elements(Laws):
     cdef void row_derivatives(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j,
                               double[::1] out) noexcept nogil
 
-    cdef int piece_now(self, int e, int law) noexcept nogil
+    @cython.final
+    cdef inline int piece_now(self, int e, int law) noexcept nogil
     @cython.locals(r=int, force=double)
     cdef double damper_force(self, int e) noexcept nogil
     @cython.locals(d=double, force=double)

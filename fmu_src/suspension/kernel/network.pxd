@@ -2,7 +2,7 @@ cimport cython
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
-cdef int _KINDS, _CONTACT, _FRICTION, _SPRING, _DAMPER, _MODULATION
+cdef int _KINDS, _CONTACT, _FRICTION, _SPRING, _DAMPER, _MODULATION, _LAWS, _PIECE
 
 cdef class Network(Elements):
     cdef readonly int loads, works
@@ -13,6 +13,8 @@ cdef class Network(Elements):
 
     @cython.locals(s=int, jumped=int, jump=double)
     cdef int enter_segments(self, double t, double[::1] v) noexcept nogil
+    @cython.locals(n=int, r=int, i=int, e=int, law=int, p=int, c=double)
+    cdef void kerb(self, int signal, double jump, double[::1] v) noexcept nogil
     @cython.locals(n=int, r=int, i=int)
     cdef void impulse(self, int signal, double jump, double[::1] v) noexcept nogil
     @cython.locals(n=int, i=int, k=int, r=int, bi=double, bb=double)

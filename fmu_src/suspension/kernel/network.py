@@ -18,6 +18,7 @@ if not cython.compiled:
 __all__ = ["KINDS", "Network"]
 
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_LAWS, _PIECE = 3, 9  # as in laws
 
 
 class Network(Elements):
@@ -55,18 +56,42 @@ class Network(Elements):
     def enter_segments(self, t, v):
         """Let every signal go on to the segment that holds from t on; never backwards.
 
-        A jump of a road (a kerb without a ramp) acts on v through its dampers; 1 if there was one.
+        A jump of a road acts on v as a kerb does; 1 if there was one.
         """
         jumped = 0
         for s in range(self.signals):
             jump = self.enter_segment(s, t)
             if jump != 0.0:
-                self.impulse(s, jump, v)
+                self.kerb(s, jump, v)
                 jumped = 1
         return jumped
 
+    def kerb(self, signal, jump, v):
+        """A kerb without a ramp, the limit of ever shorter ones: v += M^-1 sum b c jump.
+
+        c is the slope that a damper ends with on that side; where the road falls away, what cannot
+        pull does nothing.
+        """
+        n = self.n
+        for i in range(n):
+            self.scratch[i] = 0.0
+        for e in range(self.elements):
+            r = self.element_row[e]
+            if self.row_signal[r] != signal or (jump < 0.0 and self.limit[e] < 1e300):
+                continue
+            law = _LAWS * e + _DAMPER
+            p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
+            c = self.piece[p * _PIECE + 3]
+            if self.modulated[e]:
+                c *= self.law(self.piece_now(e, _MODULATION), self.row_d[r])
+            for i in range(n):
+                self.scratch[i] += self.row_direction[r * n + i] * c * jump
+        solve(self.mass_factor, 0, n, self.scratch)
+        for i in range(n):
+            v[i] += self.scratch[i]
+
     def impulse(self, signal, jump, v):
-        """A jump of a road's elevation acts through its dampers: v += M^-1 b c jump."""
+        """A small jump between samples of a road acts through its dampers: v += M^-1 b c jump."""
         n = self.n
         for r in range(self.rows):
             if self.row_signal[r] == signal:
