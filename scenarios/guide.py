@@ -147,6 +147,8 @@ def _schema_of(variable: Variable) -> Mapping[str, Any]:
     kind = _TYPES[type(variable.start)]
     said: dict[str, Any] = {"description": variable.description, "default": variable.start}
     said["type"] = ["number", "string"] if kind == "number" and variable.unit else kind
+    if variable.name.endswith("table"):  # which may stand in a file
+        said["type"] = ["string", "object"]
     if variable.unit:
         said["unit"] = variable.unit
     if variable.choices:

@@ -87,6 +87,15 @@ def test_forces_and_characteristics_stand_in_files_alike(
     assert load_scene(str(path)).parameters[name] == text
 
 
+def test_the_schema_and_the_guide_know_of_files() -> None:
+    told = CliRunner().invoke(main, ["schema"]).stdout
+    assert 'road.table = { file = "road.csv",' in told
+    schema = json.loads(CliRunner().invoke(main, ["schema", "QuarterCar", "--json"]).stdout)
+    known = schema["properties"]["parameters"]["properties"]
+    assert known["road.table"]["type"] == ["string", "object"]
+    assert known["road.shape"]["type"] == "string"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
