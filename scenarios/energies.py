@@ -8,7 +8,7 @@ sums over its rows by the trapezoidal rule, so they are as exact as the rows are
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import isfinite
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from suspension.models import build
@@ -46,7 +46,7 @@ def energies(
         b = np.array(element.direction)
         d, w = b @ q - ground, b @ v - rate
         force = _force(element, d, w)
-        potential = np.array([_potential(element, x) for x in d.tolist()])
+        potential = _potential(element, d)
         taken_up = _summed(columns["time"], force * w)
         stored += potential
         dissipated += taken_up - (potential - potential[0])
@@ -85,18 +85,35 @@ def _force(element: Element, d: Reals, w: Reals) -> Reals:
     import numpy as np  # noqa: PLC0415  (heavy)
 
     force = [
-        element.spring.force(x) + element.damper.force(y)
+        element.spring.force(x) + element.damper.force(y) * element.modulation.force(x)
         for x, y in zip(d.tolist(), w.tolist(), strict=True)
     ]
     return np.minimum(force, element.limit)
 
 
-def _potential(element: Element, d: float) -> float:
+def _potential(element: Element, d: Reals) -> Reals:
     """Potential of a spring, linear where an element that cannot pull is beyond its limit."""
-    if not isfinite(element.limit) or element.spring.force(d) <= element.limit:
-        return element.spring.potential(d)
-    free = element.limit / element.spring.tangent(0.0)
-    return element.spring.potential(free) + element.limit * (d - free)
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    free = _free_deflection(element)
+    elastic = np.array([element.spring.potential(x) for x in np.minimum(d, free).tolist()])
+    beyond = np.maximum(0.0, d - free)
+    return elastic + np.where(beyond > 0.0, min(element.limit, 1e300), 0.0) * beyond
+
+
+def _free_deflection(element: Element) -> float:
+    """The deflection at which a spring alone has the force that its element is limited to, m."""
+    if not isfinite(element.limit):
+        return inf
+    low, high = 0.0, 1.0
+    while element.spring.force(high) < element.limit:
+        low, high = high, 2.0 * high
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (
+            (middle, high) if element.spring.force(middle) < element.limit else (low, middle)
+        )
+    return high
 
 
 def _summed(times: Reals, power: Reals) -> Reals:

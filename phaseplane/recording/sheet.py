@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from math import ceil, floor, inf, log10
 from operator import itemgetter
 
@@ -84,9 +85,10 @@ def points(frames: Sequence[Frame], names: Sequence[str]) -> Complexes:
     ValueError : a frame lacks a point that its scheme draws.
     """
     read = itemgetter(*names)
+    rows = (read(frame.points) for frame in frames)
+    values = rows if len(names) == 1 else chain.from_iterable(rows)
     try:
-        table = np.array([read(frame.points) for frame in frames], complex)
-        return table.reshape(len(frames), len(names))
+        return np.fromiter(values, complex, len(frames) * len(names)).reshape(-1, len(names))
     except KeyError as error:
         step = next(frame.step for frame in frames if error.args[0] not in frame.points)
         raise ValueError(f"step {step} of the construction has no point {error}") from None
@@ -222,7 +224,7 @@ def axes(
             ]
         else:
             texts += [Text(tick.place + 0.028j * size, tick.label) for tick in graduation]
-        texts.append(Text(tip + 0.028j * size, axis.label))
+        texts.append(Text(tip + (0.028j * size if upright else 0.0), axis.label))
     return strips, texts
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from .columns import Clock, Reals, flat, line_style, strips
+from .columns import Clock, Reals, flat, line_style, seconds, strips
 from .content import Content
 from .motion import thinned
 from .sheet import Bounds, vertices
@@ -74,6 +74,9 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
         _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), "wheel")
         _log_part(recording, f"{axle.name}/spring", [coils()], "spring")
         recording.log(f"{VEHICLE}/{axle.name}/gap", line_style([style("gap")]), static=True)
+    if content.live:  # until the first row comes, all stands at rest
+        at_rest = dict.fromkeys(content.histories, np.zeros(1))
+        send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
     histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
     if vehicle.road or len(histories["time"]):
         _log_part(recording, "road", road_profile(vehicle, histories), "road")

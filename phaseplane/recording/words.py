@@ -34,8 +34,9 @@ def event_texts(event: str) -> tuple[str, str]:
 def step_text(drawing: Drawing, frame: Frame) -> str:
     """The words and numbers of a step, in Markdown."""
     event = _plain(legible(event_texts(frame.event)[1])) if frame.event else ""
+    state = f", {_words(frame.scheme)}" if len(drawing.schemes) > 1 else ""
     return (
-        f"**Step {frame.step} of {len(drawing.frames)}, {_words(frame.scheme)}**: "
+        f"**Step {frame.step} of {len(drawing.frames)}{state}**: "
         f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {event}\n\n"
         + readings_table(frame.readings)
     )

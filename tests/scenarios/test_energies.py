@@ -37,6 +37,24 @@ def test_the_balance_closes_with_the_square_of_the_rows(model: str) -> None:
     assert lacks[0] / lacks[1] > 2.5
 
 
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"tyre.table": "-0.1:-18000, -0.03:-4000, 0:0, 0.02:2500, 0.05:8000"},
+        {"bump_stop.stiffness": 2e5, "bump_stop.gap": 0.02, "damper.rebound_limit": 500.0},
+    ],
+)
+def test_the_balance_closes_where_nothing_is_linear(parameters: dict[str, object]) -> None:
+    everything = defaults("QuarterCar") | parameters
+    found = energies("QuarterCar", everything, run("QuarterCar", parameters, 3201))
+    balance = (
+        found["kinetic_energy"] + found["stored_energy"] + found["dissipated_energy"]
+        - found["supplied_energy"]
+    )  # fmt: skip
+    assert np.max(abs(balance)) < 1e-3 * np.max(found["supplied_energy"])
+    assert np.min(found["stored_energy"]) >= 0.0
+
+
 def test_a_damper_dissipates_what_the_road_has_brought_in() -> None:
     parameters = defaults("QuarterCar")
     found = energies("QuarterCar", parameters, run("QuarterCar", {}, 3001, 3.0))

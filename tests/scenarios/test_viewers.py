@@ -26,6 +26,7 @@ from phaseplane.recording.server import viewer_program
 from phaseplane.recording.styles import STYLES
 from scenarios.job import run_scene
 from scenarios.layers import case_names
+from scenarios.live import recordings_in
 from suspension.variables import MODELS
 
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
@@ -128,13 +129,35 @@ def test_the_viewer_draws_it(name: str, viewer: ViewerClient, tmp_path: Path) ->
         viewer.set_time(timeline, play_state="paused", **at)
         picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values())):g}.png"
         time.sleep(0.5)
-        wanted = ["trail" if staged else "run"]
+        under_way = timeline == "t" or at["sequence"] == staged // 2
+        wanted = ["axis"] + (["trail" if staged else "run"] if under_way else [])
         wanted += ["road", "spring"] if "speed" in summary["parameters"] else []
         for role in wanted:
             until(partial(shows, viewer, picture, role))
     views = viewer.get_state().views
     assert len(views) >= 3
     assert [(v.name, r.summary, r.details) for v in views for r in v.reports] == []
+
+
+def test_ten_thousand_steps_open_and_scrub(viewer: ViewerClient, tmp_path: Path) -> None:
+    settings = ["construction.step=0.1 ms", "construction.duration=1 s", "show.figures=[]"]
+    _, folder = run_scene("ap57", settings, tmp_path / "out")
+    viewer.close("all")
+    (opened,) = viewer.open(str(folder / "construction.rrd")).store_ids
+    until(lambda: any(r.timelines for r in viewer.get_state().recordings if r.store_id == opened))
+    ARTEFACTS.mkdir(exist_ok=True)
+    for step in (9999, 300, 5000):
+        viewer.set_time("step", sequence=step, play_state="paused")
+        until(partial(shows, viewer, ARTEFACTS / f"long-step{step}.png", "normal"))
+
+
+def test_all_recordings_of_a_folder_are_on_one_page(viewer: ViewerClient, tmp_path: Path) -> None:
+    for name in ("ap57", "ap57_figure13"):
+        run_scene(name, ["show.figures=[]", "show.recording=trail"], tmp_path / name)
+    viewer.close("all")
+    with serving(recordings_in(tmp_path)) as server:
+        viewer.open(server.url)
+        until(lambda: sum(bool(r.timelines) for r in viewer.get_state().recordings) == 2)
 
 
 def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
