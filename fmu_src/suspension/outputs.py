@@ -117,6 +117,15 @@ def _along(direction: Sequence[float], vector: Sequence[float]) -> float:
     return sum(map(mul, direction, vector))
 
 
+def _combination(direction: Sequence[float], vector: Sequence[float]) -> Callable[[], float]:
+    """b' x of a vector whose numbers change in place (most have two terms)."""
+    terms = [(b, i) for i, b in enumerate(direction) if b != 0.0]
+    if len(terms) == 2:
+        (b, i), (c, j) = terms
+        return lambda: b * vector[i] + c * vector[j]
+    return lambda: sum(b * vector[i] for b, i in terms)
+
+
 class Run(Protocol):
     """What of a session its outputs are read from."""
 
@@ -151,9 +160,10 @@ def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
 
 
 def _of_coordinate(i: int, name: str, run: Run) -> dict[str, Read]:
+    q, v = run.state.q, run.state.v
     return {
-        f"{name}displacement": lambda: run.state.q[i],
-        f"{name}velocity": lambda: run.state.v[i],
+        f"{name}displacement": lambda: q[i],
+        f"{name}velocity": lambda: v[i],
         f"{name}acceleration": lambda: run.state.a[i],
     }
 
@@ -171,8 +181,8 @@ def _of_motion(motion: Motion, run: Run) -> dict[str, Read]:
     b = motion.direction
     displacement, velocity, acceleration = motion.names
     return {
-        displacement: lambda: _along(b, run.state.q),
-        velocity: lambda: _along(b, run.state.v),
+        displacement: _combination(b, run.state.q),
+        velocity: _combination(b, run.state.v),
         acceleration: lambda: _along(b, run.state.a),
     }
 
@@ -180,17 +190,19 @@ def _of_motion(motion: Motion, run: Run) -> dict[str, Read]:
 def _of_axle(axle: Axle, system: System, run: Run) -> dict[str, Read]:
     """Deflection and forces of the suspension, and the road."""
 
-    def deflection(order: int) -> float:
-        moved = _along(axle.suspension, run.state.v if order else run.state.q)
-        return moved if axle.tyre else moved - run.state.signals[axle.road][order]
+    def deflection(order: int) -> Read:
+        moved = _combination(axle.suspension, run.state.v if order else run.state.q)
+        if axle.tyre:
+            return moved
+        return lambda: moved() - run.state.signals[axle.road][order]
 
     def force(name: str) -> Read:
         e = system.element(f"{axle.prefix}{name}")
         return (lambda: 0.0) if e is None else (lambda: run.state.forces[e])
 
     read: dict[str, Read] = {
-        "suspension_deflection": lambda: deflection(0),
-        "suspension_deflection_rate": lambda: deflection(1),
+        "suspension_deflection": deflection(0),
+        "suspension_deflection_rate": deflection(1),
         "ground_elevation": lambda: run.state.signals[axle.road][0],
         "ground_velocity": lambda: run.state.signals[axle.road][1],
         **{f"{name}_force": force(name) for name in _SUSPENSION},
