@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
@@ -21,7 +22,7 @@ from ..errors import one_line
 from . import own, peers
 from .problems import Problem
 from .reference import largest_error, truth
-from .workbench import Run, UnableError, Workbench, timed
+from .workbench import Run, UnableError, Workbench, silenced, timed
 
 Family = Literal["incremental", "FMU", "construction", "peer"]
 Progress = Callable[[float], None]
@@ -166,6 +167,13 @@ def measure(
     A point for each setting, but for those finer than an error of rounding; settings finer than one
     that was too slow are failures.
     """
+    with silenced() if any(s.family == "peer" for s in compared) else nullcontext():
+        return _measured(problem, compared, repeats, progress)
+
+
+def _measured(
+    problem: Problem, compared: Sequence[Solver], repeats: int, progress: Progress | None
+) -> list[Point]:
     bench = Workbench(problem, truth(problem))
     points: list[Point] = []
     timed: list[_Timed] = []

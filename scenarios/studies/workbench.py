@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
@@ -44,6 +48,22 @@ def timed(run: Callable[[], object]) -> tuple[Any, float]:
     started = perf_counter()
     found = run()
     return found, perf_counter() - started
+
+
+@contextmanager
+def silenced() -> Iterator[None]:
+    """Keep what compiled libraries print on failure out of the output, where JSON may stand."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        with suppress(OSError, TypeError):  # no C library under that name
+            ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
 
 
 class UnableError(Exception):

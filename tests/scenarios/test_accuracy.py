@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import time
 from pathlib import Path
 
@@ -95,6 +96,18 @@ def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
     told = table(frame, points)
     assert "failed: wrong (1 of 2 runs), lost: no solution" in told
     assert "failed: absent: not installed: no_such_package" in told
+
+
+def test_what_a_library_prints_does_not_reach_the_output(
+    frame: Problem, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def noisy(*_: object) -> Run:
+        os.write(1, b"[lsoda] illegal input")
+        return off_by(0.01)
+
+    measure(frame, [Solver("noisy", "peer", "step", (1.0,), noisy)], repeats=1)
+    print("after")
+    assert capfd.readouterr().out == "after\n"
 
 
 def test_nothing_finer_is_tried_after_a_slow_run(
