@@ -39,6 +39,7 @@ def run_scene(
     progress: Callable[[float], None] | None = None,
     *,
     viewer: str = "",
+    save: Path | None = None,
     realtime: bool = False,
 ) -> tuple[dict[str, Any], Path]:
     """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
@@ -50,6 +51,7 @@ def run_scene(
     folder : None for `out/<scene>`
     viewer : address of a running viewer that shows the run while it goes on; whatever becomes of
         it, the run does not notice
+    save : a recording (.rrd) that is written while the run goes on, and whole at its end
     realtime : whether the run waits for the clock
 
     Returns
@@ -67,6 +69,7 @@ def run_scene(
     from .runner import run  # noqa: PLC0415
     from .schema import load_scene  # noqa: PLC0415
 
+    _check_targets(save, None)
     scene = load_scene(reference, overrides)
     folder = folder or OUTPUT / scene.name
     check_replaceable(folder)
@@ -85,7 +88,7 @@ def run_scene(
             told = told_of(drawing, perf_counter() - started)
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
-    with shown_live(scene, drawing, viewer) as live:
+    with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
         results = run(scene, progress=progress, watch=watch, realtime=realtime)
         if live is not None:

@@ -41,14 +41,16 @@ class LiveRun:
 
 
 @contextmanager
-def shown_live(scene: Scene, drawing: Drawing | None, viewer: str) -> Iterator[LiveRun | None]:
-    """Show a run in the viewer at this address; without an address, nothing.
+def shown_live(
+    scene: Scene, drawing: Drawing | None, viewer: str, path: Path | None = None
+) -> Iterator[LiveRun | None]:
+    """Show a run in the viewer at this address, in a file, or both; without either, nothing.
 
     Raises
     ------
     InputError : not the address of a viewer.
     """
-    if not viewer:
+    if not viewer and path is None:
         yield None
         return
     import numpy as np  # noqa: PLC0415  (heavy)
@@ -68,7 +70,7 @@ def shown_live(scene: Scene, drawing: Drawing | None, viewer: str) -> Iterator[L
         live=True,
     )
     try:
-        live = Live(before, viewer)
+        live = Live(before, viewer, path)
     except ValueError as error:
         raise InputError(one_line(error)) from None
     with live:

@@ -17,7 +17,7 @@ from ..console import (
     set_option,
 )
 from ..errors import InputError
-from .viewing import page, until_interrupted, viewer_options
+from .viewing import page, save_option, until_interrupted, viewer_options
 
 
 @click.command()
@@ -25,6 +25,7 @@ from .viewing import page, until_interrupted, viewer_options
 @set_option
 @output_option
 @viewer_options
+@save_option
 @click.option("--realtime", is_flag=True, help="Let the run wait for the clock.")
 @click.option(
     "--plane", "planes", multiple=True, metavar="A,B",
@@ -39,13 +40,14 @@ def run(
     viewer: str,
     served: bool,
     address: str,
+    save: Path | None,
     realtime: bool,
     planes: tuple[str, ...],
     as_data: bool,
 ) -> int:
     """Run SCENE: the name of a case (see `list`), a scene file, or any .fmu file.
 
-    With --connect or --serve it is shown while it goes on.
+    With --connect, --serve or --save it is shown or recorded while it goes on.
     """
     from ..job import run_scene  # noqa: PLC0415
     from ..report import failures, report  # noqa: PLC0415
@@ -60,6 +62,7 @@ def run(
                 output,
                 progress,
                 viewer=viewer or (server.url if server else ""),
+                save=save,
                 realtime=realtime,
             )
         click.echo(as_json(summary) if as_data else report(summary, folder))
@@ -119,9 +122,7 @@ def list_cases(as_data: bool) -> None:
 )
 @click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
-@click.option(
-    "--save", type=click.Path(path_type=Path), metavar="F.rrd", help="Write a rerun recording."
-)
+@save_option
 @figure_option("the phase planes")
 @viewer_options
 @json_option

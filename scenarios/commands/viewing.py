@@ -24,6 +24,11 @@ _OPTIONS = (
 )  # fmt: skip
 
 
+save_option = click.option(
+    "--save", type=click.Path(path_type=Path), metavar="F.rrd", help="Write a rerun recording."
+)
+
+
 def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """`--connect`, `--serve` and `--address`."""
     for option in reversed(_OPTIONS):

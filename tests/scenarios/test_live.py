@@ -7,8 +7,11 @@ import re
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
+from types import SimpleNamespace
 from urllib.request import urlopen
 
 import pytest
@@ -53,6 +56,46 @@ def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:
     assert result.exit_code == 1
     assert result.stderr == f"phaseplane: ap57: the run was not shown: no viewer listens at {url}\n"
     assert len(read_csv("out/ap57/results.csv")) == 1001
+
+
+def test_a_run_recorded_while_it_goes_on() -> None:
+    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--save", "live.rrd"])
+    assert result.exit_code == 0, result.stderr
+    assert {"/vehicle/axle/wheel", "/histories/force"} <= entities(Path("live.rrd"))
+    assert list(Path().glob("*.part.rrd")) == []
+
+
+@pytest.mark.slow
+def test_an_interrupted_run_leaves_what_it_has_drawn() -> None:
+    arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=60"]
+    running = subprocess.Popen(
+        [sys.executable, "-m", "scenarios.cli", *arguments],
+        env={**os.environ, "PYTHONPATH": PATH},
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    part = Path("live.part.rrd")
+    end = perf_counter() + 60.0
+    while not (part.exists() and part.stat().st_size > 200_000) and perf_counter() < end:
+        sleep(0.1)
+    running.send_signal(signal.SIGINT)
+    _, said = running.communicate(timeout=30)
+    assert (running.returncode, said.strip()) == (130, "phaseplane: interrupted")
+    assert "/vehicle/axle/wheel" in entities(part)
+    assert not Path("live.rrd").exists()
+
+
+def test_a_page_for_other_machines_is_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    @contextmanager
+    def page(_files: object, address: str) -> Iterator[SimpleNamespace]:
+        yield SimpleNamespace(page=f"http://{address}:1/", wait=lambda: None)
+
+    monkeypatch.setattr("scenarios.live.page", page)
+    Path("f.rrd").touch()
+    for address, warned in (("127.0.0.1", False), ("0.0.0.0", True)):
+        result = CliRunner().invoke(main, ["serve", ".", "--address", address])
+        assert result.exit_code == 0
+        assert ("lets other machines see" in result.stderr) == warned
 
 
 def test_a_run_that_waits_for_the_clock() -> None:
@@ -120,6 +163,7 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
         (["replay", "ap57", "--connect", "here"], "here is no address of a viewer"),
         (["run", "ap57", "--connect", "here"], "here is no address of a viewer"),
         (["run", "none.fmu"], "no such file"),
+        (["run", "ap57", "--save", "live.txt"], "must end in .rrd"),
     ],
 )
 def test_bad_input(arguments: list[str], message: str) -> None:
