@@ -104,6 +104,17 @@ def laid_over(
         raise InputError(f"construction: {one_line(error)}") from None
 
 
+def drifting(drawing: Drawing, columns: Columns) -> Drawing:
+    """A construction by itself with how far it has drifted from a run, where the run tells enough."""
+    from phaseplane.constructions import held_against  # noqa: PLC0415
+
+    shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
+    if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:
+        return drawing
+    motion = (columns[name].tolist() for name in shown)
+    return held_against(drawing, columns["time"].tolist(), *motion)
+
+
 def rate_of(displacement: str) -> str:
     """The name of the rate of a displacement, as FMUs and constructions have it."""
     stem = displacement.removesuffix("displacement")
@@ -116,7 +127,8 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
     Returns
     -------
     steps and events; `control`: how far the motions of bodies by AP57 eqs. 24 and 25 are apart at
-    most; `drift`: how far a step laid over a given motion ends from it at most; both in m
+    most; `drift`: how far from a given motion a construction by itself gets, or a step that is laid
+    over it ends, at most; both in m
     """
     readings = drawing.frames[-1].readings
     controls = [name.removeprefix("control_") for name in readings if name.startswith("control_")]
@@ -124,6 +136,7 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
         "title": drawing.title,
         "steps": len(drawing.frames),
         "seconds": seconds,
+        "unit": drawing.planes[0].displacement.unit,
         "events": [{"event": f.event, "time": f.time} for f in drawing.frames if f.event],
         "control": {
             name: max(abs(f.readings[name] - f.readings[f"control_{name}"]) for f in drawing.frames)

@@ -63,7 +63,7 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
-    from .constructions import CONSTRUCTED, constructed, told_of  # noqa: PLC0415
+    from .constructions import CONSTRUCTED, constructed, drifting, told_of  # noqa: PLC0415
     from .live import shown_live  # noqa: PLC0415
     from .pictures import draw_all  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
@@ -85,7 +85,7 @@ def run_scene(
                 scene.construction.model_dump(),
                 scene.construction_time,
             )
-            told = told_of(drawing, perf_counter() - started)
+            drawing_time = perf_counter() - started
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
     with shown_live(scene, drawing, viewer, save) as live:
@@ -93,6 +93,9 @@ def run_scene(
         results = run(scene, progress=progress, watch=watch, realtime=realtime)
         if live is not None:
             problems += live.complete(results)
+    if drawing is not None:
+        drawing = drifting(drawing, results.columns)
+        told = told_of(drawing, drawing_time)
     with replaced_whole(folder) as draft:
         problems += draw_all(scene, results, drawing, draft)
         results = Results(results.columns, {**results.summary, "drawn": told, "problems": problems})

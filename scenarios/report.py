@@ -135,17 +135,24 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
         return
     yield _line("construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s")
     if drawn["control"]:
-        apart = ", ".join(
-            f"{1e3 * value:.2g} mm in {name.replace('_', ' ')}"
-            for name, value in drawn["control"].items()
-        )
+        apart = _lengths(drawn, "control")
         yield _line("control", f"apart by {apart} at most (AP57 eqs. 24 and 25)")
+    if drawn["drift"]:
+        yield _line("drift", f"from the run by {_lengths(drawn, 'drift')} at most")
 
 
 def drift_words(drawn: Mapping[str, Any]) -> str:
     """How far the steps of a construction end from the motion it is laid over, if it is."""
-    words = (f"{1e3 * d:.2g} mm in {name.replace('_', ' ')}" for name, d in drawn["drift"].items())
-    return f"; a step drifts by {', '.join(words)} at most" if drawn["drift"] else ""
+    return f"; a step drifts by {_lengths(drawn, 'drift')} at most" if drawn["drift"] else ""
+
+
+def _lengths(drawn: Mapping[str, Any], which: str) -> str:
+    """Some lengths of a construction in words."""
+    factor, unit = (1e3, " mm") if drawn["unit"] == "m" else (1.0, drawn["unit"])
+    return ", ".join(
+        f"{factor * value:.2g}{unit} in {name.replace('_', ' ')}"
+        for name, value in drawn[which].items()
+    )
 
 
 def _expected(summary: Mapping[str, Any]) -> Iterator[str]:

@@ -14,7 +14,7 @@ from phaseplane.constructions.inertial import HalfCarRigidTyresPlanes
 from phaseplane.constructions.laws import Strut
 from phaseplane.constructions.marching import StepError, frames, march
 from phaseplane.constructions.one_plane import OneDofPlane
-from phaseplane.constructions.overlaying import overlay
+from phaseplane.constructions.overlaying import held_against, overlay
 from phaseplane.constructions.primitives import (
     Arc,
     Axis,
@@ -56,6 +56,7 @@ __all__ = [
     "Window",
     "delta",
     "frames",
+    "held_against",
     "march",
     "overlay",
     "rule_named",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import isfinite
 
@@ -67,6 +69,45 @@ def overlay(
     longest = max(frame.duration for frame in made)
     words = f"laid over {len(made)} steps of up to {1e3 * longest:.4g} ms"
     return drawing(construction, rule, tuple(made), longest, words)
+
+
+def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[float]) -> Drawing:
+    """A construction that marched by itself, held against a motion that is known.
+
+    How far its state points have drifted from those of the motion is read off at every step as
+    `<displacement>_drift`, m; between the instants of the motion these lie on straight lines.
+
+    Parameters
+    ----------
+    times, columns : as for `overlay`
+
+    Raises
+    ------
+    ValueError : fewer than two instants, or a motion that ends before the construction.
+    """
+    first, last = float(times[0]), float(times[-1])
+    if len(times) < 2 or drawing.frames[0].time < first or drawing.frames[-1].time > last:
+        raise ValueError(
+            f"the motion from {first:g} s to {last:g} s does not span the construction"
+        )
+    pairs = list(zip(drawing.planes, columns[::2], columns[1::2], strict=True))
+
+    def drifts(frame: Frame) -> dict[str, float]:
+        after = min(max(bisect_right(times, frame.time), 1), len(times) - 1)
+        span = times[after] - times[after - 1]
+        share = (frame.time - times[after - 1]) / span if span else 1.0
+        found = {}
+        for plane, y, rate in pairs:
+            known = (
+                float(column[after - 1] + share * (column[after] - column[after - 1]))
+                for column in (y, rate)
+            )
+            apart = abs(frame.points[plane.state] - state_point(plane, *known))
+            found[f"{plane.name}_drift"] = apart / plane.displacement.scale
+        return found
+
+    frames = (replace(f, readings={**f.readings, **drifts(f)}) for f in drawing.frames)
+    return replace(drawing, frames=tuple(frames))
 
 
 def _rows(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from worked_example import STEP, ap57, by_scipy, column
 
-from phaseplane.constructions import march, overlay
+from phaseplane.constructions import held_against, march, overlay
 
 
 def test_laid_over_a_solution_it_drifts_by_the_local_error():
@@ -64,3 +64,42 @@ def test_instants_given_twice_count_once():
 def test_a_motion_that_cannot_be_drawn_is_refused(columns, message):
     with pytest.raises(ValueError, match=message):
         overlay(ap57(), *columns)
+
+
+# A march held against a given motion.
+
+
+def test_a_march_drifts_from_an_exact_motion_by_the_error_of_its_rule():
+    times = np.arange(0.0, 0.1501, 2e-4)
+    (x1, x2, v1, v2), _ = by_scipy(times, lift_off=False)
+    car = ap57(lift_off=False)
+    largest = []
+    for parts in (1, 2):
+        drawing = march(car, step=STEP / parts, duration=0.15)
+        held = held_against(
+            drawing, times.tolist(), *(z.tolist() for z in (x1 - x2, v1 - v2, x2, v2))
+        )
+        largest.append(max(column(held, "wheel_displacement_drift")))
+        off = column(held, "wheel_displacement") - np.interp([f.time for f in held], times, x2)
+        assert np.all(column(held, "wheel_displacement_drift") >= np.abs(off) - 1e-12)
+    assert largest[0] / largest[1] == pytest.approx(4.0, abs=0.5)
+    assert held.frames[-1].points == drawing.frames[-1].points
+
+
+def test_a_march_does_not_drift_from_itself():
+    drawing = march(ap57(), step=STEP, duration=0.1)
+    names = ("suspension_deflection", "suspension_deflection_rate", "wheel_displacement",
+             "wheel_velocity")  # fmt: skip
+    rows = [column(drawing, name).tolist() for name in names]
+    held = held_against(drawing, column_of_times(drawing), *rows)
+    assert max(column(held, "suspension_deflection_drift")) < 1e-14
+
+
+def column_of_times(drawing) -> list[float]:
+    return [frame.time for frame in drawing]
+
+
+def test_a_motion_that_is_too_short_is_refused():
+    drawing = march(ap57(), step=STEP, duration=0.1)
+    with pytest.raises(ValueError, match=r"from 0 s to 0\.01 s does not span the construction"):
+        held_against(drawing, [0.0, 0.01], *([[0.0, 0.0]] * 4))

@@ -248,6 +248,9 @@ def test_the_scene_of_van_der_pol():
     assert "with SciPy" in result.stdout
     summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
     assert summary["drawn"]["steps"] == 200
+    assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3
+    assert "drift" in result.stdout
+    assert " mm" not in result.stdout  # x has no unit
     over = CliRunner().invoke(
         main, ["replay", "out/van_der_pol/results.csv", "--figure", "x.png", "--json"]
     )
