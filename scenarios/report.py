@@ -134,25 +134,25 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
     if drawn is None:
         return
     yield _line("construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s")
-    if drawn["control"]:
-        apart = _lengths(drawn, "control")
-        yield _line("control", f"apart by {apart} at most (AP57 eqs. 24 and 25)")
-    if drawn["drift"]:
-        yield _line("drift", f"from the run by {_lengths(drawn, 'drift')} at most")
+    for i, words in enumerate(_lengths(drawn, "control")):
+        yield _line("" if i else "control", f"apart by {words} at most (AP57 eqs. 24, 25)")
+    for i, words in enumerate(_lengths(drawn, "drift")):
+        yield _line("" if i else "drift", f"from the run by {words} at most")
 
 
 def drift_words(drawn: Mapping[str, Any]) -> str:
     """How far the steps of a construction end from the motion it is laid over, if it is."""
-    return f"; a step drifts by {_lengths(drawn, 'drift')} at most" if drawn["drift"] else ""
+    lengths = ", ".join(_lengths(drawn, "drift"))
+    return f"; a step drifts by {lengths} at most" if lengths else ""
 
 
-def _lengths(drawn: Mapping[str, Any], which: str) -> str:
+def _lengths(drawn: Mapping[str, Any], which: str) -> list[str]:
     """Some lengths of a construction in words."""
     factor, unit = (1e3, " mm") if drawn["unit"] == "m" else (1.0, drawn["unit"])
-    return ", ".join(
+    return [
         f"{factor * value:.2g}{unit} in {name.replace('_', ' ')}"
         for name, value in drawn[which].items()
-    )
+    ]
 
 
 def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
