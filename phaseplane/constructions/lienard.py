@@ -24,7 +24,7 @@ class Lienard:
     epsilon : of y-bar and y_i, m
     corners : values of y-bar at which the curves bend, m
     levels : the y_i for which curves are drawn, m, ascending; between two of them, and beyond the
-        outer ones, A is interpolated. None: A lies on the curve of P's own y, and the curves drawn
+        outer ones, A is interpolated; empty: A lies on the curve of P's own y, and the curves drawn
         are those of round values
     """
 

@@ -69,6 +69,30 @@ def test_every_model_is_constructed_on_any_road(model, road):
     assert told_of(drawing)["control"]
 
 
+@pytest.mark.parametrize(
+    "laws",
+    [
+        {"tyre.table": "-0.05:-9000, 0:0, 0.02:2600"},
+        {"damper.rebound_limit": 600.0, "damper.bump_limit": 300.0},
+        {"damper.saturation_force": 700.0},
+        {"damper.deflection_table": "-0.05:2, 0:1, 0.05:1.5"},
+        {"spring.table": "-0.1:-2500, 0:0, 0.1:1200", "spring.preload": 300.0},
+    ],
+    ids=lambda laws: next(iter(laws)),
+)
+def test_every_law_is_drawn(laws):
+    parameters = parameters_of("QuarterCar", laws)
+    drawing = constructed("QuarterCar", parameters, {**SETTINGS, "step": 5e-4}, 0.2)
+    assert [f.event for f in drawing if f.event] == ["lift_off", "touchdown"]
+    names = MODELS["QuarterCar"]
+    columns = simulate(
+        "QuarterCar", {**parameters, "solver.tolerance": 1e-9}, [f.time for f in drawing], names
+    )
+    for name in names:
+        found = np.array([f.readings[name] for f in drawing])
+        assert np.max(np.abs(found - columns[name])) < 1e-4
+
+
 def test_an_initial_state_is_that_of_the_run():
     start = {"initial.body_displacement": 0.03, "initial.wheel_velocity": 0.4, "road.shape": "flat"}
     parameters = parameters_of("QuarterCar", start)
