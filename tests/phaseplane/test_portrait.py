@@ -1,0 +1,197 @@
+"""Phase portraits against equations whose portraits are known."""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+from phaseplane.portrait import (
+    PhaseSystem,
+    Window,
+    direction_field,
+    energy_levels,
+    equilibria,
+    isocline,
+    limit_cycles,
+    nullcline,
+    of_coordinate,
+    periodic_motion,
+    poincare_section,
+    separatrices,
+)
+from suspension.models import build
+from suspension.variables import checked_parameters
+
+WIDE = Window(-4.0, 4.0, -3.0, 3.0)
+PENDULUM = PhaseSystem(lambda v, x, t: sin(x))
+
+
+def linear(stiffness: float, damping: float) -> PhaseSystem:
+    return PhaseSystem(lambda v, x, t: damping * v + stiffness * x)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "damping", "kind"),
+    [
+        (1.0, 0.0, "centre"),
+        (1.0, 0.5, "stable focus"),
+        (1.0, -0.5, "unstable focus"),
+        (1.0, 3.0, "stable node"),
+        (1.0, -3.0, "unstable node"),
+        (-1.0, 0.3, "saddle"),
+        (0.0, 1.0, "degenerate"),
+    ],
+)
+def test_kinds_of_the_linear_oscillator(stiffness: float, damping: float, kind: str) -> None:
+    window = Window(-0.9, 1.0, -1.0, 1.0)  # rest lies on no point of the search grid
+    found = equilibria(linear(stiffness, damping) if stiffness else PhaseSystem(
+        lambda v, x, t: damping * v + x**3), window)  # fmt: skip
+    assert [e.kind for e in found] == [kind]
+    assert found[0].x == pytest.approx(0.0, abs=1e-6)
+    roots = np.roots([1.0, damping, stiffness])
+    if stiffness:
+        assert sorted(found[0].eigenvalues[0], key=lambda z: (z.real, z.imag)) == pytest.approx(
+            sorted(roots, key=lambda z: (z.real, z.imag)), abs=1e-6
+        )
+
+
+def test_the_pendulums_equilibria_and_separatrices() -> None:
+    """On a separatrix x'^2 / 2 - cos x = 1."""
+    found = equilibria(PENDULUM, WIDE)
+    assert [e.x for e in found] == pytest.approx([-pi, 0.0, pi])
+    assert [e.kind for e in found] == ["saddle", "centre", "saddle"]
+    curves = separatrices(PENDULUM, WIDE, found[2])
+    assert len(curves) == 4
+    for curve in curves:
+        energy = curve[:, 1] ** 2 / 2.0 - np.cos(curve[:, 0])
+        assert energy == pytest.approx(1.0, abs=1e-6)
+        assert len(curve) > 50
+    reach = [(float(curve[:, 0].min()), float(curve[:, 0].max())) for curve in curves]
+    assert min(low for low, _ in reach) < -3.0  # two go round to the other saddle
+    with pytest.raises(ValueError, match="is no saddle but a centre"):
+        separatrices(PENDULUM, WIDE, found[1])
+
+
+def test_energy_levels_of_the_pendulum() -> None:
+    energies, curves = energy_levels(PENDULUM, WIDE, [0.5, 2.0, 3.0])
+    for energy, lines in zip(energies, curves, strict=True):
+        assert lines
+        for line in lines:
+            # U is least at 0 in the window
+            got = line[:, 1] ** 2 / 2.0 + 1.0 - np.cos(line[:, 0])
+            assert got == pytest.approx(energy, abs=2e-3)
+    spaced, _ = energy_levels(PENDULUM, WIDE, 7)
+    assert len(spaced) == 7
+    assert np.diff(np.sqrt(spaced)) == pytest.approx(np.sqrt(spaced[0]))
+
+
+def test_isoclines_have_their_slope_and_nullclines_none() -> None:
+    system = PhaseSystem(lambda v, x, t: 0.4 * v + x + 0.3 * x**3)
+    for slope in (-2.0, 0.0, 1.5):
+        curves = isocline(system, WIDE, slope)
+        points = np.vstack(curves)
+        moving = points[abs(points[:, 1]) > 0.3]
+        assert len(moving) > 20
+        assert -system.forces(*moving.T) / moving[:, 1] == pytest.approx(slope, abs=2e-2)
+    assert np.vstack(nullcline(system, WIDE)) == pytest.approx(
+        np.vstack(isocline(system, WIDE, 0.0))
+    )
+    x, v, dx, dv = direction_field(system, WIDE, 5, 4)
+    assert x.shape == (4, 5)
+    assert (dx == v).all()
+    assert dv == pytest.approx(-(0.4 * v + x + 0.3 * x**3))
+
+
+def test_an_equilibrium_on_a_corner_has_a_kind_on_each_side() -> None:
+    """Stiff and damped on one side, soft and driven on the other."""
+    system = PhaseSystem(
+        lambda v, x, t: (4.0 if x > 0 else -1.0) * x + (0.5 if v > 0 else -0.2) * v,
+        corners=(0.0,), rate_corners=(0.0,),
+    )  # fmt: skip
+    (rest,) = equilibria(system, Window(-0.7, 1.0, -1.0, 1.0))
+    assert rest.x == 0.0
+    assert rest.kinds == ("stable focus", "unstable focus", "saddle", "saddle")
+    assert rest.on_corner
+    assert rest.kind == "stable focus / unstable focus / saddle"
+
+
+@pytest.mark.parametrize(
+    ("mu", "amplitude", "period"), [(1.0, 2.00861986, 6.66328686), (3.0, 2.023304, 8.859096)]
+)
+def test_van_der_pols_limit_cycle(mu: float, amplitude: float, period: float) -> None:
+    """Amplitude and period as published, e.g. by Andersen and Geer (1982) for mu = 1."""
+    system = PhaseSystem(lambda v, x, t: mu * (x * x - 1.0) * v + x)
+    (cycle,) = limit_cycles(system, WIDE)
+    assert cycle.crossing == pytest.approx(amplitude, abs=2e-5)
+    assert cycle.period == pytest.approx(period, abs=2e-5)
+    assert cycle.attracts
+    assert cycle.curve[:, 0].max() == pytest.approx(amplitude, abs=1e-3)
+
+
+def test_a_cycle_that_repels_is_found_too_and_a_focus_has_none() -> None:
+    backwards = PhaseSystem(lambda v, x, t: (1.0 - x * x) * v + x)
+    (cycle,) = limit_cycles(backwards, WIDE)
+    assert not cycle.attracts
+    assert cycle.crossing == pytest.approx(2.00861986, abs=2e-5)
+    assert limit_cycles(linear(1.0, 0.1), WIDE) == []
+
+
+def test_a_cycle_of_known_multiplier() -> None:
+    """x'' + (x^2 + x'^2 - 1) x' + x = 0 has the unit circle; its multiplier is exp(-int 2 x'^2 dt)."""
+    system = PhaseSystem(lambda v, x, t: (x * x + v * v - 1.0) * v + x)
+    (cycle,) = limit_cycles(system, Window(-2.0, 2.0, -2.0, 2.0))
+    assert (cycle.crossing, cycle.period) == (pytest.approx(1.0, abs=1e-7), pytest.approx(2.0 * pi))
+    assert cycle.multiplier == pytest.approx(exp(-2.0 * pi), abs=1e-4)
+
+
+def test_a_forced_linear_oscillator_settles_in_its_closed_form() -> None:
+    d, w = 0.1, 0.8
+    system = PhaseSystem(lambda v, x, t: 2.0 * d * v + x - cos(w * t), period=2.0 * pi / w)
+    size = 1.0 / ((1.0 - w * w) ** 2 + (2.0 * d * w) ** 2)
+    state = ((1.0 - w * w) * size, 2.0 * d * w * w * size)  # of the steady motion at t = 0
+    steady = periodic_motion(system, (0.0, 0.0))
+    assert steady.state == pytest.approx(state, abs=1e-8)
+    assert steady.attracts
+    decay = exp(-d * system.period)
+    turned = sqrt(1.0 - d * d) * system.period
+    assert sorted(steady.multipliers, key=lambda z: z.imag) == pytest.approx(
+        [decay * complex(cos(turned), s * abs(sin(turned))) for s in (-1.0, 1.0)], abs=1e-6
+    )
+    section = poincare_section(system, (1.5, -1.0), 4, transient=40)
+    assert section.shape == (4, 2)
+    assert section == pytest.approx(np.tile(state, (4, 1)), abs=1e-6)
+    with pytest.raises(ValueError, match="has no period"):
+        poincare_section(PENDULUM, (0.0, 1.0), 2)
+
+
+def test_sections_of_the_models() -> None:
+    """One degree: its whole plane. Quarter car: the body above a wheel that is held."""
+    one = build(
+        "OneDof", checked_parameters("OneDof", {"bump_stop.stiffness": 1e5, "road.shape": "flat"})
+    )
+    system = of_coordinate(one)
+    assert system.corners == (-0.08,)
+    assert system.rate_corners == (0.0,)
+    c, m = 14709.975, 294.1995
+    assert system.function(0.0, 0.01, 0.0) == pytest.approx(0.01 * c / m)
+    assert system.function(-0.2, -0.1, 0.0) == pytest.approx(
+        (-0.1 * c - 0.02 * 1e5 - 0.2 * 490.3325) / m
+    )
+    (rest,) = equilibria(system, Window(-0.11, 0.1, -1.0, 1.0))
+    assert rest.kinds == ("stable focus",) * 4
+    assert len(set(rest.eigenvalues)) == 2  # rebound and bump are damped differently
+    quarter = build("QuarterCar", checked_parameters("QuarterCar", {}))
+    assert of_coordinate(quarter).function(0.0, 0.01, 0.0) == pytest.approx(0.01 * c / m)
+    with pytest.raises(ValueError, match="there are body, wheel"):
+        of_coordinate(quarter, 2)
+    frame = build("Elastoplastic", checked_parameters("Elastoplastic", {}))
+    with pytest.raises(ValueError, match="has a memory"):
+        of_coordinate(frame)
+
+
+@pytest.mark.parametrize("sides", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, float("inf"))])
+def test_windows_are_checked(sides: tuple[float, float, float, float]) -> None:
+    with pytest.raises(ValueError, match="left must lie below right"):
+        Window(*sides)
