@@ -16,7 +16,7 @@ from time import perf_counter
 
 from phaseplane.constructions import RULES, march
 from phaseplane.recording import record
-from scenarios.constructions import planes_of
+from scenarios.planes import planes_of
 from suspension.variables import checked_parameters
 
 REPEATS = 5

@@ -63,9 +63,10 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
-    from .constructions import CONSTRUCTED, constructed, drifting, told_of  # noqa: PLC0415
+    from .constructions import constructed, drifting, told_of  # noqa: PLC0415
     from .live import shown_live  # noqa: PLC0415
     from .pictures import draw_all  # noqa: PLC0415
+    from .planes import CONSTRUCTED  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
     from .schema import load_scene  # noqa: PLC0415
 

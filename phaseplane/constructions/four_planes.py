@@ -18,6 +18,7 @@ from math import isfinite
 from typing import ClassVar
 
 from phaseplane.constructions.axle import Axle, Place
+from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import (
     CONTACT,
     FLIGHT,
@@ -29,7 +30,6 @@ from phaseplane.constructions.construction import (
 from phaseplane.constructions.control import controlled
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
-from phaseplane.constructions.inertial import AXLES, BodyMasses
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,

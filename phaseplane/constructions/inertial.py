@@ -16,9 +16,11 @@ from functools import cached_property
 from math import sqrt
 from typing import ClassVar
 
+from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
 from phaseplane.constructions.control import controlled
 from phaseplane.constructions.coupling import Lines, lines_across
+from phaseplane.constructions.inertial_scheme import inertial_scheme
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -30,99 +32,10 @@ from phaseplane.constructions.laws import (
 )
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
 from suspension.characteristics import Characteristic
 from suspension.roads import Signal
-
-AXLES = ("front", "rear")
-
-
-def inertial_scheme() -> Scheme:
-    """Figure 12 in the order of drawing."""
-    return scheme(
-        (
-            "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
-            marks("state", "P1 P2"),
-            marks("foot", "Q1 Q2"),
-            strokes("foot", "P1-Q1 P2-Q2"),
-        ),
-        (
-            "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: "
-            "A1*, A2*.",
-            marks("construction", "A1 A2 A1* A2*"),
-            strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
-        ),
-        (
-            "A1*A2* cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 gives "
-            "D1.",
-            marks("projection", "C1 C2 D1 D2"),
-            strokes("projection", "A1*-A2* Q1-D2 Q2-D1"),
-        ),
-        (
-            "From D1, D2 against the y axes by xi''/Omega^2 of their roads, the mean over the step: "
-            "H1, H2.",
-            marks("normal", "H1 H2"),
-            strokes("excitation", "D1-H1 D2-H2"),
-        ),
-        (
-            "H1P1 and H2P2 are the normals of the integral curves.",
-            strokes("normal", "H1-P1 H2-P2"),
-        ),
-        (
-            "Their lengths on the common arm of the turn angles: the arcs are the ways to go.",
-            turn_arcs(("1", "2")),
-        ),
-    )
-
-
-@dataclass(frozen=True)
-class BodyMasses:
-    """The body as masses over its two axles (AP57 eqs. 33 and 34).
-
-    Parameters
-    ----------
-    front_mass, rear_mass, coupling_mass : M1, M2 and M3, kg
-
-    Raises
-    ------
-    ValueError : masses that are not positive, or M1 M2 not above M3^2.
-    """
-
-    front_mass: float
-    rear_mass: float
-    coupling_mass: float
-
-    def __post_init__(self) -> None:
-        """Check what was given."""
-        check_positive(self, ("front_mass", "rear_mass"))
-        check_finite(self, ("coupling_mass",))
-        if not self.determinant > 0.0:
-            raise ValueError(
-                f"coupling_mass = {self.coupling_mass:g} kg: its square must be below front_mass times "
-                f"rear_mass, {self.front_mass * self.rear_mass:g} kg2"
-            )
-
-    @property
-    def determinant(self) -> float:
-        """Delta = M1 M2 - M3^2, kg^2."""
-        return self.front_mass * self.rear_mass - self.coupling_mass**2
-
-    @property
-    def compliances(self) -> tuple[float, float]:
-        """M2 / Delta and M1 / Delta: what a force over an axle accelerates the body there by, 1/kg."""
-        return self.rear_mass / self.determinant, self.front_mass / self.determinant
-
-    @property
-    def cross_compliance(self) -> float:
-        """M3 / Delta: what a force over one axle accelerates the body over the other by, 1/kg."""
-        return self.coupling_mass / self.determinant
-
-    def accelerations(self, front_force: float, rear_force: float) -> tuple[float, float]:
-        """x1'' and x2'' under the forces S1 and S2 of the struts, m/s^2 (AP57 eq. 34)."""
-        own, cross = self.compliances, self.cross_compliance
-        return cross * rear_force - own[0] * front_force, cross * front_force - own[1] * rear_force
 
 
 @dataclass(frozen=True)

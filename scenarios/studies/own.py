@@ -108,8 +108,9 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    from ..constructions import constructed, planes_of  # noqa: PLC0415
+    from ..constructions import constructed  # noqa: PLC0415
     from ..errors import InputError, one_line  # noqa: PLC0415
+    from ..planes import planes_of  # noqa: PLC0415
 
     problem = bench.problem
     if problem.model not in MODELS:

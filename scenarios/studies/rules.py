@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from suspension.session import SimulationError, simulate
 
-from ..constructions import constructed, planes_of
+from ..constructions import constructed
 from ..equations import EQUATION, solve
 from ..errors import InputError, one_line
+from ..planes import planes_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence

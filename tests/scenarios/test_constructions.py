@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 
 from phaseplane.constructions import RULES
 from scenarios.cli import main
-from scenarios.constructions import constructed, laid_over, of_system, planes_of, rate_of, told_of
+from scenarios.constructions import constructed, laid_over, rate_of, told_of
 from scenarios.equations import check_equation, function_of, solve
 from scenarios.errors import DrawingError, InputError
+from scenarios.planes import of_system, planes_of
 from scenarios.schema import load_scene
 from suspension.characteristics import linear
 from suspension.models import build

@@ -1,0 +1,44 @@
+"""How the points in two planes coupled by inertia are joined, in the order of drawing."""
+
+from __future__ import annotations
+
+from phaseplane.constructions.primitives import Scheme
+from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+
+
+def inertial_scheme() -> Scheme:
+    """Figure 12 in the order of drawing."""
+    return scheme(
+        (
+            "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
+            marks("state", "P1 P2"),
+            marks("foot", "Q1 Q2"),
+            strokes("foot", "P1-Q1 P2-Q2"),
+        ),
+        (
+            "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: "
+            "A1*, A2*.",
+            marks("construction", "A1 A2 A1* A2*"),
+            strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
+        ),
+        (
+            "A1*A2* cuts line I in C1 and line II in C2. Q1 through C1 gives D2, Q2 through C2 gives "
+            "D1.",
+            marks("projection", "C1 C2 D1 D2"),
+            strokes("projection", "A1*-A2* Q1-D2 Q2-D1"),
+        ),
+        (
+            "From D1, D2 against the y axes by xi''/Omega^2 of their roads, the mean over the step: "
+            "H1, H2.",
+            marks("normal", "H1 H2"),
+            strokes("excitation", "D1-H1 D2-H2"),
+        ),
+        (
+            "H1P1 and H2P2 are the normals of the integral curves.",
+            strokes("normal", "H1-P1 H2-P2"),
+        ),
+        (
+            "Their lengths on the common arm of the turn angles: the arcs are the ways to go.",
+            turn_arcs(("1", "2")),
+        ),
+    )
