@@ -27,6 +27,7 @@ from .words import event_texts, stage_texts, step_text
 
 SHEET = "/sheet"
 EVENTS = f"{SHEET}/events"
+_MOST_NAMED, _MOST_LETTERED = 6, 24  # events, before their names hide the planes
 WORDS, STAGES = "/words/step", "/words/stages"
 
 
@@ -114,8 +115,9 @@ def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -
     z = [
         frame.points[p.state] for frame, planes in zip(frames, marked, strict=True) for p in planes
     ]
+    length = 1 if len(frames) > _MOST_NAMED else None  # U or V alone
     labels = [
-        legible(event_texts(frame.event)[0])
+        legible(event_texts(frame.event)[0])[:length] if len(frames) <= _MOST_LETTERED else ""
         for frame, planes in zip(frames, marked, strict=True)
         for _ in planes
     ]

@@ -178,6 +178,14 @@ def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) ->
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
 
 
+@pytest.mark.parametrize(("events", "label"), [(6, "U lift-off"), (7, "U"), (25, "")])
+def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, label: str) -> None:
+    frames = tuple(replace(frame(k), event="lift_off") for k in range(events))
+    record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
+    rows = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
+    assert [row["Points2D:labels"] for row in rows] == [[label, label]] * events
+
+
 def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
     planes = [
         replace(p, name=f"{axle}_{p.name}")

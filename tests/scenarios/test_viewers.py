@@ -124,7 +124,8 @@ def test_the_viewer_draws_it(name: str, viewer: ViewerClient, tmp_path: Path) ->
     ARTEFACTS.mkdir(exist_ok=True)
     instants: list[tuple[str, dict[str, Any]]] = [("t", {"duration": 1e-9 * ends()["t"] / 4})]
     staged = ends().get("stage", 0)
-    instants += [("stage", {"sequence": k}) for k in (30, 105, staged // 2) if k < staged]
+    stages = {*((30, 105, 205) if name == "ap57" else ()), staged // 2}
+    instants += [("stage", {"sequence": k}) for k in sorted(stages) if 0 < k < staged]
     for timeline, at in instants:
         viewer.set_time(timeline, play_state="paused", **at)
         picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values())):g}.png"
