@@ -29,18 +29,19 @@ def blueprint(content: Content) -> rrb.Blueprint:
     """
     content.check()
     vehicle = vehicle_of(content)
-    beside: list[rrb.View] = []
+    beside: list[tuple[float, rrb.View]] = []
     if vehicle is not None:
-        beside.append(_view([f"+ {VEHICLE}/**"], "from the side", view_box(vehicle)))
+        beside.append((3.0, _view([f"+ {VEHICLE}/**"], "from the side", view_box(vehicle))))
     if content.drawing is not None and content.shows("words") and content.detail != "trail":
-        beside.append(rrb.TextDocumentView(origin=STAGES, name="how it is drawn"))
-        beside.append(rrb.TextDocumentView(origin=WORDS, name="this step"))
+        beside.append((1.5, rrb.TextDocumentView(origin=STAGES, name="how it is drawn")))
+        beside.append((3.0, rrb.TextDocumentView(origin=WORDS, name="this step")))
     columns: list[tuple[float, rrb.View | rrb.Container]] = []
     planes = _planes(content)
     if planes is not None:
         columns.append((5.0, planes))
     if beside:
-        columns.append((3.0, rrb.Vertical(*beside)))
+        heights, views = zip(*beside, strict=True)
+        columns.append((3.0, rrb.Vertical(*views, row_shares=list(heights))))
     plots = [_plot(panel, content) for panel in panels(content)]
     if plots:
         columns.append((3.0, rrb.Vertical(*plots)))
