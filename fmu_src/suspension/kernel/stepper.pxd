@@ -3,7 +3,7 @@ from libc.math cimport fabs, isfinite, sqrt
 from .linear cimport decompose, solve
 from .network cimport Network
 
-cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE
+cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _MOST
 cdef double _SHARE
 
 cdef class Stepper:
@@ -16,7 +16,7 @@ cdef class Stepper:
     cdef double[::1] power, power_before, stiffness, damping, stiffness2, damping2
     cdef double[::1] factor, factor_step, constant, cq, cv, ca, pq, pv, sa, rhs, correction
     cdef double[::1] table, fraction, signal_table, load_table
-    cdef int[::1] factor_stamp, fraction_index
+    cdef int[::1] factor_stamp, fraction_index, sequence
 
     cdef void refresh(self, double t) noexcept nogil
     @cython.locals(e=int)
