@@ -17,7 +17,8 @@ STAGE = Path("build") / NAME
 # -ffp-contract=off: a fused multiply-add rounds once, so compiled and uncompiled runs would differ.
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
 MODULES = (
-    "linear", "bernstein", "signals", "laws", "elements", "network", "stepper", "integrator",
+    "linear", "bernstein", "signals", "laws", "elements", "network",
+    "lanes", "stepper", "switches", "dense", "ledger", "integrator",
 )  # fmt: skip
 
 

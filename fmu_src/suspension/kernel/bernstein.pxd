@@ -1,26 +1,27 @@
 cimport cython
 from libc.math cimport fabs
 
+@cython.final
 cdef class Crossing:
-    cdef double[::1] bezier, casteljau, halves, slot_low, slot_width
-    cdef double low, high, value, first, second
+    cdef double[8] bezier, casteljau
+    cdef double[512] halves
+    cdef double[64] slot_low, slot_width
+    cdef double low, high
 
-    @cython.locals(b="double[::1]", d1=double, d2=double, d3=double)
+    @cython.locals(b="double *", d1=double, d2=double, d3=double)
     cdef void hermite7(self, double[::1] s, double[::1] e, int at, double h) noexcept nogil
-    @cython.locals(b="double[::1]", d1=double, d2=double)
+    @cython.locals(b="double *", d1=double, d2=double)
     cdef void hermite5(self, double x0, double dx0, double ddx0,
                        double x1, double dx1, double ddx1, double h) noexcept nogil
-    @cython.locals(b="double[::1]")
+    @cython.locals(b="double *")
     cdef void hermite3(self, double x0, double dx0, double x1, double dx1, double h) noexcept nogil
-    @cython.locals(c="double[::1]", m=int, i=int, _k=int, largest=double, start=double)
+    @cython.locals(c="double *", m=int, i=int, _k=int, largest=double, start=double)
     cdef double exit(self, double bound, int side, int degree, int departing) noexcept nogil
-    @cython.locals(c="double[::1]", depth=int, at=int, top=int, changes=int, negative=int, i=int,
+    @cython.locals(c="double *", depth=int, at=int, top=int, changes=int, negative=int, i=int,
                    k=int, lo=double, width=double)
     cdef double first_root(self, int m) noexcept nogil
-    @cython.locals(c="double[::1]", lo=double, hi=double, x=double, slope=double, value=double,
+    @cython.locals(c="double *", lo=double, hi=double, x=double, slope=double, value=double,
                    new=double, i=int, k=int, _iteration=int)
     cdef double _single_root(self, int at, int m) noexcept nogil
-    @cython.locals(b="double[::1]", i=int)
+    @cython.locals(b="double *", i=int)
     cdef void extent(self, int degree) noexcept nogil
-    @cython.locals(c="double[::1]", k=int, m=int)
-    cdef void read(self, double x, double h) noexcept nogil

@@ -6,8 +6,6 @@ cleared by comparing six or eight numbers; the rest by halving and Newton.
 
 from __future__ import annotations
 
-from array import array
-
 import cython
 
 if not cython.compiled:
@@ -18,11 +16,9 @@ class Crossing:
     """One Hermite polynomial on (0, 1), and the search for its first exit."""
 
     def __init__(self):
-        self.bezier = array("d", [0.0] * 8)
-        self.casteljau = array("d", [0.0] * 8)
-        self.halves = array("d", [0.0] * 8 * 64)
-        self.slot_low = array("d", [0.0] * 64)
-        self.slot_width = array("d", [0.0] * 64)
+        self.bezier, self.casteljau = [0.0] * 8, [0.0] * 8
+        self.halves = [0.0] * 8 * 64
+        self.slot_low, self.slot_width = [0.0] * 64, [0.0] * 64
 
     def hermite7(self, s, e, at, h):
         """The septic through value and three derivatives at both ends, s[at:] and e[at:]."""
@@ -177,15 +173,3 @@ class Crossing:
                 self.low = b[i]
             elif b[i] > self.high:
                 self.high = b[i]
-
-    def read(self, x, h):
-        """Value and two time derivatives of the septic at fraction x; overwrites it."""
-        c = self.bezier
-        for k in range(7, 2, -1):
-            for m in range(k):
-                c[m] += x * (c[m + 1] - c[m])
-        self.second = 42.0 * (c[2] - 2.0 * c[1] + c[0]) / (h * h)
-        c[0] += x * (c[1] - c[0])
-        c[1] += x * (c[2] - c[1])
-        self.first = 7.0 * (c[1] - c[0]) / h
-        self.value = c[0] + x * (c[1] - c[0])

@@ -11,9 +11,11 @@ from struct import pack, unpack_from
 import cython
 
 from .arrays import doubles, integers, vectors
-from .bernstein import Crossing
+from .dense import Dense
+from .ledger import Ledger
 from .network import Network
 from .stepper import METHODS, Stepper
+from .switches import Switches
 
 if not cython.compiled:
     from math import fabs, pow, sqrt
@@ -27,12 +29,12 @@ FAILURES = {
     5: "the step is too long: its matrix is not positive definite",
 }
 
-_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
-_LAWS = 3
+_SPRING, _CONTACT, _FRICTION, _KINDS = 0, 3, 4, 5  # as in elements
 _EVENT_CAPACITY = 256
 _STALLED = 100  # steps in which no time passes
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
+_SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
 
 
 class Integrator:
@@ -50,6 +52,7 @@ class Integrator:
     order : of `extrapolated`; 0 lets the tolerance choose
     landing : whether steps end on switches; without it, as in a calculation by hand, an element
         changes its branch at the end of the step in which it passed its corner
+    energy : whether the energy ledger is kept; without it steps cost less
 
     Raises
     ------
@@ -65,6 +68,7 @@ class Integrator:
         start=0.0,
         order=0,
         landing=True,
+        energy=True,
     ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
@@ -76,44 +80,48 @@ class Integrator:
             columns = 4 if tolerance < 1e-4 or step > 0.0 else 3
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance)
-        self.crossing = Crossing()
+        self.switches = Switches(self.stepper)
         self.n = n = self.net.n
+        self.dense = Dense(n, method != "extrapolated")
+        self.ledger = Ledger(self.net, self.dense)
         self.fixed_step = step
-        self.landing = landing
+        self.landing, self.energy = landing, energy
         self.controlled = method == "extrapolated" and step == 0.0
-        self.qa, self.va, self.aa, self.ja = vectors(4, n)  # at the start of the last step
-        self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at its end, before any switch there
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
-        rows, elements = self.net.rows, self.net.elements
+        elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
         self.in_step = True  # whether the branches are still those of the last step
-        self.row_start, self.row_end = vectors(2, 4 * max(rows, 1))
         self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.event_count = self.stalled = 0
+        self.event_count = self.stalled = self.filled = 0
         self.log = []  # switches so far: (time, element, kind, from, to)
-        self.time = self.step_start = self.step_end = self.grid_start = start
+        self.time = self.grid_start = start
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
-        self.residual_start = self.residual_end = 0.0
         self.stepper.reach = self.first_reach = max(system.scales)
         self.net.enter_segments(start, vectors(1, n)[0])  # what lies before the start gives no jump
         self._begin()
 
     def _begin(self):
         """Branches, accelerations and energy of the present state, which both ends of the step show."""
-        s, net = self.stepper, self.net
+        s, d, net = self.stepper, self.dense, self.net
         net.settle(self.time, s.q, s.v)
         net.locate_branches(self.time, s.q, s.v)
-        s.refresh(self.time)
+        self._enter_branches()
         for i in range(self.n):
-            self.qa[i] = self.qb[i] = s.q[i]
-            self.va[i] = self.vb[i] = s.v[i]
-            self.aa[i] = self.ab[i] = s.a[i]
-            self.ja[i] = self.jb[i] = s.j[i]
-        self.step_start = self.step_end = self.time
-        self.initial_energy = net.energy(s.v)
+            d.qa[i] = d.qb[i] = s.q[i]
+            d.va[i] = d.vb[i] = s.v[i]
+            d.aa[i] = d.ab[i] = s.a[i]
+            d.ja[i] = d.jb[i] = s.j[i]
+        d.start = d.end = self.time
+        net.row_states(s.q, s.v)
+        self.ledger.initial_energy = net.energy(s.v)
+
+    def _enter_branches(self):
+        """Everything that follows from the branches, after any of them has changed."""
+        self.stepper.refresh(self.time)
+        self.switches.enter_branches()
 
     def set_state(self, displacements, velocities):
         """Start from given displacements (m) and velocities (m/s), at the present time.
@@ -149,10 +157,10 @@ class Integrator:
         self.step_count = earlier.step_count
         self.net.exchange = earlier.net.exchange
         for here, there in pairs:
-            s.work[here] = before.work[there]
+            self.ledger.work[here] = earlier.ledger.work[there]
             self.limited_time[here] = earlier.limited_time[there]
-        self.residual_start = self.residual_end = earlier.residual_end
-        self.initial_energy += self._energy_residual() - earlier.residual_end
+        self.ledger.strike_balance(self.time, s.q, s.v)
+        self.ledger.carry_on(earlier.ledger.residual_end)
 
     def set_signal(self, signal, coefficients, jumps=True):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
@@ -174,7 +182,7 @@ class Integrator:
             self.net.impulse(signal, jump, self.stepper.v)
         self._leave_step()
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-        self.stepper.refresh(self.time)
+        self._enter_branches()
 
     # -- stepping ----------------------------------------------------------------------------------
 
@@ -197,6 +205,62 @@ class Integrator:
                 status = self._advance(until, stop)
             self._log_events()
         return status
+
+    def run(self, times, displacements, velocities=None, accelerations=None):
+        """Step over a whole run and fill arrays, without Python between the instants.
+
+        Parameters
+        ----------
+        times : s, ascending, none before the last step; an array of doubles, as all of them
+        displacements : m, one for each coordinate at the first instant, then at the second and so on
+        velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
+
+        Returns
+        -------
+        0, or the key of `FAILURES` that says why the run could not go on; `filled` instants are right.
+
+        Raises
+        ------
+        ValueError : an array that is too short.
+        """
+        count = len(times)
+        for out in (displacements, velocities, accelerations):
+            if out is not None and len(out) < count * self.n:
+                raise ValueError(f"{count * self.n} numbers do not fit into an array of {len(out)}")
+        self.want_v, self.want_a = velocities is not None, accelerations is not None
+        self.instants, self.out_q = times, displacements
+        self.out_v, self.out_a = velocities, accelerations
+        self.filled = 0
+        status = self._run_all(count)
+        self.instants = self.out_q = self.out_v = self.out_a = None
+        return status
+
+    def _run_all(self, count):
+        status = _EVENTS_FULL
+        while status == _EVENTS_FULL:
+            with cython.nogil:
+                status = self._run(count)
+            self._log_events()
+        return status
+
+    def _run(self, count):
+        while self.filled < count:
+            t = self.instants[self.filled]
+            status = self._advance(t, False)
+            if status != 0:
+                return status
+            self.dense.read(t)
+            at = self.filled * self.n
+            for i in range(self.n):
+                self.out_q[at + i] = self.dense.q[i]
+            if self.want_v:
+                for i in range(self.n):
+                    self.out_v[at + i] = self.dense.v[i]
+            if self.want_a:
+                for i in range(self.n):
+                    self.out_a[at + i] = self.dense.a[i]
+            self.filled += 1
+        return 0
 
     def _log_events(self):
         for k in range(self.event_count):
@@ -263,12 +327,12 @@ class Integrator:
             if self.controlled and self.stepper.error > 1.0:
                 h *= self._factor_for_error()
                 continue
-            at = self._first_switch(h) if self.landing else 2.0
+            at = self.switches.first(self.time, h) if self.landing else 2.0
             if at == 0.0 and flips < 8:
                 # the branch is left at once: it was the wrong side of its bound
                 flips += 1
-                self._switch(self.switch_element, self.switch_kind, self.switch_side)
-                self.stepper.refresh(self.time)
+                self._switch(self.switches.element, self.switches.kind, self.switches.side)
+                self._enter_branches()
                 continue
             break
         # a step that a joint cut short says nothing against longer ones
@@ -284,14 +348,14 @@ class Integrator:
             to_end = to_end and self.time + h >= end
         self._accept(h, end if to_end else self.time + h)
         if landed:
-            self._switch(self.switch_element, self.switch_kind, self.switch_side)
+            self._switch(self.switches.element, self.switches.kind, self.switches.side)
         if to_end and end == joint:
             self._pass_joint()
         if not self.landing:
             self._leave_step()
             self.net.follow(self.time, self.stepper.q, self.stepper.v)
         if landed or to_end or not (self.landing and self.stepper.affine):
-            self.stepper.refresh(self.time)
+            self._enter_branches()
         for i in range(self.n):
             if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
                 return _DIVERGED
@@ -300,10 +364,13 @@ class Integrator:
     def _pass_joint(self):
         """Signals enter their next segments; what a jump of a road does is work of that road."""
         self._leave_step()
+        self.net.all_signals(self.time)
+        self.net.row_states(self.stepper.q, self.stepper.v)
+        self.net.row_forces()
         before = self.net.energy(self.stepper.v)
         if self.net.enter_segments(self.time, self.stepper.v):
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-            self.stepper.work[self.net.elements] += self.net.energy(self.stepper.v) - before
+            self.ledger.work[self.net.elements] += self.net.energy(self.stepper.v) - before
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
@@ -315,151 +382,53 @@ class Integrator:
     def _accept(self, h, t):
         """Make the attempt the last step."""
         for i in range(self.n):
-            self.qa[i] = self.stepper.q[i]
-            self.va[i] = self.stepper.v[i]
-            self.aa[i] = self.stepper.a[i]
-            self.ja[i] = self.stepper.j[i]
-            self.qb[i] = self.stepper.q[i] = self.stepper.qb[i]
-            self.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
-            self.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
-            self.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
+            self.dense.qa[i] = self.stepper.q[i]
+            self.dense.va[i] = self.stepper.v[i]
+            self.dense.aa[i] = self.stepper.a[i]
+            self.dense.ja[i] = self.stepper.j[i]
+            self.dense.qb[i] = self.stepper.q[i] = self.stepper.qb[i]
+            self.dense.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
+            self.dense.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
+            self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
             self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
         for i in range(self.net.elements):
             self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
             if self.step_limited[i]:
                 self.limited_time[i] += h
-        for i in range(self.net.works):
-            self.stepper.work[i] = self.stepper.trial_work[i]
+        for i in range(_KINDS * self.net.elements):
+            self.net.departing[i] = 0
         self.stepper.keep_multipliers()
         self.in_step = True
-        self.step_start = self.time
-        self.time = t
-        self.step_end = t
+        self.dense.start = self.time
+        self.dense.end = self.time = t
+        self.dense.known = 0
         self.step_count += 1
-        self.net.all_signals(t)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        self.net.mark_bounds()
-        self.residual_start = self.residual_end
-        self.residual_end = self._energy_residual()
-
-    def _energy_residual(self):
-        """T + U + dissipated - brought in - exchanged at contact switches - its start: 0 if exact."""
-        balance = self.net.energy(self.stepper.v) - self.initial_energy - self.net.exchange
-        for i in range(self.net.elements):
-            balance += self.stepper.work[i]
-        for i in range(self.net.elements, self.net.works):
-            balance -= self.stepper.work[i]
-        return balance
-
-    # -- switches ----------------------------------------------------------------------------------
-
-    def _first_switch(self, h):
-        """The earliest switch within the attempted step: its fraction of h, or 2 for none."""
-        self.net.all_signals(self.time)
-        self.net.row_derivatives(
-            self.stepper.q, self.stepper.v, self.stepper.a, self.stepper.j, self.row_start
-        )
-        self.net.all_signals(self.time + h)
-        self.net.row_derivatives(
-            self.stepper.qb, self.stepper.vb, self.stepper.ab, self.stepper.jb, self.row_end
-        )
-        self.switch_at = 2.0
-        for e in range(self.net.elements):
-            at = 4 * self.net.element_row[e]
-            # what sticks passes no corner, whatever rounding says
-            if not self.net.row_stuck[self.net.element_row[e]]:
-                self._search_laws(e, at, h)
-            if self.net.friction[e] > 0.0:
-                self._friction_polynomial(e, at, h)
-            if self.net.limit[e] < 1e300:
-                self.net.unlimited_force(e, self.row_start, at)
-                f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
-                self.net.unlimited_force(e, self.row_end, at)
-                self.crossing.hermite5(
-                    f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h
-                )
-                self._search(e, _CONTACT, 5)
-        return self.switch_at
-
-    def _search_laws(self, e, at, h):
-        """Deflection against the corners of spring and modulation, rate against those of the damper."""
-        for kind in range(_SPRING, _MODULATION + 1, 2):
-            if self.net.count[_LAWS * e + kind] > 1:
-                self.crossing.hermite7(self.row_start, self.row_end, at, h)
-                self._search(e, kind, 7)
-        if self.net.count[_LAWS * e + _DAMPER] > 1 or self.net.yields[e]:
-            self.crossing.hermite5(
-                self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
-                self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
-            )  # fmt: skip
-            self._search(e, _DAMPER, 5)
-
-    def _friction_polynomial(self, e, at, h):
-        """Slipping: the rate, until it is zero. Sticking: the force it takes, until it is too large."""
-        if self.net.branch[_KINDS * e + _FRICTION] != 0:
-            self.crossing.hermite5(
-                self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
-                self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
-            )  # fmt: skip
-            self._search(e, _FRICTION, 5)
-        else:
-            self.crossing.hermite3(
-                self.stepper.multiplier[e], self.stepper.multiplier_rate[e],
-                self.net.multiplier[e], self.net.multiplier_rate[e], h,
-            )  # fmt: skip
-            self._search(e, _FRICTION, 3)
-
-    def _search(self, e, kind, degree):
-        """Compare the polynomial at hand with both bounds of the branch; keep the first exit."""
-        self.crossing.extent(degree)
-        for side in range(-1, 2, 2):
-            bound = self.net.bound(e, kind, side)
-            if (side < 0 and self.crossing.low < bound) or (
-                side > 0 and self.crossing.high > bound
-            ):
-                at = self.crossing.exit(
-                    bound, side, degree, self.net.departing[_KINDS * e + kind] == side
-                )
-                if at < self.switch_at:
-                    self.switch_at = at
-                    self.switch_element = e
-                    self.switch_kind = kind
-                    self.switch_side = side
+        if self.energy:
+            self.ledger.book()
+            self.ledger.strike_balance(t, self.stepper.q, self.stepper.v)
 
     def _land(self, h):
-        """Shorten the attempt so that it ends on the switch found; Newton on the step itself."""
-        e, kind = self.switch_element, self.switch_kind
-        at = 4 * self.net.element_row[e]
-        bound = self.net.bound(e, kind, self.switch_side)
-        step = self.switch_at * h
+        """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor."""
+        step = self.switches.at * h
+        status = self.stepper.attempt(self.time, step)
         best = 1e300
         for _iteration in range(8):
-            status = self.stepper.attempt(self.time, step)
             if status != 0:
                 return status
-            self.net.all_signals(self.time + step)
-            self.net.row_derivatives(
-                self.stepper.qb, self.stepper.vb, self.stepper.ab, self.stepper.jb, self.row_end
-            )
-            if kind == _CONTACT:
-                self.net.unlimited_force(e, self.row_end, at)
-                value, rate = self.net.force0, self.net.force1
-            elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
-                value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
+            late = self.switches.lateness(self.time + step)
+            new = step - late
+            if late == 0.0 or self.switches.miss >= best or not (0.0 < new <= h):
+                break
+            if self.time + new == self.time + step:
+                break
+            best = self.switches.miss
+            if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
+                self.stepper.shift_end(self.time + new, -late)
             else:
-                order = 1 if kind in (_DAMPER, _FRICTION) else 0
-                value, rate = self.row_end[at + order], self.row_end[at + order + 1]
-            miss = value - bound
-            if miss == 0.0 or rate == 0.0 or fabs(miss) >= best:
-                break
-            best = fabs(miss)
-            change = miss / rate
-            new = step - change
-            if not (0.0 < new <= h) or self.time + new == self.time + step:
-                break
+                status = self.stepper.attempt(self.time, new)
             step = new
         self.landed = step
-        return 0
+        return status
 
     def _switch(self, e, kind, side):
         """Element e enters the neighbouring branch, now; the event is noted."""
@@ -493,33 +462,10 @@ class Integrator:
         They go to `sample_q`, `sample_v`, `sample_a`: by the cubic of the method itself (15.11), for
         `extrapolated` by the septic through q and its three derivatives at both ends.
         """
-        h = self.step_end - self.step_start
-        if h <= 0.0:
-            for i in range(self.n):
-                self.sample_q[i], self.sample_v[i] = self.qb[i], self.vb[i]
-                self.sample_a[i] = self.ab[i]
-            return
-        x = (t - self.step_start) / h
-        if self.stepper.method != 0:
-            tau = x * h
-            for i in range(self.n):
-                slope = (self.ab[i] - self.aa[i]) / h
-                self.sample_a[i] = self.aa[i] + tau * slope
-                self.sample_v[i] = self.va[i] + tau * (self.aa[i] + tau * slope / 2.0)
-                self.sample_q[i] = self.qa[i] + tau * (
-                    self.va[i] + tau * (self.aa[i] / 2.0 + tau * slope / 6.0)
-                )
-            return
+        self.dense.read(t)
         for i in range(self.n):
-            self.row_start[0], self.row_start[1] = self.qa[i], self.va[i]
-            self.row_start[2], self.row_start[3] = self.aa[i], self.ja[i]
-            self.row_end[0], self.row_end[1] = self.qb[i], self.vb[i]
-            self.row_end[2], self.row_end[3] = self.ab[i], self.jb[i]
-            self.crossing.hermite7(self.row_start, self.row_end, 0, h)
-            self.crossing.read(x, h)
-            self.sample_q[i] = self.crossing.value
-            self.sample_v[i] = self.crossing.first
-            self.sample_a[i] = self.crossing.second
+            self.sample_q[i], self.sample_v[i] = self.dense.q[i], self.dense.v[i]
+            self.sample_a[i] = self.dense.a[i]
 
     def sample_forces(self, t):
         """Accelerations and element forces at the instant sampled last, from the equation of motion.
@@ -528,19 +474,26 @@ class Integrator:
         whether it slips or sticks, and then has the force that sticking takes; what has yielded
         knows its set, which goes to `sample_set`.
         """
-        if self.in_step or self.step_end <= self.step_start:
+        if self.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
         self.net.read_forces(
             t, self.sample_q, self.sample_v, self.sample_a, self.sample_f, self.sample_set
         )
 
+    @property
+    def residual_end(self):
+        """What the energy balance lacks at the end of the last step, J."""
+        return self.ledger.residual_end
+
     def residual_at(self, t):
         """What the energy balance lacks, J, carried linearly through the last step."""
-        h = self.step_end - self.step_start
+        h = self.dense.end - self.dense.start
         if h <= 0.0:
-            return self.residual_end
-        x = (t - self.step_start) / h
-        return self.residual_start + x * (self.residual_end - self.residual_start)
+            return self.ledger.residual_end
+        x = (t - self.dense.start) / h
+        return self.ledger.residual_start + x * (
+            self.ledger.residual_end - self.ledger.residual_start
+        )
 
     def energies(self):
         """Where the energy is at the end of the last step, and where it has gone until then, J.
@@ -550,7 +503,7 @@ class Integrator:
         The kinetic energy, what each element stores, what each element has dissipated, and what each
         signal, as a road or as a load, has brought in.
         """
-        net, work = self.net, self.stepper.work
+        net, work = self.net, self.ledger.work
         net.all_signals(self.time)
         net.row_states(self.stepper.q, self.stepper.v)
         stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
@@ -565,7 +518,7 @@ class Integrator:
 
     def limited_time_at(self, e, t):
         """How long element e has been at its limit (a tyre off the road) up to t, s."""
-        late = self.step_end - t if self.step_limited[e] else 0.0
+        late = self.dense.end - t if self.step_limited[e] else 0.0
         return self.limited_time[e] - late
 
     def at_limit(self, e):
@@ -615,21 +568,21 @@ class Integrator:
     # -- whole state -------------------------------------------------------------------------------
 
     def _parts(self):
-        s, net = self.stepper, self.net
+        s, d, net = self.stepper, self.dense, self.net
         return (
-            self.qa, self.va, self.aa, self.ja, self.qb, self.vb, self.ab, self.jb,
-            s.q, s.v, s.a, s.j, s.work, self.limited_time, self.step_limited, net.segment, net.piece,
+            d.qa, d.va, d.aa, d.ja, d.qb, d.vb, d.ab, d.jb, s.q, s.v, s.a, s.j,
+            self.ledger.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.branch, net.departing, net.signal_now, net.limited_count, s.multiplier,
-            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal,
+            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest,
         )  # fmt: skip
 
     def snapshot(self):
         """The whole state as bytes, from which `restore` continues to the bit."""
-        s, net = self.stepper, self.net
+        s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         head = pack(
-            "<11d3q", self.time, self.step_start, self.step_end, self.grid_start, self.proposal,
-            net.exchange, self.residual_start, self.residual_end, s.reach, self.first_reach,
-            self.initial_energy, self.grid_index, self.step_count, self.in_step,
+            "<11d3q", self.time, d.start, d.end, self.grid_start, self.proposal,
+            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
+            ledger.initial_energy, self.grid_index, self.step_count, self.in_step,
         )  # fmt: skip
         return head + b"".join(bytes(part) for part in self._parts())
 
@@ -640,14 +593,15 @@ class Integrator:
         ------
         ValueError : a snapshot of another system.
         """
-        s, net, parts = self.stepper, self.net, self._parts()
+        s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
+        parts = self._parts()
         at = 8 * 14
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
             raise ValueError("this state belongs to another system")
         (
-            self.time, self.step_start, self.step_end, self.grid_start, self.proposal,
-            net.exchange, self.residual_start, self.residual_end, s.reach, self.first_reach,
-            self.initial_energy, self.grid_index, self.step_count, self.in_step,
+            self.time, d.start, d.end, self.grid_start, self.proposal,
+            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
+            ledger.initial_energy, self.grid_index, self.step_count, self.in_step,
         ) = unpack_from("<11d3q", state)  # fmt: skip
         for part in parts:
             view = memoryview(part).cast("B")
@@ -655,11 +609,12 @@ class Integrator:
             at += len(view)
         self.event_count = 0
         self.log = []
+        d.known = 0
         # tangents follow from the state; accelerations and multipliers are kept to the bit
         net.list_stuck()
         derived = [s.a, s.j, s.multiplier, s.multiplier_rate]
         kept = [bytes(part) for part in derived]
-        s.refresh(self.time)
+        self._enter_branches()
         for part, content in zip(derived, kept, strict=True):
             memoryview(part).cast("B")[:] = content
 

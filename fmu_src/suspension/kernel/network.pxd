@@ -4,6 +4,7 @@ from .linear cimport decompose, solve
 
 cdef int _KINDS, _CONTACT, _FRICTION, _SPRING, _DAMPER, _MODULATION, _LAWS, _PIECE
 
+@cython.final
 cdef class Network(Elements):
     cdef readonly int loads, works
     cdef double[::1] mass, mass_factor, load_direction, zero

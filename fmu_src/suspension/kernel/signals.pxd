@@ -19,6 +19,8 @@ cdef class Signals:
     cdef void signal(self, int s, double t) noexcept nogil
     @cython.locals(s=int)
     cdef void all_signals(self, double t) noexcept nogil
+    @cython.locals(s=int, i=int, at=int)
+    cdef int still(self) noexcept nogil
     @cython.locals(s=int, k=int, joint=double, start=double)
     cdef double next_joint(self) noexcept nogil
     @cython.locals(s=int, at=int, limit=double, speed=double)

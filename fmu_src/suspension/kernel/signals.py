@@ -91,6 +91,15 @@ class Signals:
         for s in range(self.signals):
             self.signal(s, t)
 
+    def still(self):
+        """Whether no signal changes within its present segment."""
+        for s in range(self.signals):
+            at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
+            for i in range(3, 7):
+                if self.segment[at + i] != 0.0:
+                    return 0
+        return 1
+
     def next_joint(self):
         """The next instant at which a signal changes segment."""
         joint = 1e300

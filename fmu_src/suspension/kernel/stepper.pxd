@@ -1,24 +1,30 @@
 cimport cython
 from libc.math cimport fabs, isfinite, sqrt
+from .lanes cimport Lanes
 from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _MOST
 cdef double _SHARE
 
+@cython.final
 cdef class Stepper:
     cdef Network net
-    cdef int n, method, columns, fractions, stamp, affine
-    cdef double tolerance, reach, omega_squared, error, time
+    cdef Lanes lanes
+    cdef int n, method, columns, fractions, stamp, affine, loads_hold
+    cdef bint side_by_side
+    cdef double tolerance, reach, omega_squared, quickest, error, time
     cdef double[::1] multiplier, multiplier_rate
-    cdef double[::1] q, v, a, j, qb, vb, ab, jb, work, trial_work
+    cdef double[::1] q, v, a, j, qb, vb, ab, jb
     # workspace
-    cdef double[::1] power, power_before, stiffness, damping, stiffness2, damping2
-    cdef double[::1] factor, factor_step, constant, cq, cv, ca, pq, pv, sa, rhs, correction
+    cdef double[::1] stiffness, damping, stiffness2, damping2
+    cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv, sa, rhs, correction
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
 
     cdef void refresh(self, double t) noexcept nogil
+    @cython.locals(k=int, at=int, omega=double, decay=double)
+    cdef void _scale_velocities(self) noexcept nogil
     @cython.locals(e=int)
     cdef void keep_multipliers(self) noexcept nogil
     @cython.locals(i=int, size=int, at=int)
@@ -38,15 +44,22 @@ cdef class Stepper:
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
                    p=double, f=double)
     cdef void _excitation_increment(self, int fraction) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, m=int, r=int, s=int, at=int, order=int, p=double,
-                   f=double)
+    @cython.locals(i=int, k=int, s=int, at=int, order=int)
     cdef void _prepare_signals(self, double h) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, m=int, width=int, at=int, fraction=int,
-                   status=int, step=double, weight=double)
+    @cython.locals(i=int)
+    cdef void _find_loads(self, int k) noexcept nogil
+    @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, f=double)
+    cdef void _add_loads(self, double[::1] out, int at, int order) noexcept nogil
+    @cython.locals(n=int, i=int, k=int, m=int, at=int, fraction=int, status=int, step=double)
     cdef int _column(self, int column, double h) noexcept nogil
-    @cython.locals(n=int, i=int, m=int, column=int, width=int, low=int, high=int,
-                   status=int, ratio=double, weight=double, change=double)
+    @cython.locals(i=int, status=int)
     cdef int attempt(self, double t, double h) noexcept nogil
-    @cython.locals(n=int, k=int, omega=double, error=double)
-    cdef void _note_error(self, int i, double size) noexcept nogil
+    cdef bint _in_lanes(self) noexcept nogil
+    @cython.locals(i=int, a=double, j=double)
+    cdef void shift_end(self, double t, double late) noexcept nogil
+    @cython.locals(n=int, i=int, m=int, column=int, width=int, low=int, high=int,
+                   status=int, ratio=double, weight=double, change=double, scale=double)
+    cdef int _one_by_one(self, double t, double h) noexcept nogil
+    @cython.locals(error=double)
+    cdef void _note_error(self, double size) noexcept nogil
     cdef void _end_of_attempt(self, double t) noexcept nogil

@@ -23,6 +23,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
+from .lanes import Lanes
 
 if not cython.compiled:
     from math import fabs, isfinite, sqrt
@@ -57,21 +58,20 @@ class Stepper:
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
-        self.work, self.trial_work = vectors(2, network.works)
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
         self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
         self._allocate()
 
     def _allocate(self):
-        n, works = self.n, self.net.works
-        self.power, self.power_before = vectors(2, works)
+        n = self.n
         self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, n * n)
         self.factor = doubles([0.0] * (4 * n * n))
         self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
         self.constant, self.cq, self.cv, self.ca = vectors(4, n)
+        self.softest, self.velocity_scale = doubles([1e300] * n), doubles([0.0] * n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, n)
-        self.table = doubles([0.0] * (4 * (2 * n + works)))
+        self.table = doubles([0.0] * (4 * 2 * n))
         # the instants of all substeps of a macro step, each evaluated once
         sequence = SEQUENCES[self.columns]
         self.sequence = integers(sequence)
@@ -83,6 +83,23 @@ class Stepper:
         )
         self.signal_table = doubles([0.0] * (3 * max(self.net.signals, 1) * self.fractions))
         self.load_table = doubles([0.0] * (n * self.fractions))
+        self.load_rate = doubles([0.0] * n)
+        self.loads_hold = 0  # whether the loads of the present branch are constant, and known
+        # the linear branches of small systems have a faster way
+        self.side_by_side = self.columns > 1 and n <= 8
+        self.lanes = (
+            Lanes(
+                self.net.mass,
+                sequence,
+                self.fraction_index,
+                self.load_table,
+                self.load_rate,
+                (self.q, self.v, self.a),
+                (self.qb, self.vb, self.ab, self.jb),
+            )
+            if self.side_by_side
+            else None
+        )
 
     def refresh(self, t):
         """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
@@ -98,6 +115,25 @@ class Stepper:
         self.net.jerk(self.v, self.a, self.j)
         self.keep_multipliers()
         self.omega_squared = self.net.fastest_mode(self.stiffness)
+        self.quickest = sqrt(self.omega_squared)
+        self._scale_velocities()
+        self.loads_hold = 0
+        if self.affine and self.side_by_side:
+            self.lanes.enter(self.stiffness, self.damping)
+
+    def _scale_velocities(self):
+        """By what an error of velocity counts: the displacement and the acceleration it becomes.
+
+        The displacement by the lowest own frequency in any branch so far, at least 1 rad/s, because
+        the stiffest stop is soon left again; the acceleration through strong damping.
+        """
+        for k in range(self.n):
+            at = k * self.n + k
+            omega = sqrt(fabs(self.stiffness[at]) / self.net.mass[at])
+            self.softest[k] = omega = min(self.softest[k], omega if omega > 1.0 else 1.0)
+            decay = self.damping[at] / self.net.mass[at]
+            self.velocity_scale[k] = max(omega, decay) / (omega * omega)
+            self.quickest += decay
 
     def keep_multipliers(self):
         """What sticking takes now; attempts overwrite the network's own."""
@@ -292,7 +328,10 @@ class Stepper:
 
     def _prepare_signals(self, h):
         """Signals at all substep instants, and for linear branches the loads they make."""
-        n = self.n
+        if self.loads_hold:
+            return
+        if self.affine:
+            self.net.row_forces()  # whoever read forces meanwhile may have left other tangents
         for k in range(self.fractions):
             self.net.all_signals(self.time + self.fraction[k] * h)
             at = 3 * self.net.signals * k
@@ -300,39 +339,45 @@ class Stepper:
                 for order in range(3):
                     self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
             if self.affine:
+                self._find_loads(k)
+        if self.affine:
+            self.loads_hold = self.net.still()
+
+    def _find_loads(self, k):
+        """Loads at fraction k, and their rates; those at the end are found last and stay."""
+        for i in range(self.n):
+            self.load_table[k * self.n + i] = self.constant[i]
+            self.load_rate[i] = 0.0
+        self._add_loads(self.load_table, k * self.n, 0)
+        self._add_loads(self.load_rate, 0, 1)
+
+    def _add_loads(self, out, at, order):
+        """What loads and the roads under the rows bring, or its rate, with the signals in `road`."""
+        n = self.n
+        for m in range(self.net.loads):
+            p = self.net.road[4 * self.net.load_signal[m] + order]
+            for i in range(n):
+                out[at + i] += self.net.load_direction[m * n + i] * p
+        for r in range(self.net.rows):
+            s = self.net.row_signal[r]
+            if s >= 0:
+                f = (
+                    self.net.row_k[r] * self.net.road[4 * s + order]
+                    + self.net.row_c[r] * self.net.road[4 * s + order + 1]
+                )
                 for i in range(n):
-                    self.load_table[k * n + i] = self.constant[i]
-                for m in range(self.net.loads):
-                    p = self.net.road[4 * self.net.load_signal[m]]
-                    for i in range(n):
-                        self.load_table[k * n + i] += self.net.load_direction[m * n + i] * p
-                for r in range(self.net.rows):
-                    s = self.net.row_signal[r]
-                    if s >= 0:
-                        f = (
-                            self.net.row_k[r] * self.net.road[4 * s]
-                            + self.net.row_c[r] * self.net.road[4 * s + 1]
-                        )
-                        for i in range(n):
-                            self.load_table[k * n + i] += self.net.row_direction[r * n + i] * f
+                    out[at + i] += self.net.row_direction[r * n + i] * f
 
     def _column(self, column, h):
-        """A macro step made of so many equal substeps, into the table of the extrapolation.
-
-        The works are summed by the trapezoidal rule, whose error has the same even powers of the
-        step as the motion's, so the same extrapolation serves both.
-        """
+        """A macro step made of so many equal substeps, into the table of the extrapolation."""
         n = self.n
         m = self.sequence[column]
         step = h / m
-        width = 2 * n + self.net.works
-        at = column * width
+        at = column * 2 * n
         for i in range(n):
             self.cq[i] = self.q[i]
             self.cv[i] = self.v[i]
             self.ca[i] = self.a[i]
-        for i in range(self.net.works):
-            self.table[at + 2 * n + i] = 0.5 * step * self.power_before[i]
         if self.affine and self._factor_step_matrix(column, step) != 0:
             return _NOT_POSITIVE
         for k in range(m):
@@ -345,33 +390,48 @@ class Stepper:
                 status = self._substep_equilibrium(step, fraction)
             if status != 0:
                 return status
-            self._take_signals(fraction)
-            self.net.row_states(self.cq, self.cv)
-            self.net.row_forces()
-            self.net.hold(self.net.multiplier)
-            self.net.powers(self.cv, self.power)
-            weight = step if k + 1 < m else 0.5 * step
-            for i in range(self.net.works):
-                self.table[at + 2 * n + i] += weight * self.power[i]
         for i in range(n):
             self.table[at + i] = self.cq[i]
             self.table[at + n + i] = self.cv[i]
         return 0
 
     def attempt(self, t, h):
-        """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb.
+        """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb."""
+        self.time = t
+        self._prepare_signals(h)
+        if not self._in_lanes():
+            return self._one_by_one(t, h)
+        status = self.lanes.attempt(h)
+        self.error = 0.0
+        for i in range(self.n):
+            self._note_error(fabs(self.lanes.error_q[i]))
+            self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
+        return status
 
-        Aitken and Neville: T[j,m] = T[j,m-1] + (T[j,m-1] - T[j-1,m-1]) / ((n_j / n_(j-m))^2 - 1).
+    def _in_lanes(self):
+        return self.affine and self.side_by_side and not self.net.stuck
+
+    def shift_end(self, t, late):
+        """Move the end of the attempt by a little, to t, along its Taylor series."""
+        for i in range(self.n):
+            a, j = self.ab[i], self.jb[i]
+            self.qb[i] += late * (self.vb[i] + late * (a / 2.0 + late * j / 6.0))
+            self.vb[i] += late * (a + late * j / 2.0)
+        if not self._in_lanes():
+            self._end_of_attempt(t)
+            return
+        if not self.loads_hold:
+            self.net.all_signals(t)
+            self._find_loads(self.fractions - 1)
+        self.lanes.finish()
+
+    def _one_by_one(self, t, h):
+        """Columns one after the other, by Aitken and Neville.
+
+        T[j,m] = T[j,m-1] + (T[j,m-1] - T[j-1,m-1]) / ((n_j / n_(j-m))^2 - 1).
         """
         n = self.n
-        width = 2 * n + self.net.works
-        self.time = t
-        self.net.all_signals(t)
-        self.net.row_states(self.q, self.v)
-        self.net.row_forces()
-        self.net.hold(self.multiplier)
-        self.net.powers(self.v, self.power_before)
-        self._prepare_signals(h)
+        width = 2 * n
         self.error = 0.0
         for column in range(self.columns):
             status = self._column(column, h)
@@ -386,30 +446,22 @@ class Stepper:
                 for i in range(width):
                     change = (self.table[high + i] - self.table[low + i]) * weight
                     self.table[low + i] = self.table[high + i] + change
-                    if m == column and column + 1 == self.columns and i < 2 * n:
-                        self._note_error(i, fabs(change))
+                    if m == column and column + 1 == self.columns:
+                        scale = self.velocity_scale[i - n] if i >= n else 1.0
+                        self._note_error(fabs(change) * scale)
         for i in range(n):
             self.qb[i] = self.table[i]
             self.vb[i] = self.table[n + i]
             if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
                 return _DIVERGED
-        for i in range(self.net.works):
-            self.trial_work[i] = self.work[i] + self.table[2 * n + i]
         self._end_of_attempt(t + h)
         return 0
 
-    def _note_error(self, i, size):
-        """Keep the largest error in units of the tolerance, velocities by their own frequency."""
-        n = self.n
-        if i >= n:
-            # a velocity counts by what it becomes: a displacement through its own frequency, an
-            # acceleration through strong damping
-            k = i - n
-            omega = sqrt(fabs(self.stiffness[k * n + k]) / self.net.mass[k * n + k])
-            omega = omega if omega > 1.0 else 1.0
-            size *= max(omega, self.damping[k * n + k] / self.net.mass[k * n + k]) / (omega * omega)
+    def _note_error(self, size):
+        """Keep the largest error in units of the tolerance."""
         error = size / (_SHARE * self.tolerance * self.reach)
-        self.error = max(self.error, error)
+        if not error <= self.error:
+            self.error = error
 
     def _end_of_attempt(self, t):
         self.net.all_signals(t)

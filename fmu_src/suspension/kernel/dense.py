@@ -1,0 +1,84 @@
+"""The last step as a polynomial: what is read between its ends.
+
+`extrapolated` has the septic through q and its three derivatives at both ends, right to order 8; the
+methods of order 2 have the cubic (15.11), in which the acceleration is linear. Either is kept in
+Newton's form with its nodes at the ends,
+
+    q = c0 + x (c1 + x (c2 + x (c3 + x (s0 + u (s1 + u (s2 + u s3)))))),   u = x - 1, x from 0 to 1.
+"""
+
+from __future__ import annotations
+
+from .arrays import doubles, vectors
+
+_TERMS = 8
+
+
+class Dense:
+    """Displacements within one step, and their ends.
+
+    Parameters
+    ----------
+    n : number of coordinates
+    cubic : whether the step is one of constant third derivative
+    """
+
+    def __init__(self, n, cubic):
+        self.n, self.cubic = n, cubic
+        self.start = self.end = 0.0
+        self.qa, self.va, self.aa, self.ja = vectors(4, n)
+        self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
+        self.q, self.v, self.a = vectors(3, n)  # what was read last
+        self.terms = doubles([0.0] * (_TERMS * n))
+        self.known = 0  # whether the terms are those of the present ends
+
+    def _find_terms(self):
+        """c0 to c3 from the start; s0 to s3 from what the end has beyond them."""
+        h = self.end - self.start
+        for i in range(self.n):
+            at = _TERMS * i
+            c0 = self.qa[i]
+            c1 = h * self.va[i]
+            c2 = 0.5 * h * h * self.aa[i]
+            c3 = h * h * (self.ab[i] - self.aa[i]) / 6.0
+            if not self.cubic:
+                c3 = h * h * h * self.ja[i] / 6.0
+                # value and derivatives over 1, 1, 2, 6 of what is left, at x = 1; then over x^4
+                d0 = self.qb[i] - c0 - c1 - c2 - c3
+                d1 = h * self.vb[i] - c1 - 2.0 * c2 - 3.0 * c3
+                d2 = 0.5 * h * h * self.ab[i] - c2 - 3.0 * c3
+                d3 = h * h * h * self.jb[i] / 6.0 - c3
+                self.terms[at + 4] = d0
+                self.terms[at + 5] = d1 - 4.0 * d0
+                self.terms[at + 6] = d2 - 4.0 * d1 + 10.0 * d0
+                self.terms[at + 7] = d3 - 4.0 * d2 + 10.0 * d1 - 20.0 * d0
+            self.terms[at] = c0
+            self.terms[at + 1] = c1
+            self.terms[at + 2] = c2
+            self.terms[at + 3] = c3
+        self.known = 1
+
+    def read(self, t):
+        """Displacements, velocities and accelerations at an instant of the step, into q, v, a."""
+        h = self.end - self.start
+        if h <= 0.0:
+            for i in range(self.n):
+                self.q[i], self.v[i], self.a[i] = self.qb[i], self.vb[i], self.ab[i]
+            return
+        if not self.known:
+            self._find_terms()
+        x = (t - self.start) / h
+        for i in range(self.n):
+            at = _TERMS * i
+            value = self.terms[at + 7]
+            first = 0.0
+            second = 0.0
+            for k in range(6, -1, -1):
+                # Horner, from the inside; the innermost nodes are those at the end
+                u = x - 1.0 if k >= 4 else x
+                second = u * second + 2.0 * first
+                first = u * first + value
+                value = u * value + self.terms[at + k]
+            self.q[i] = value
+            self.v[i] = first / h
+            self.a[i] = second / (h * h)

@@ -1,0 +1,35 @@
+cimport cython
+from libc.math cimport isfinite
+
+cdef int _MOST, _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
+
+@cython.final
+cdef class Lanes:
+    cdef int n, columns, last
+    cdef int[::1] substeps, load_at
+    cdef double[::1] loads, load_rate, q0, v0, a0, q1, v1, a1, j1
+    cdef double step
+    cdef double[4] weight, check
+    cdef double[64] stiffness, damping, mass, flexibility
+    cdef double[256] inverse
+    cdef double[16] q, v, a, pq, pv, f
+    cdef double[32] end_q, end_v
+    cdef double[8] error_q, error_v
+
+    @cython.locals(i=int)
+    cdef void enter(self, double[::1] stiffness, double[::1] damping) noexcept nogil
+    cdef int attempt(self, double h) noexcept nogil
+    @cython.locals(new=bint, pair=int, s0=double, s1=double)
+    cdef int _attempt(self, double h, int n) noexcept nogil
+    @cython.locals(at=int, i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int,
+                   x0=double, x1=double)
+    cdef int _invert_pair(self, int pair, double s0, double s1, int n) noexcept nogil
+    @cython.locals(at=int, lane=int, i=int, j=int, k=int, load0=int, load1=int,
+                   third0=double, third1=double, x0=double, x1=double)
+    cdef void _advance_pair(self, int pair, double s0, double s1, int n) noexcept nogil
+    @cython.locals(i=int, j=int, at=int, lane=int, q=double, v=double, dq=double, dv=double,
+                   eq=double, ev=double, x=double)
+    cdef int _extrapolate(self, int n) noexcept nogil
+    cdef void finish(self) noexcept nogil
+    @cython.locals(i=int, j=int, x=double)
+    cdef void _finish(self, int n) noexcept nogil

@@ -1,0 +1,18 @@
+cimport cython
+from .dense cimport Dense
+from .network cimport Network
+
+cdef int _POINTS
+
+@cython.final
+cdef class Ledger:
+    cdef Network net
+    cdef Dense dense
+    cdef double[::1] power, work, scratch, point, weight
+    cdef double initial_energy, residual_start, residual_end
+
+    @cython.locals(i=int, k=int, h=double, t=double)
+    cdef void book(self) noexcept nogil
+    @cython.locals(i=int, balance=double)
+    cdef void strike_balance(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void carry_on(self, double residual) noexcept nogil

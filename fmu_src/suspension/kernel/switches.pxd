@@ -1,0 +1,34 @@
+cimport cython
+from libc.math cimport fabs
+from .bernstein cimport Crossing
+from .network cimport Network
+from .stepper cimport Stepper
+
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS
+cdef double _NEVER
+
+@cython.final
+cdef class Switches:
+    cdef Stepper stepper
+    cdef Network net
+    cdef Crossing crossing
+    cdef int watched, element, kind, side
+    cdef bint roads_known
+    cdef double at, miss
+    cdef int[::1] watched_element, watched_kind
+    cdef double[::1] low, high, row_start, row_end, road_start, road_end, force
+
+    @cython.locals(e=int, kind=int, k=int, low=double, high=double)
+    cdef void enter_branches(self) noexcept nogil
+    @cython.locals(k=int, degree=int)
+    cdef double first(self, double t, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _read_roads(self, double t, double h) noexcept nogil
+    @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    cdef void _read_rows(self, double[::1] road, bint end, double[::1] out) noexcept nogil
+    @cython.locals(at=int)
+    cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
+    @cython.locals(e=int, kind=int, departing=bint, at=double)
+    cdef void _search(self, int k, int side, double bound, int degree) noexcept nogil
+    @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double)
+    cdef double lateness(self, double t) noexcept nogil

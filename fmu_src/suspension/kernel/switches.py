@@ -1,0 +1,189 @@
+"""Which element leaves its branch first within an attempted step, and when.
+
+Watched is whatever has a bound in the present branches: a deflection or a rate that may reach a
+corner, the force of a tyre that may leave the road, the force that sticking takes. Each is a
+polynomial through its value and derivatives at both ends of the step.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, integers, vectors
+from .bernstein import Crossing
+from .elements import KINDS
+
+if not cython.compiled:
+    from math import fabs
+
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_NEVER = 1e299  # bounds beyond are none
+
+
+class Switches:
+    """What is watched in the present branches of a stepper's network.
+
+    Parameters
+    ----------
+    stepper : whose attempts are searched
+    """
+
+    def __init__(self, stepper):
+        self.stepper = stepper
+        self.net = self.stepper.net
+        self.crossing = Crossing()
+        most = len(KINDS) * self.net.elements
+        self.watched = 0
+        self.watched_element, self.watched_kind = integers([0] * most), integers([0] * most)
+        self.low, self.high = vectors(2, most)
+        self.row_start, self.row_end = vectors(2, 4 * max(self.net.rows, 1))
+        self.road_start, self.road_end = vectors(2, 4 * max(self.net.signals, 1))
+        self.roads_known = 0
+        self.force = doubles([0.0] * 3)
+        self.at = 2.0
+        self.element = self.kind = self.side = 0
+
+    def enter_branches(self):
+        """List what is watched, after a change of branch."""
+        self.watched = 0
+        self.roads_known = 0
+        for e in range(self.net.elements):
+            for kind in range(_KINDS):
+                if kind == _CONTACT and self.net.limit[e] > _NEVER:
+                    continue
+                if kind == _FRICTION and self.net.friction[e] == 0.0:
+                    continue
+                # what sticks passes no corner, whatever rounding says
+                if kind < _CONTACT and self.net.row_stuck[self.net.element_row[e]]:
+                    continue
+                low = self.net.bound(e, kind, -1)
+                high = self.net.bound(e, kind, 1)
+                if low > -_NEVER or high < _NEVER:
+                    k = self.watched
+                    self.watched_element[k], self.watched_kind[k] = e, kind
+                    self.low[k], self.high[k] = low, high
+                    self.watched += 1
+
+    def first(self, t, h):
+        """The earliest switch of the attempt from t to t + h: its fraction of h, or 2 for none."""
+        self.at = 2.0
+        if self.watched == 0:
+            return 2.0
+        self._read_roads(t, h)
+        self._read_rows(self.road_start, 0, self.row_start)
+        self._read_rows(self.road_end, 1, self.row_end)
+        for k in range(self.watched):
+            degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
+            self.crossing.extent(degree)
+            if self.crossing.low < self.low[k]:
+                self._search(k, -1, self.low[k], degree)
+            if self.crossing.high > self.high[k]:
+                self._search(k, 1, self.high[k], degree)
+        return self.at
+
+    def _read_roads(self, t, h):
+        """Signals at both ends; where they hold still, once for each branch."""
+        if self.roads_known and self.stepper.loads_hold:
+            return
+        self.net.all_signals(t)
+        for i in range(4 * self.net.signals):
+            self.road_start[i] = self.net.road[i]
+        self.net.all_signals(t + h)
+        for i in range(4 * self.net.signals):
+            self.road_end[i] = self.net.road[i]
+        self.roads_known = 1
+
+    def _read_rows(self, road, end, out):
+        """Deflection of every row with three derivatives, at the start or the end of the attempt."""
+        n = self.net.n
+        for r in range(self.net.rows):
+            d0 = 0.0
+            d1 = 0.0
+            d2 = 0.0
+            d3 = 0.0
+            for i in range(n):
+                b = self.net.row_direction[r * n + i]
+                if end:
+                    d0 += b * self.stepper.qb[i]
+                    d1 += b * self.stepper.vb[i]
+                    d2 += b * self.stepper.ab[i]
+                    d3 += b * self.stepper.jb[i]
+                else:
+                    d0 += b * self.stepper.q[i]
+                    d1 += b * self.stepper.v[i]
+                    d2 += b * self.stepper.a[i]
+                    d3 += b * self.stepper.j[i]
+            s = self.net.row_signal[r]
+            if s >= 0:
+                d0 -= road[4 * s]
+                d1 -= road[4 * s + 1]
+                d2 -= road[4 * s + 2]
+                d3 -= road[4 * s + 3]
+            out[4 * r] = d0
+            out[4 * r + 1] = d1
+            out[4 * r + 2] = d2
+            out[4 * r + 3] = d3
+
+    def _polynomial(self, e, kind, h):
+        """What is watched of element e, as a polynomial over the attempt; its degree."""
+        at = 4 * self.net.element_row[e]
+        if kind in (_SPRING, _MODULATION):
+            self.crossing.hermite7(self.row_start, self.row_end, at, h)
+            return 7
+        if kind == _CONTACT:
+            self.net.unlimited_force(e, self.row_start, at)
+            self.force[0], self.force[1] = self.net.force0, self.net.force1
+            self.force[2] = self.net.force2
+            self.net.unlimited_force(e, self.row_end, at)
+            self.crossing.hermite5(
+                self.force[0], self.force[1], self.force[2],
+                self.net.force0, self.net.force1, self.net.force2, h,
+            )  # fmt: skip
+            return 5
+        if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
+            # sticking: the force it takes
+            self.crossing.hermite3(
+                self.stepper.multiplier[e], self.stepper.multiplier_rate[e],
+                self.net.multiplier[e], self.net.multiplier_rate[e], h,
+            )  # fmt: skip
+            return 3
+        self.crossing.hermite5(
+            self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
+            self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
+        )  # fmt: skip
+        return 5
+
+    def _search(self, k, side, bound, degree):
+        """Keep the first exit over a bound, if it is the earliest."""
+        e, kind = self.watched_element[k], self.watched_kind[k]
+        departing = self.net.departing[_KINDS * e + kind] == side or (
+            # exactly on the bound, as at rest; where contact or sticking starts it is inside
+            self.crossing.bezier[0] == bound
+            and kind != _CONTACT
+            and (kind != _FRICTION or self.net.branch[_KINDS * e + _FRICTION] != 0)
+        )
+        at = self.crossing.exit(bound, side, degree, departing)
+        if at < self.at:
+            self.at = at
+            self.element = e
+            self.kind = kind
+            self.side = side
+
+    def lateness(self, t):
+        """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell."""
+        e, kind = self.element, self.kind
+        at = 4 * self.net.element_row[e]
+        self.net.all_signals(t)
+        for i in range(4 * self.net.signals):
+            self.road_end[i] = self.net.road[i]
+        self._read_rows(self.road_end, 1, self.row_end)
+        if kind == _CONTACT:
+            self.net.unlimited_force(e, self.row_end, at)
+            value, rate = self.net.force0, self.net.force1
+        elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
+            value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
+        else:
+            order = 1 if kind in (_DAMPER, _FRICTION) else 0
+            value, rate = self.row_end[at + order], self.row_end[at + order + 1]
+        self.miss = fabs(value - self.net.bound(e, kind, self.side))
+        return (value - self.net.bound(e, kind, self.side)) / rate if rate != 0.0 else 0.0

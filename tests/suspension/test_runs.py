@@ -1,0 +1,54 @@
+"""Whole runs in one call, and what may be read between steps without disturbing them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_integrator import STOPS, motion
+
+from suspension.engine import FAILURES, Integrator
+from suspension.models import build
+
+
+def test_reading_forces_leaves_the_run_alone_to_the_bit() -> None:
+    times = np.linspace(0.0, 0.3, 61)
+    undisturbed, _ = motion(build("QuarterCar", STOPS), times)
+    integrator = Integrator(build("QuarterCar", STOPS))
+    for t, expected in zip(times, undisturbed, strict=True):
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        assert list(integrator.sample_q) == list(expected)
+        integrator.sample_forces(t)
+
+
+@pytest.mark.parametrize("model", ["OneDof", "QuarterCar", "HalfCar"])
+def test_a_run_fills_arrays_with_what_is_read_instant_by_instant(model: str) -> None:
+    system, times = build(model, {}), np.linspace(0.0, 0.5, 101)
+    n = len(system.coordinates)
+    q, v, a = (np.full(n * len(times), np.nan) for _ in range(3))
+    integrator = Integrator(system, energy=False)
+    assert integrator.run(times, q, v, a) == 0
+    assert integrator.filled == len(times)
+    slowly = Integrator(system)
+    for k, t in enumerate(times):
+        assert slowly.advance(t) == 0
+        slowly.sample(t)
+        here = slice(n * k, n * k + n)
+        assert list(q[here]) == list(slowly.sample_q)
+        assert list(v[here]) == list(slowly.sample_v)
+        assert list(a[here]) == list(slowly.sample_a)
+    alone = np.zeros_like(q)
+    assert Integrator(system).run(times, alone) == 0
+    assert np.array_equal(alone, q)
+    with pytest.raises(ValueError, match="do not fit"):
+        integrator.run(times, q[:-1])
+
+
+def test_a_run_that_fails_keeps_what_it_has() -> None:
+    integrator = Integrator(build("QuarterCar", {"spring.cubic": -1e9, "road.height": 0.3}))
+    times = np.linspace(0.0, 1.0, 101)
+    q = np.full(202, np.nan)
+    assert integrator.run(times, q) in FAILURES
+    assert 0 < integrator.filled < 101
+    assert np.all(np.isfinite(q[: 2 * integrator.filled]))
+    assert np.all(np.isnan(q[2 * integrator.filled :]))
