@@ -15,3 +15,5 @@ cdef class Dense:
     @cython.locals(i=int, k=int, at=int, h=double, x=double, u=double, value=double,
                    first=double, second=double)
     cdef void read(self, double t) noexcept nogil
+    @cython.locals(i=int, k=int, h=double, x=double, u=double, value=double)
+    cdef void read_values(self, double t, double[::1] out, Py_ssize_t at) noexcept nogil

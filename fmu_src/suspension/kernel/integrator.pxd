@@ -8,7 +8,7 @@ from .switches cimport Switches
 
 cdef int _REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL
 cdef int _SPRING, _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _STALLED
-cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE
+cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
 
 @cython.final
 cdef class Integrator:

@@ -34,6 +34,7 @@ _EVENT_CAPACITY = 256
 _STALLED = 100  # steps in which no time passes
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
+_NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
 
 
@@ -249,8 +250,12 @@ class Integrator:
             status = self._advance(t, False)
             if status != 0:
                 return status
-            self.dense.read(t)
             at = self.filled * self.n
+            if not (self.want_v or self.want_a):
+                self.dense.read_values(t, self.out_q, at)
+                self.filled += 1
+                continue
+            self.dense.read(t)
             for i in range(self.n):
                 self.out_q[at + i] = self.dense.q[i]
             if self.want_v:
@@ -374,7 +379,7 @@ class Integrator:
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
-        if self.stepper.error <= 0.0:
+        if self.stepper.error <= _NO_ERROR:
             return 4.0
         factor = 0.9 * pow(self.stepper.error, -1.0 / (2.0 * self.stepper.columns - 1.0))
         return 4.0 if factor > 4.0 else (0.2 if factor < 0.2 else factor)
@@ -397,7 +402,8 @@ class Integrator:
                 self.limited_time[i] += h
         for i in range(_KINDS * self.net.elements):
             self.net.departing[i] = 0
-        self.stepper.keep_multipliers()
+        if self.net.stuck:
+            self.stepper.keep_multipliers()
         self.in_step = True
         self.dense.start = self.time
         self.dense.end = self.time = t

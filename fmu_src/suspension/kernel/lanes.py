@@ -42,7 +42,7 @@ class Lanes:
     Parameters
     ----------
     mass : matrix by rows, kg
-    sequence : substeps in each column of the extrapolation, two to four of them, ascending
+    sequence : substeps in each column of the extrapolation, one to four of them, ascending
     fraction_index : place of each substep's instant in `loads`, 5 for each column
     loads : forces of roads and loads at those instants, one for each coordinate, N; the last are
         those at the end of the step

@@ -13,7 +13,7 @@ cdef class Signals:
     cdef double enter_segment(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double[::1] coefficients) noexcept nogil
-    @cython.locals(at=int, g="double[::1]", x=double, value=double, rate=double,
+    @cython.locals(at=int, x=double, value=double, rate=double,
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)
     cdef void signal(self, int s, double t) noexcept nogil

@@ -66,22 +66,25 @@ class Signals:
     def signal(self, s, t):
         """Value and three derivatives of signal s in its present segment, into `road`."""
         at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
-        g = self.segment
-        x = t - g[at + 1]
-        value = g[at + 2] + x * (g[at + 3] + x * (g[at + 4] + x * g[at + 5]))
-        rate = g[at + 3] + x * (2.0 * g[at + 4] + x * 3.0 * g[at + 5])
-        acceleration = 2.0 * g[at + 4] + 6.0 * g[at + 5] * x
-        jerk = 6.0 * g[at + 5]
-        amplitude = g[at + 6]
+        x = t - self.segment[at + 1]
+        value = self.segment[at + 2] + x * (
+            self.segment[at + 3] + x * (self.segment[at + 4] + x * self.segment[at + 5])
+        )
+        rate = self.segment[at + 3] + x * (
+            2.0 * self.segment[at + 4] + x * 3.0 * self.segment[at + 5]
+        )
+        acceleration = 2.0 * self.segment[at + 4] + 6.0 * self.segment[at + 5] * x
+        jerk = 6.0 * self.segment[at + 5]
+        amplitude = self.segment[at + 6]
         if amplitude != 0.0:
-            angle = g[at + 7] + x * (g[at + 8] + x * g[at + 9])
-            speed = g[at + 8] + 2.0 * g[at + 9] * x
+            angle = self.segment[at + 7] + x * (self.segment[at + 8] + x * self.segment[at + 9])
+            speed = self.segment[at + 8] + 2.0 * self.segment[at + 9] * x
             c = amplitude * cos(angle)
             d = amplitude * sin(angle)
             value += c
             rate -= d * speed
-            acceleration -= c * speed * speed + 2.0 * g[at + 9] * d
-            jerk += d * speed * speed * speed - 6.0 * g[at + 9] * speed * c
+            acceleration -= c * speed * speed + 2.0 * self.segment[at + 9] * d
+            jerk += d * speed * speed * speed - 6.0 * self.segment[at + 9] * speed * c
         self.road[4 * s] = value
         self.road[4 * s + 1] = rate
         self.road[4 * s + 2] = acceleration

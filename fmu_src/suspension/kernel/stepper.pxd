@@ -33,8 +33,8 @@ cdef class Stepper:
     cdef int _substep_affine(self, int column, double h, int fraction) noexcept nogil
     @cython.locals(s=int, at=int, order=int)
     cdef void _take_signals(self, int fraction) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, _iteration=int, before=double, size=double,
-                   largest=double)
+    @cython.locals(n=int, i=int, k=int, r=int, _iteration=int, before=double, size=double,
+                   largest=double, force=double)
     cdef int _substep_equilibrium(self, double h, int fraction) noexcept nogil
     @cython.locals(i=int, size=int)
     cdef int _solve_step_matrix(self, double h) noexcept nogil

@@ -86,7 +86,7 @@ class Stepper:
         self.load_rate = doubles([0.0] * n)
         self.loads_hold = 0  # whether the loads of the present branch are constant, and known
         # the linear branches of small systems have a faster way
-        self.side_by_side = self.columns > 1 and n <= 8
+        self.side_by_side = n <= 8
         self.lanes = (
             Lanes(
                 self.net.mass,
@@ -216,9 +216,13 @@ class Stepper:
             for i in range(n):
                 self.ca[i] += self.rhs[i]
                 size = max(size, fabs(self.rhs[i]))
+            # rounding is that of the forces, which may cancel, not that of what they leave
             largest = 1e-30
             for i in range(n):
-                largest = max(largest, fabs(self.ca[i]))
+                force = 0.0
+                for r in range(self.net.rows):
+                    force += fabs(self.net.row_direction[r * n + i] * self.net.row_f[r])
+                largest = max(largest, fabs(self.ca[i]), force / self.net.mass[i * n + i])
             if not isfinite(size):
                 return _DIVERGED
             if size <= 4e-16 * largest or (size <= 1e-10 * largest and size >= 0.5 * before):

@@ -173,9 +173,10 @@ class Switches:
         """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell."""
         e, kind = self.element, self.kind
         at = 4 * self.net.element_row[e]
-        self.net.all_signals(t)
-        for i in range(4 * self.net.signals):
-            self.road_end[i] = self.net.road[i]
+        if not self.stepper.loads_hold:
+            self.net.all_signals(t)
+            for i in range(4 * self.net.signals):
+                self.road_end[i] = self.net.road[i]
         self._read_rows(self.road_end, 1, self.row_end)
         if kind == _CONTACT:
             self.net.unlimited_force(e, self.row_end, at)
