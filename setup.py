@@ -18,7 +18,8 @@ STAGE = Path("build") / NAME
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
 MODULES = (
     "linear", "bernstein", "signals", "laws", "elements", "network",
-    "lanes", "stepper", "switches", "dense", "ledger", "integrator",
+    "exact", "lanes", "stepper", "switches", "dense", "ledger", "watch",
+    "integrator",
 )  # fmt: skip
 
 

@@ -57,6 +57,7 @@ for _command in (
     sweeping.sweep,
     studies.accuracy,
     studies.rules,
+    studies.stability,
     authoring.new,
     authoring.schema,
 ):

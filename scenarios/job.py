@@ -182,6 +182,71 @@ def accuracy(
     return data, tables, folder
 
 
+def stability(
+    references: Sequence[str],
+    folder: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+    size: int = 32,
+) -> tuple[dict[str, Any], str, Path]:
+    """Find where steps grow, and leave data, a table and a picture in a folder.
+
+    Parameters
+    ----------
+    references : names of problems or scenes; none for all problems with switches
+    folder : replaced whole; None for `out/stability`
+    size : points on a side of the maps
+
+    Returns
+    -------
+    The data, the table as text, and the folder.
+
+    Raises
+    ------
+    InputError : no such problem or scene, or one that is no model of this project.
+    """
+    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+    from phaseplane.figures.stability import GrowthMap  # noqa: PLC0415
+
+    from .studies import stability as study  # noqa: PLC0415
+    from .studies.problems import PROBLEMS, find_problem  # noqa: PLC0415
+
+    folder = folder or OUTPUT / "stability"
+    check_replaceable(folder)
+    problems = [find_problem(name) for name in references or PROBLEMS]
+    if not references:
+        problems = [problem for problem in problems if problem.kind == "non-smooth"]
+
+    def part(first: float, width: float) -> Callable[[float], None]:
+        return lambda done: progress(first + width * done) if progress is not None else None
+
+    made = study.maps(size, part(0.0, 0.5))
+    found = study.limits(problems, part(0.5, 0.3))
+    happened = study.extremes(part(0.8, 0.2))
+    data, table = study.as_data(made, found, happened), study.table(found, happened)
+    figure = figures.stability_sheet(
+        {name: (made.phases, curve) for name, curve in made.curves.items()},
+        {"2√3": study.LINEAR, "order 8: 3.2": study.EIGHTH},
+        [
+            GrowthMap("Order 8, spectral radius of a step", made.grid, made.damping_ratios,
+                      "damping ratio", made.damped, study.EIGHTH),
+            GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
+                      "ratio of the springs", made.coupled, study.LINEAR),
+            GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
+                      "stop over spring", made.bounced, study.LINEAR),
+        ],
+        [
+            (one.problem, one.method, one.theory, one.measured)
+            for one in found
+            if one.theory is not None
+        ],
+    )  # fmt: skip
+    with replaced_whole(folder) as draft:
+        figures.save(figure, draft / "stability.png")
+        (draft / "stability.txt").write_text(f"{table}\n", encoding="utf-8")
+        write_summary(data, draft)
+    return data, table, folder
+
+
 def replay(
     what: str,
     overrides: Sequence[str],

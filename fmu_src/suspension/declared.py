@@ -16,7 +16,8 @@ ROAD_SHAPES = (
 )  # fmt: skip
 ROAD_CLASSES = tuple("ABCDEFGH")
 INTERPOLATIONS = ("linear", "monotone")
-METHODS = ("extrapolated", "equilibrium", "mean", "tangent")
+METHODS = ("extrapolated", "equilibrium", "mean", "tangent", "wilson", "exact")
+BEYOND_STABLE = ("substep", "refuse", "allow")
 
 SUSPENSION = tunable(  # between body and wheel (or road)
     parameter("spring.rate", 1500 * KGF, "linear spring rate", "N/m",
@@ -116,6 +117,11 @@ SOLVER_PARAMETERS = (
                minimum=0.0),
     parameter("solver.tolerance", 1e-6, "largest error wanted, relative to the peak", "1",
                minimum=1e-12, maximum=1e-1),
+    parameter("solver.beyond_stable", "substep", "what becomes of a fixed step longer than the "
+              "largest stable one: taken in equal parts, the run refused, or allowed all the same",
+              choices=BEYOND_STABLE),
+    parameter("solver.theta", 1.4, "how far beyond the step wilson seeks equilibrium, in steps", "1",
+              minimum=1.37, maximum=10.0),
 )  # fmt: skip
 
 SOLVER_OUTPUTS = (

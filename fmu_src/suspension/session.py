@@ -8,8 +8,9 @@ stops on every communication point, because nothing is known beyond it.
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, astuple, replace
+from dataclasses import asdict, astuple, dataclass, replace
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -22,6 +23,29 @@ from .systems import System
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
 _AT_REST = 1e-12  # s by which a communication point may lie before the present, from rounding
+
+
+_MOST_EVENTS = 100_000  # that are remembered
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An element that went over from one of its branches to another.
+
+    Parameters
+    ----------
+    time : s
+    element : its name
+    kind : what of it: one of `engine.KINDS`
+    before, after : numbers of the branches: pieces of a law from below; contact 0 on and 1 off the
+        road; friction -1 and 1 slipping, 0 sticking
+    """
+
+    time: float
+    element: str
+    kind: str
+    before: int
+    after: int
 
 
 class SimulationError(RuntimeError):
@@ -55,6 +79,8 @@ class Session:
         self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
+        self._warned = False
+        self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
@@ -76,24 +102,9 @@ class Session:
         self._sample()
 
     def _start_moving(self) -> None:
-        """From static equilibrium on the road as it is just before, plus what is given in addition.
-
-        Forces from outside act from the start on: what they do is no equilibrium.
-        """
-        system = self._system
-        levels = {axle.road: self._signals[axle.road].before(self.time) for axle in system.axles}
-        given = [
-            [
-                float(self.parameters[f"initial.{name}_{what}".replace("._", ".")])
-                for name in system.coordinates
-            ]
-            for what in ("displacement", "velocity")
-        ]
-        rest = static_equilibrium(system, levels) if any(levels.values()) else [0.0] * len(given[0])
-        if any(rest) or any(map(any, given)):
-            self._integrator.set_state(
-                [r + q for r, q in zip(rest, given[0], strict=True)], given[1]
-            )
+        state = start_state(self._system, self.parameters, self.time)
+        if state is not None:
+            self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
 
     def _new_integrator(self, system: System) -> Any:
@@ -103,9 +114,19 @@ class Session:
         default = next(v.start for v in variables(self.model) if v.name == "solver.tolerance")
         if self._tolerance is not None and self._tolerance > 0.0 and wanted == default:
             wanted = self._tolerance
-        return Integrator(
-            system, str(p["solver.method"]), float(p["solver.step"]), float(wanted), self.time
-        )
+        method = str(p["solver.method"])
+        try:
+            return Integrator(
+                system,
+                method,
+                float(p["solver.step"]),
+                float(wanted),
+                self.time,
+                theta=float(p["solver.theta"]),
+                beyond_stable=str(p["solver.beyond_stable"]),
+            )
+        except ValueError as error:
+            raise ParameterError(str(error)) from None
 
     def _attach(self, system: System, integrator: Any) -> None:
         """Make a system and its integrator those of this session."""
@@ -176,6 +197,7 @@ class Session:
     def _step(self, until: float, stop: bool) -> None:
         status = self._integrator.advance(until, stop)
         self._note_switches()
+        self._note_stability()
         if status != 0:
             self.ok = False
             self.time = self._integrator.time
@@ -184,6 +206,25 @@ class Session:
             )
             self.messages.append(("error", reason))
             raise SimulationError(reason)
+
+    def _forget_events(self) -> None:
+        """Leave those that were before the integrator's present."""
+        while self.events and self.events[-1].time > self._integrator.time:
+            self.events.pop()
+
+    def _note_stability(self) -> None:
+        """Say once that the fixed step was found too long."""
+        beyond = self._integrator.beyond_stable()
+        if beyond is not None and not self._warned:
+            self._warned = True
+            since, stable = beyond
+            self.messages.append(
+                (
+                    "info",
+                    f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
+                    f"{since:.6g} s on: taken in parts of at most {stable:.3g} s",
+                )
+            )
 
     def _take_parameters(self) -> None:
         """From the present time on another system moves on, from the present state."""
@@ -227,6 +268,7 @@ class Session:
             return
         said = len(self.messages)
         self._integrator.restore(self._behind)
+        self._forget_events()
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
         self._ahead = []
@@ -265,6 +307,7 @@ class Session:
         log, self._integrator.log = self._integrator.log, []
         for time, element, kind, before, after in log:
             name = self._system.elements[element].name
+            self.events.append(Event(time, name, KINDS[kind], before, after))
             if element in self._tyres and KINDS[kind] == "contact":
                 self._ahead.append((time, self._tyres[element], bool(after)))
             elif name.endswith("stop"):
@@ -342,6 +385,7 @@ class Session:
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
+        self._forget_events()
         self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
         self._tuned = kept["tuned"]
         self._inputs, self._changed = kept["inputs"], set(kept["changed"])
@@ -354,6 +398,33 @@ class Session:
             for name, segments in kept["signals"].items()
         }
         self._sample()
+
+
+def start_state(
+    system: System, parameters: Mapping[str, Value], time: float
+) -> tuple[list[float], list[float]] | None:
+    """Where a run starts: static equilibrium on the road as it is just before, plus what is given.
+
+    Forces from outside act from the start on: what they do is no equilibrium.
+
+    Returns
+    -------
+    Displacements (m) and velocities (m/s), or None where all of them are zero.
+    """
+    levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
+    displacements, velocities = (
+        [
+            float(parameters[f"initial.{name}_{what}".replace("._", ".")])
+            for name in system.coordinates
+        ]
+        for what in ("displacement", "velocity")
+    )
+    if any(levels.values()):
+        rest = static_equilibrium(system, levels)
+        displacements = [r + q for r, q in zip(rest, displacements, strict=True)]
+    if not any(displacements) and not any(velocities):
+        return None
+    return displacements, velocities
 
 
 def simulate(

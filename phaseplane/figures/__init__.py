@@ -9,6 +9,7 @@ from phaseplane.figures.characteristics import characteristics_sheet
 from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
+from phaseplane.figures.stability import stability_sheet
 from phaseplane.figures.style import save
 from phaseplane.figures.sweeps import sweep
 from phaseplane.figures.work_precision import work_precision
@@ -20,6 +21,7 @@ __all__ = [
     "construction_sheet",
     "phase_planes",
     "save",
+    "stability_sheet",
     "sweep",
     "time_histories",
     "work_precision",

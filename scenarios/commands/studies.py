@@ -57,3 +57,30 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
     click.echo(
         as_json(study.as_data(loaded, results)) if as_data else study.rules_table(loaded, results)
     )
+
+
+@click.command()
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of data, tables and picture, replaced whole. [default: out/stability]",
+)
+@json_option
+def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> None:
+    """Find where steps grow, in theory and on SCENEs or the problems that come with the package.
+
+    Also runs a table of extreme cases; status 1 if one of them went wrong.
+    """
+    from ..errors import RunError  # noqa: PLC0415
+    from ..job import stability as study  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    with progress_bar("stability") as progress:
+        data, table, folder = study(scenes, output, progress)
+    click.echo(as_json(data) if as_data else f"{table}\n\nfiles  {folder}")
+    wrong = [case["name"] for case in data["extremes"] if case["outcome"] == "wrong"]
+    if wrong:
+        raise RunError(f"went wrong: {', '.join(wrong)}")

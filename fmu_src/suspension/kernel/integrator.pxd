@@ -1,13 +1,16 @@
 cimport cython
+from cpython.exc cimport PyErr_CheckSignals
 from libc.math cimport fabs, pow, sqrt
 from .dense cimport Dense
 from .ledger cimport Ledger
 from .network cimport Network
 from .stepper cimport Stepper
 from .switches cimport Switches
+from .watch cimport Watch
 
-cdef int _REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL
+cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
 cdef int _SPRING, _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _STALLED
+cdef int _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
 cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
 
 @cython.final
@@ -15,6 +18,7 @@ cdef class Integrator:
     cdef Network net
     cdef Stepper stepper
     cdef Switches switches
+    cdef Watch watch
     cdef Dense dense
     cdef Ledger ledger
     cdef int n
@@ -37,7 +41,7 @@ cdef class Integrator:
     # workspace
     cdef double[::1] event_time
     cdef int[::1] event_what
-    cdef int stalled, event_count
+    cdef int stalled, event_count, since_pause
     cdef double landed
 
     cdef void _enter_branches(self) noexcept nogil

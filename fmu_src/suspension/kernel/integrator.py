@@ -12,26 +12,34 @@ import cython
 
 from .arrays import doubles, integers, vectors
 from .dense import Dense
+from .exact import not_straight
 from .ledger import Ledger
 from .network import Network
 from .stepper import METHODS, Stepper
 from .switches import Switches
+from .watch import LIMITS, POLICIES, UNLIMITED, Watch
 
 if not cython.compiled:
     from math import fabs, pow, sqrt
 
 # How a step, or a run of them, ended. C constants when compiled; FAILURES is what others read.
-_REACHED, _EVENTS_FULL, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
+_REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
+_UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
 FAILURES = {
     2: "the motion has diverged",
     3: "the step has become too small to go on",
     4: "the equilibrium at the end of a step was not found",
     5: "the step is too long: its matrix is not positive definite",
+    6: "the fixed step is longer than the largest stable one (stable_step)",
+    7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
+    8: "switches follow one another while no time passes",
 }
 
 _SPRING, _CONTACT, _FRICTION, _KINDS = 0, 3, 4, 5  # as in elements
 _EVENT_CAPACITY = 256
+_PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
+_LEAST_THETA = 1.37
 _GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
 _NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
@@ -41,18 +49,38 @@ _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is a
 class Integrator:
     """Steps one system and holds its whole state.
 
+    The methods, with omega_max^2 the largest eigenvalue of M^-1 K, K the present tangent:
+
+    - `extrapolated`: the incremental step (H83 eqs. 15.9 to 15.18) in 1, 2, 3 and 5 parts,
+      extrapolated; order 8 (or 2, 4, 6), omega_max h < 3.2 (2.2 at orders 4 and 6), any damping.
+      The default: step and order by the tolerance.
+    - `equilibrium`: one incremental step with Newton to the equilibrium at its end; order 2,
+      omega_max h < 2 sqrt 3. For fixed steps: the most accurate of the plain ones.
+    - `mean`: tangents averaged over the step (15.7), iterated; as `equilibrium`. To follow H83.
+    - `tangent`: tangents of the start of the step, as in H83's hand calculation; order 2, the same
+      limit. To follow a calculation by hand, with `landing` off.
+    - `wilson`: (15.12), (15.13) up to theta h, equilibrium there, and 1/theta of the change of
+      acceleration (Bathe and Wilson 1976); order 2, stable at any step for linear systems only. It
+      damps what is fast and lengthens periods; where a fast mode starts out of equilibrium its
+      first steps overshoot by some (omega h)^2. For stiff linear systems at large fixed steps.
+    - `exact`: the matrix exponential, with every cubic and sinusoid of roads and loads; right to
+      rounding at any step, and what is read between steps to the tolerance. Only where every
+      element is straight in each of its branches; others are refused. For truth to compare with,
+      and for extreme stiffness or damping.
+
     Parameters
     ----------
     system : `models.System`; read once, not kept
-    method : `extrapolated` (order 2, 4, 6 or 8), or at order 2 `equilibrium` (Newton to the
-        end-of-step equilibrium), `mean` (tangents averaged over the step, 15.7) or `tangent`
-        (those of its start)
+    method : one of these
     step : fixed macro step, s; 0 lets the tolerance choose
     tolerance : largest error wanted in displacement, relative to the largest displacement
     start : s
     order : of `extrapolated`; 0 lets the tolerance choose
     landing : whether steps end on switches; without it, as in a calculation by hand, an element
         changes its branch at the end of the step in which it passed its corner
+    theta : of `wilson`, at least 1.37
+    beyond_stable : what becomes of a fixed step that is not stable: `substep` takes it in equal
+        parts that are, `refuse` ends the run, `allow` takes it all the same
     energy : whether the energy ledger is kept; without it steps cost less
 
     Raises
@@ -70,24 +98,36 @@ class Integrator:
         order=0,
         landing=True,
         energy=True,
+        theta=1.4,
+        beyond_stable="substep",
     ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
-        if method != "extrapolated":
+        if method == "exact" and (why := not_straight(system)):
+            raise ValueError(f"method 'exact' cannot take this system: {why}")
+        if not theta >= _LEAST_THETA:
+            raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
+        if method == "exact":
+            columns = 4
+        elif method != "extrapolated":
             columns = 1
         elif order:
             columns = order // 2
         else:
             columns = 4 if tolerance < 1e-4 or step > 0.0 else 3
         self.net = Network(system)
-        self.stepper = Stepper(self.net, method, columns, tolerance)
+        self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
+        if beyond_stable not in POLICIES:
+            raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
+        limit = 0.0 if method in UNLIMITED else LIMITS[columns]
+        self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
         self.n = n = self.net.n
-        self.dense = Dense(n, method != "extrapolated")
+        self.dense = Dense(n, method in ("equilibrium", "mean", "tangent"))
         self.ledger = Ledger(self.net, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
-        self.controlled = method == "extrapolated" and step == 0.0
+        self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
@@ -95,7 +135,7 @@ class Integrator:
         self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.event_count = self.stalled = self.filled = 0
+        self.event_count = self.stalled = self.filled = self.since_pause = 0
         self.log = []  # switches so far: (time, element, kind, from, to)
         self.time = self.grid_start = start
         self.grid_index = self.step_count = 0
@@ -115,6 +155,7 @@ class Integrator:
             d.va[i] = d.vb[i] = s.v[i]
             d.aa[i] = d.ab[i] = s.a[i]
             d.ja[i] = d.jb[i] = s.j[i]
+            s.drift[i] = 0.0
         d.start = d.end = self.time
         net.row_states(s.q, s.v)
         self.ledger.initial_energy = net.energy(s.v)
@@ -160,6 +201,7 @@ class Integrator:
         for here, there in pairs:
             self.ledger.work[here] = earlier.ledger.work[there]
             self.limited_time[here] = earlier.limited_time[there]
+        self.ledger.supplied = earlier.ledger.supplied + abs(earlier.ledger.initial_energy)
         self.ledger.strike_balance(self.time, s.q, s.v)
         self.ledger.carry_on(earlier.ledger.residual_end)
 
@@ -175,6 +217,7 @@ class Integrator:
         coefficients : four numbers
         jumps : whether a change of the value is such a jump
         """
+        before = self._energy()
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
             # a damper at rest stands on its corner: the road's new velocity says on which side it acts
@@ -184,6 +227,17 @@ class Integrator:
         self._leave_step()
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         self._enter_branches()
+        if jump != 0.0:
+            if jumps:
+                self.ledger.bring_in(self._energy() - before)
+            else:
+                self.ledger.initial_energy += self._energy() - before
+
+    def _energy(self):
+        """Kinetic and stored energy now, J, less what contact switches have exchanged."""
+        self.net.all_signals(self.time)
+        self.net.row_states(self.stepper.q, self.stepper.v)
+        return self.net.energy(self.stepper.v) - self.net.exchange
 
     # -- stepping ----------------------------------------------------------------------------------
 
@@ -200,8 +254,8 @@ class Integrator:
         -------
         0, or the key of `FAILURES` that says why the run cannot go on.
         """
-        status = _EVENTS_FULL
-        while status == _EVENTS_FULL:
+        status = _PAUSED
+        while status == _PAUSED:
             with cython.nogil:
                 status = self._advance(until, stop)
             self._log_events()
@@ -237,8 +291,8 @@ class Integrator:
         return status
 
     def _run_all(self, count):
-        status = _EVENTS_FULL
-        while status == _EVENTS_FULL:
+        status = _PAUSED
+        while status == _PAUSED:
             with cython.nogil:
                 status = self._run(count)
             self._log_events()
@@ -271,12 +325,15 @@ class Integrator:
         for k in range(self.event_count):
             what = self.event_what[4 * k : 4 * k + 4]
             self.log.append((self.event_time[k], *what))
-        self.event_count = 0
+        self.event_count = self.since_pause = 0
+        if cython.compiled:
+            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
 
     def _advance(self, until, stop):
         while self.time < until:
-            if self.event_count > _EVENT_CAPACITY - 16:
-                return _EVENTS_FULL
+            if self.event_count > _EVENT_CAPACITY - 16 or self.since_pause >= _PAUSE:
+                return _PAUSED
+            self.since_pause += 1
             before = self.time
             status = self._step(until if stop else 1e300)
             if status != 0:
@@ -287,7 +344,7 @@ class Integrator:
             else:
                 self.stalled += 1
                 if self.stalled > _STALLED:
-                    return _STEP_TOO_SMALL
+                    return _NO_TIME_PASSES
         return _REACHED
 
     def _proposed_step(self):
@@ -298,10 +355,10 @@ class Integrator:
             while target <= self.time + 1e-9 * self.fixed_step:
                 self.grid_index += 1
                 target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            return target - self.time
+            return self.watch.fit(self.time, target - self.time)
         omega = sqrt(self.stepper.omega_squared)
         road = self.net.road_limit(self.time)
-        if self.stepper.method != 0:
+        if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
         else:
@@ -313,6 +370,8 @@ class Integrator:
     def _step(self, latest):
         """One accepted macro step, cut at joints and switches."""
         h = self._proposed_step()
+        if h == 0.0:
+            return _UNSTABLE
         flips = 0
         while True:
             joint = self.net.next_joint()
@@ -364,6 +423,8 @@ class Integrator:
         for i in range(self.n):
             if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
                 return _DIVERGED
+        if self.energy and self.ledger.grows():
+            return _ENERGY_GROWS
         return _REACHED
 
     def _pass_joint(self):
@@ -375,7 +436,7 @@ class Integrator:
         before = self.net.energy(self.stepper.v)
         if self.net.enter_segments(self.time, self.stepper.v):
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-            self.ledger.work[self.net.elements] += self.net.energy(self.stepper.v) - before
+            self.ledger.bring_in(self.net.energy(self.stepper.v) - before)
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
@@ -395,6 +456,7 @@ class Integrator:
             self.dense.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
             self.dense.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
             self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
+            self.stepper.drift[i] = self.stepper.drift_end[i]
             self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
         for i in range(self.net.elements):
             self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
@@ -551,25 +613,16 @@ class Integrator:
     def stable_step(self):
         """Largest stable step for the present tangent: 2 sqrt 3 / omega_max; 0 where none is needed.
 
-        omega_max^2 is the largest eigenvalue of M^-1 K, found by Jacobi rotations of L^-1 K L^-T.
+        omega_max^2 is the largest eigenvalue of M^-1 K.
         """
-        largest = max(_eigenvalues(self._symmetric_stiffness()))
-        return 2.0 * sqrt(3.0 / largest) if largest > 0.0 else 0.0
+        omega = self.watch.fastest()
+        return 2.0 * sqrt(3.0) / omega if omega > 0.0 else 0.0
 
-    def _symmetric_stiffness(self):
-        n = self.n
-        k = [[self.stepper.stiffness[i * n + j] for j in range(n)] for i in range(n)]
-        low = [[self.net.mass_factor[i * n + j] for j in range(n)] for i in range(n)]
-        for i in range(n):  # L^-1 K, then (L^-1 (L^-1 K)')'
-            for p in range(i):
-                for j in range(n):
-                    k[i][j] -= low[i][p] * k[p][j]
-        for j in range(n):
-            for p in range(j):
-                for i in range(n):
-                    k[i][j] -= low[j][p] * k[i][p]
-        root = [sqrt(low[i][i]) for i in range(n)]
-        return [[k[i][j] / (root[i] * root[j]) for j in range(n)] for i in range(n)]
+    def beyond_stable(self):
+        """When a fixed step was first found too long, and what was stable then, s; or None."""
+        if self.watch.beyond_since == -1e300:
+            return None
+        return self.watch.beyond_since, self.watch.beyond_step
 
     # -- whole state -------------------------------------------------------------------------------
 
@@ -579,16 +632,16 @@ class Integrator:
             d.qa, d.va, d.aa, d.ja, d.qb, d.vb, d.ab, d.jb, s.q, s.v, s.a, s.j,
             self.ledger.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.branch, net.departing, net.signal_now, net.limited_count, s.multiplier,
-            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest,
+            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest, s.drift,
         )  # fmt: skip
 
     def snapshot(self):
         """The whole state as bytes, from which `restore` continues to the bit."""
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         head = pack(
-            "<11d3q", self.time, d.start, d.end, self.grid_start, self.proposal,
+            "<12d3q", self.time, d.start, d.end, self.grid_start, self.proposal,
             net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
-            ledger.initial_energy, self.grid_index, self.step_count, self.in_step,
+            ledger.initial_energy, ledger.supplied, self.grid_index, self.step_count, self.in_step,
         )  # fmt: skip
         return head + b"".join(bytes(part) for part in self._parts())
 
@@ -601,14 +654,14 @@ class Integrator:
         """
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         parts = self._parts()
-        at = 8 * 14
+        at = 8 * 15
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
             raise ValueError("this state belongs to another system")
         (
             self.time, d.start, d.end, self.grid_start, self.proposal,
             net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
-            ledger.initial_energy, self.grid_index, self.step_count, self.in_step,
-        ) = unpack_from("<11d3q", state)  # fmt: skip
+            ledger.initial_energy, ledger.supplied, self.grid_index, self.step_count, self.in_step,
+        ) = unpack_from("<12d3q", state)  # fmt: skip
         for part in parts:
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]
@@ -623,26 +676,3 @@ class Integrator:
         self._enter_branches()
         for part, content in zip(derived, kept, strict=True):
             memoryview(part).cast("B")[:] = content
-
-
-def _eigenvalues(matrix):
-    """Eigenvalues of a small symmetric matrix, by cyclic Jacobi rotations."""
-    n = len(matrix)
-    m = [row[:] for row in matrix]
-    for _sweep in range(30):
-        off = max((abs(m[i][j]) for i in range(n) for j in range(i)), default=0.0)
-        if off <= 1e-15 * max(abs(m[i][i]) for i in range(n)):
-            break
-        for i in range(n):
-            for j in range(i):
-                if m[i][j] != 0.0:
-                    theta = (m[i][i] - m[j][j]) / (2.0 * m[i][j])
-                    t = 1.0 / (abs(theta) + sqrt(theta * theta + 1.0))
-                    t = t if theta >= 0.0 else -t
-                    c = 1.0 / sqrt(t * t + 1.0)
-                    s = t * c
-                    for k in range(n):
-                        m[k][i], m[k][j] = c * m[k][i] + s * m[k][j], c * m[k][j] - s * m[k][i]
-                    for k in range(n):
-                        m[i][k], m[j][k] = c * m[i][k] + s * m[j][k], c * m[j][k] - s * m[i][k]
-    return [m[i][i] for i in range(n)]

@@ -6,9 +6,16 @@ which are right to order 8 as it is.
 
 from __future__ import annotations
 
+import cython
+
 from .arrays import doubles
 
+if not cython.compiled:
+    from math import fabs
+
 _POINTS = 4
+_TIMES = 2.0  # the energy known of
+_LEAST = 1e-9  # J, of which rounding alone may be the cause
 
 
 class Ledger:
@@ -40,6 +47,9 @@ class Ledger:
             )
         )
         self.initial_energy = 0.0
+        self.supplied = (
+            0.0  # what roads and loads have moved in and out, every joule counted as one
+        )
         self.residual_start = self.residual_end = 0.0
 
     def book(self):
@@ -57,12 +67,29 @@ class Ledger:
             self.net.powers(self.dense.v, self.power)
             for i in range(self.net.works):
                 self.work[i] += self.weight[k] * h * self.power[i]
+                if i >= self.net.elements or self.power[i] < 0.0:
+                    self.supplied += self.weight[k] * h * fabs(self.power[i])
+
+    def bring_in(self, energy):
+        """Book what a jump of a road does, J."""
+        self.work[self.net.elements] += energy
+        self.supplied += fabs(energy)
+
+    def grows(self):
+        """Whether far more energy is there than ever was, or was brought in.
+
+        Nothing but roads, loads and dampers that drive can add to it; the exchange at contact
+        switches is an entry of its own and no growth. A right run never has twice that, for every
+        joule brought in counts although most go again; steps too long soon have.
+        """
+        return self.stored > _TIMES * (fabs(self.initial_energy) + self.supplied) + _LEAST
 
     def strike_balance(self, t, q, v):
         """T + U + dissipated - brought in - exchanged at contact switches - its start: 0 if exact."""
         self.net.all_signals(t)
         self.net.row_states(q, v)
-        balance = self.net.energy(v) - self.initial_energy - self.net.exchange
+        self.stored = self.net.energy(v) - self.net.exchange
+        balance = self.stored - self.initial_energy
         for i in range(self.net.elements):
             balance += self.work[i]
         for i in range(self.net.elements, self.net.works):

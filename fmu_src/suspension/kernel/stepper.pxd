@@ -1,21 +1,24 @@
 cimport cython
 from libc.math cimport fabs, isfinite, sqrt
+from .exact cimport Propagator
 from .lanes cimport Lanes
 from .linear cimport decompose, solve
 from .network cimport Network
 
-cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _MOST
+cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _MOST, _WILSON, _EXACT
 cdef double _SHARE
 
 @cython.final
 cdef class Stepper:
     cdef Network net
     cdef Lanes lanes
+    cdef Propagator propagator
     cdef int n, method, columns, fractions, stamp, affine, loads_hold
     cdef bint side_by_side
-    cdef double tolerance, reach, omega_squared, quickest, error, time
+    cdef double theta, tolerance, reach, omega_squared, quickest, error, time
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
+    cdef double[::1] drift, drift_end, middle_q, middle_v
     # workspace
     cdef double[::1] stiffness, damping, stiffness2, damping2
     cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv, sa, rhs, correction
@@ -60,6 +63,10 @@ cdef class Stepper:
     @cython.locals(n=int, i=int, m=int, column=int, width=int, low=int, high=int,
                    status=int, ratio=double, weight=double, change=double, scale=double)
     cdef int _one_by_one(self, double t, double h) noexcept nogil
+    @cython.locals(n=int, i=int, status=int, beyond=double, a0=double, a1=double)
+    cdef int _reach_beyond(self, double t, double h) noexcept nogil
+    @cython.locals(i=int, status=int, q=double, v=double, rounding=double)
+    cdef int _propagate(self, double t, double h) noexcept nogil
     @cython.locals(error=double)
     cdef void _note_error(self, double size) noexcept nogil
     cdef void _end_of_attempt(self, double t) noexcept nogil

@@ -23,6 +23,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
+from .exact import Propagator
 from .lanes import Lanes
 
 if not cython.compiled:
@@ -36,7 +37,8 @@ _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many st
 
 _MOST = 5  # substeps of one macro step
 
-METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3}
+METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3, "wilson": 4, "exact": 5}
+_WILSON, _EXACT = 4, 5
 # Substeps in each column of the extrapolation: orders 2, 4, 6, 8, stable for overdamped modes.
 SEQUENCES = {1: (1,), 2: (1, 3), 3: (1, 2, 4), 4: (1, 2, 3, 5)}
 
@@ -50,9 +52,10 @@ class Stepper:
     method : key of `METHODS`
     columns : how many columns the extrapolation has; 1 for the methods of order 2
     tolerance : relative to `reach`
+    theta : of `wilson`
     """
 
-    def __init__(self, network, method, columns, tolerance):
+    def __init__(self, network, method, columns, tolerance, theta):
         n = network.n
         self.net, self.n = network, n
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
@@ -61,6 +64,9 @@ class Stepper:
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
         self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
+        # by how much Wilson's acceleration is off that of the equation of motion, which `a` holds
+        self.theta = theta
+        self.drift, self.drift_end = vectors(2, n)
         self._allocate()
 
     def _allocate(self):
@@ -78,6 +84,8 @@ class Stepper:
         fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
         self.fractions = len(fractions)
         self.fraction = doubles(fractions)
+        if self.method == _WILSON:
+            self.fraction[0] = self.theta
         self.fraction_index = integers(
             fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_MOST)
         )
@@ -86,7 +94,7 @@ class Stepper:
         self.load_rate = doubles([0.0] * n)
         self.loads_hold = 0  # whether the loads of the present branch are constant, and known
         # the linear branches of small systems have a faster way
-        self.side_by_side = n <= 8
+        self.side_by_side = self.method < _WILSON and n <= 8
         self.lanes = (
             Lanes(
                 self.net.mass,
@@ -98,6 +106,20 @@ class Stepper:
                 (self.qb, self.vb, self.ab, self.jb),
             )
             if self.side_by_side
+            else None
+        )
+        self.middle_q, self.middle_v = vectors(2, n)
+        self.propagator = (
+            Propagator(
+                self.net,
+                self.stiffness,
+                self.damping,
+                self.constant,
+                (self.q, self.v),
+                (self.middle_q, self.middle_v),
+                (self.qb, self.vb),
+            )
+            if self.method == _EXACT
             else None
         )
 
@@ -402,7 +424,11 @@ class Stepper:
     def attempt(self, t, h):
         """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb."""
         self.time = t
+        if self.method == _EXACT:
+            return self._propagate(t, h)
         self._prepare_signals(h)
+        if self.method == _WILSON:
+            return self._reach_beyond(t, h)
         if not self._in_lanes():
             return self._one_by_one(t, h)
         status = self.lanes.attempt(h)
@@ -459,6 +485,61 @@ class Stepper:
             if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
                 return _DIVERGED
         self._end_of_attempt(t + h)
+        return 0
+
+    def _reach_beyond(self, t, h):
+        """Wilson's step: equilibrium at theta h, and of the acceleration found there its share."""
+        n = self.n
+        beyond = self.theta * h
+        for i in range(n):
+            self.cq[i] = self.q[i]
+            self.cv[i] = self.v[i]
+            self.ca[i] = self.a[i] + self.drift[i]
+        if not self.affine:
+            status = self._substep_equilibrium(beyond, 0)
+        elif self._factor_step_matrix(0, beyond) != 0:
+            status = _NOT_POSITIVE
+        else:
+            status = self._substep_affine(0, beyond, 0)
+        if status != 0:
+            return status
+        for i in range(n):
+            a0 = self.a[i] + self.drift[i]
+            a1 = self.ca[i] = a0 + (self.ca[i] - a0) / self.theta
+            self.vb[i] = self.v[i] + h / 2.0 * (a0 + a1)
+            self.qb[i] = self.q[i] + h * self.v[i] + h * h / 6.0 * (2.0 * a0 + a1)
+            if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
+                return _DIVERGED
+        self._end_of_attempt(t + h)
+        for i in range(n):
+            self.drift_end[i] = self.ca[i] - self.ab[i]
+        return 0
+
+    def _propagate(self, t, h):
+        """The exact step; its error is that of the septic through its ends, halfway."""
+        status = self.propagator.attempt(t, h)
+        if status != 0:
+            return status
+        self._end_of_attempt(t + h)
+        self.error = 0.0
+        for i in range(self.n):
+            q = 0.5 * (self.q[i] + self.qb[i]) + h * (
+                11.0 / 64.0 * (self.v[i] - self.vb[i])
+                + h
+                * (3.0 / 128.0 * (self.a[i] + self.ab[i]) + h / 768.0 * (self.j[i] - self.jb[i]))
+            )
+            v = (
+                35.0 / 16.0 * (self.qb[i] - self.q[i]) / h
+                - 19.0 / 32.0 * (self.v[i] + self.vb[i])
+                + h * ((self.ab[i] - self.a[i]) / 16.0 - h / 384.0 * (self.j[i] + self.jb[i]))
+            )
+            # nothing adds up here, so one step may use up the whole tolerance; in v the difference
+            # of q over a short step is rounded
+            rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i])) / h
+            self._note_error(_SHARE * fabs(q - self.middle_q[i]))
+            self._note_error(
+                _SHARE * self.velocity_scale[i] * (fabs(v - self.middle_v[i]) - rounding)
+            )
         return 0
 
     def _note_error(self, size):

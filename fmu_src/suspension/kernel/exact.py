@@ -1,0 +1,257 @@
+"""Linear branches propagated exactly: the exponential of state and excitation together.
+
+While all branches are straight, the motion and what drives it obey one linear system x' = X x in
+
+    x = (q, q', 1, t, t^2/2, t^3/6, and for each sinusoid under way its cosine and sine),
+
+because a signal is a cubic and a cosine. exp(h X) is a Taylor series over h / 2^k, so short that 16
+terms are right to rounding, squared k times. What is squared is the exponential less the identity,
+D <- 2 D + D D: a slow motion beside one that is damped within a microsecond keeps its digits.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, vectors
+
+if not cython.compiled:
+    from math import cos, fabs, isfinite, sin
+
+    from .linear import solve
+
+_TERMS = 16
+_SHORT = 0.5  # of every motion and every road: so far that many terms suffice
+_POWERS = 4  # of time, in the cubic of a signal
+_SEGMENT = 10  # as in signals
+_DIVERGED = 2  # key of integrator.FAILURES
+
+
+class Propagator:
+    """Steps of any length in the present linear branch.
+
+    Parameters
+    ----------
+    network : of the system
+    stiffness, damping, constant : of the branch: K and B by rows, and the force left at q = q' = 0
+    start, middle, end : displacements and velocities that a step begins with, and where those of
+        its middle and of its end go
+    """
+
+    def __init__(self, network, stiffness, damping, constant, start, middle, end):
+        self.net, self.n = network, network.n
+        self.stiffness, self.damping, self.constant = stiffness, damping, constant
+        self.q0, self.v0 = start
+        self.q1, self.v1 = middle
+        self.q2, self.v2 = end
+        most = 2 * self.n + _POWERS + 2 * network.signals
+        self.rates, self.term, self.product, self.change = vectors(4, most * most)
+        self.state, self.step = vectors(2, most)
+        self.column = doubles([0.0] * self.n)
+        self.multiplier = doubles([0.0] * network.elements)
+        self.size = most
+
+    def attempt(self, t, h):
+        """From `start` at t over h, in two halves; 0, or the key of `FAILURES` that says why not."""
+        n = self.n
+        doublings = 0
+        self.part = 0.5 * h
+        while not self._is_short():
+            self.part *= 0.5
+            doublings += 1
+        self.net.row_forces()  # whoever read forces meanwhile may have left other tangents
+        self._find_rates(t)
+        self._sum_series()
+        for _k in range(doublings):
+            self._multiply(self.change, self.change)
+            for i in range(self.size * self.size):
+                self.change[i] = 2.0 * self.change[i] + self.product[i]
+        for i in range(n):
+            self.state[i] = self.q0[i]
+            self.state[n + i] = self.v0[i] * self.part
+        self._apply()
+        for i in range(n):
+            self.q1[i] = self.state[i]
+            self.v1[i] = self.state[n + i] / self.part
+        self._apply()
+        for i in range(n):
+            self.q2[i] = self.state[i]
+            self.v2[i] = self.state[n + i] / self.part
+            if not (isfinite(self.q2[i]) and isfinite(self.v2[i])):
+                return _DIVERGED
+        return 0
+
+    def _is_short(self):
+        """Whether no motion and no road goes far within one part."""
+        n = self.n
+        for j in range(n):
+            for matrix in range(2):
+                for i in range(n):
+                    k = i * n + j
+                    self.column[i] = self.stiffness[k] if matrix == 0 else self.damping[k]
+                solve(self.net.mass_factor, 0, n, self.column)
+                total = 0.0
+                for i in range(n):
+                    total += fabs(self.column[i])
+                if matrix == 0:
+                    total *= self.part / _SHORT
+                if self.part * total > _SHORT:
+                    return 0
+        for s in range(self.net.signals):
+            g = self._segment(s)
+            speed = fabs(self.net.segment[g + 8])
+            if self.net.segment[g + 6] != 0.0 and speed * self.part > _SHORT:
+                return 0
+        return 1
+
+    def _find_rates(self, t):
+        """X over one part, in which velocities count as the way of a part, and x at t but q and q'."""
+        n = self.n
+        cosines = 0
+        for s in range(self.net.signals):
+            if self.net.segment[self._segment(s) + 6] != 0.0:
+                cosines += 1
+        self.size = size = 2 * n + _POWERS + 2 * cosines
+        for i in range(size * size):
+            self.rates[i] = 0.0
+        for i in range(n):
+            self.rates[i * size + n + i] = 1.0
+        factor = self.part * self.part
+        for j in range(2 * n):
+            self._clear()
+            for i in range(n):
+                k = i * n + j
+                self.column[i] = -self.stiffness[k] if j < n else -self.damping[k - n]
+            self._enter_column(j, factor if j < n else self.part)
+        for k in range(_POWERS):
+            self._clear()
+            for s in range(self.net.signals):
+                for order in range(3):
+                    self.net.road[4 * s + order] = self._derivative(s, t, k + order)
+            for i in range(n):
+                self.column[i] = self.constant[i] if k == 0 else 0.0
+            self._add_excitation()
+            self._enter_column(2 * n + k, factor)
+            factor *= self.part
+            self.state[2 * n + k] = 1.0 if k == 0 else 0.0
+            if k > 0:
+                self.rates[(2 * n + k) * size + 2 * n + k - 1] = 1.0
+        at = 2 * n + _POWERS
+        for s in range(self.net.signals):
+            if self.net.segment[self._segment(s) + 6] != 0.0:
+                self._enter_sinusoid(s, at, t)
+                at += 2
+
+    def _segment(self, s):
+        return (self.net.signal_first[s] + self.net.signal_now[s]) * _SEGMENT
+
+    def _enter_sinusoid(self, s, at, t):
+        """Cosine and sine of signal s turn into each other; its derivatives are -w sin, -w^2 cos."""
+        g = self._segment(s)
+        amplitude, speed = self.net.segment[g + 6], self.net.segment[g + 8]
+        angle = self.net.segment[g + 7] + speed * (t - self.net.segment[g + 1])
+        self.state[at], self.state[at + 1] = cos(angle), sin(angle)
+        self.rates[at * self.size + at + 1] = -speed * self.part
+        self.rates[(at + 1) * self.size + at] = speed * self.part
+        for side in range(2):
+            self._clear()
+            if side == 0:
+                self.net.road[4 * s] = amplitude
+                self.net.road[4 * s + 2] = -amplitude * speed * speed
+            else:
+                self.net.road[4 * s + 1] = -amplitude * speed
+            self._add_excitation()
+            self._enter_column(at + side, self.part * self.part)
+
+    def _clear(self):
+        for i in range(4 * self.net.signals):
+            self.net.road[i] = 0.0
+        for i in range(self.n):
+            self.column[i] = 0.0
+
+    def _derivative(self, s, t, order):
+        """A derivative of the cubic part of signal s."""
+        g = self._segment(s)
+        x = t - self.net.segment[g + 1]
+        c1, c2, c3 = self.net.segment[g + 3], self.net.segment[g + 4], self.net.segment[g + 5]
+        if order == 0:
+            return self.net.segment[g + 2] + x * (c1 + x * (c2 + x * c3))
+        if order == 1:
+            return c1 + x * (2.0 * c2 + x * 3.0 * c3)
+        if order == 2:
+            return 2.0 * c2 + 6.0 * c3 * x
+        return 6.0 * c3 if order == 3 else 0.0
+
+    def _add_excitation(self):
+        """The force of loads, and of the roads under the rows, with the signals in `road`."""
+        n = self.n
+        for m in range(self.net.loads):
+            p = self.net.road[4 * self.net.load_signal[m]]
+            for i in range(n):
+                self.column[i] += self.net.load_direction[m * n + i] * p
+        for r in range(self.net.rows):
+            s = self.net.row_signal[r]
+            if s >= 0:
+                p = (
+                    self.net.row_k[r] * self.net.road[4 * s]
+                    + self.net.row_c[r] * self.net.road[4 * s + 1]
+                )
+                for i in range(n):
+                    self.column[i] += self.net.row_direction[r * n + i] * p
+
+    def _enter_column(self, j, factor):
+        """The acceleration that the force makes, while what sticks keeps to its road."""
+        solve(self.net.mass_factor, 0, self.n, self.column)
+        if self.net.stuck:
+            self.net.stick(self.net.mass_factor, 0, self.column, self.net.zero, 2, self.multiplier)
+        for i in range(self.n):
+            self.rates[(self.n + i) * self.size + j] = factor * self.column[i]
+
+    def _sum_series(self):
+        """exp(X) - 1 = X + X^2/2 + ..."""
+        size = self.size * self.size
+        for i in range(size):
+            self.term[i] = self.change[i] = self.rates[i]
+        for order in range(2, _TERMS + 1):
+            self._multiply(self.term, self.rates)
+            for i in range(size):
+                self.term[i] = self.product[i] / order
+                self.change[i] += self.term[i]
+
+    def _multiply(self, left, right):
+        """The product of two matrices, into `product`; most of their entries are zero."""
+        size = self.size
+        for i in range(size):
+            for j in range(size):
+                self.product[i * size + j] = 0.0
+            for k in range(size):
+                x = left[i * size + k]
+                if x != 0.0:
+                    for j in range(size):
+                        self.product[i * size + j] += x * right[k * size + j]
+
+    def _apply(self):
+        """x <- x + D x"""
+        size = self.size
+        for i in range(size):
+            x = 0.0
+            for j in range(size):
+                x += self.change[i * size + j] * self.state[j]
+            self.step[i] = x
+        for i in range(size):
+            self.state[i] += self.step[i]
+
+
+def not_straight(system):
+    """Why a system is not linear in each of its branches, in words; empty if it is."""
+    for element in system.elements:
+        for what in ("spring", "damper", "modulation"):
+            for piece in getattr(element, what).pieces:
+                if piece.saturation or any(piece.coefficients[2:]):
+                    return f"the {what} of {element.name!r} is curved"
+        if any(piece.coefficients[1] for piece in element.modulation.pieces):
+            return f"the damper of {element.name!r} depends on deflection"
+    for name, signal in system.signals.items():
+        if any(segment.amplitude and segment.phase[2] for segment in signal.segments):
+            return f"the frequency of {name!r} changes in time"
+    return ""

@@ -1,0 +1,26 @@
+cimport cython
+from libc.math cimport fabs, floor, sqrt
+from .network cimport Network
+from .stepper cimport Stepper
+
+cdef int _REFUSE, _ALLOW, _SWEEPS
+cdef double _BELOW
+
+@cython.final
+cdef class Watch:
+    cdef Stepper stepper
+    cdef Network net
+    cdef int n, policy, stamp
+    cdef double limit, omega, beyond_since, beyond_step
+    cdef double[::1] matrix
+
+    @cython.locals(omega=double)
+    cdef double fit(self, double time, double h) noexcept nogil
+    @cython.locals(largest=double)
+    cdef double fastest(self) noexcept nogil
+    @cython.locals(n=int, i=int, j=int, p=int, _sweep=int, m="double[::1]", low="double[::1]",
+                   off=double, largest=double)
+    cdef double _largest_eigenvalue(self) noexcept nogil
+    @cython.locals(n=int, k=int, m="double[::1]", theta=double, t=double, c=double, s=double,
+                   x=double, y=double)
+    cdef void _rotate(self, int i, int j) noexcept nogil

@@ -1,0 +1,121 @@
+"""Whether a fixed step is stable, and whether energy appears from nowhere.
+
+The linear-acceleration method is stable while omega_max h < 2 sqrt 3, whatever the damping (H83
+chapter 15 leaves the limit to Bathe and Wilson 1976, section 9.4); a macro step extrapolated from 1, 2,
+3 and 5 substeps lets an undamped amplitude grow by less than 1/1000 while omega_max h < 3.2, shorter
+sequences while it is < 2.2. omega_max^2 is the largest eigenvalue of M^-1 K, K the present tangent.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles
+
+if not cython.compiled:
+    from math import fabs, floor, sqrt
+
+POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
+_REFUSE, _ALLOW = 1, 2
+# omega_max h by the number of columns, and by method where it differs; 0: without a limit
+LIMITS = {1: 12.0**0.5, 2: 2.2, 3: 2.2, 4: 3.2}
+UNLIMITED = ("wilson", "exact")
+_BELOW = 0.9999  # of the limit: at the limit itself the amplitude grows in proportion to time
+_SWEEPS = 30
+
+
+class Watch:
+    """Watches the fixed steps of one stepper.
+
+    Parameters
+    ----------
+    stepper, network : the tangent stiffness of the one over the mass of the other is looked at
+    policy : key of `POLICIES`
+    limit : stable omega_max h; 0 for none
+    """
+
+    def __init__(self, stepper, network, policy, limit):
+        self.stepper, self.net, self.n = stepper, network, network.n
+        self.policy, self.limit = POLICIES[policy], _BELOW * limit
+        self.stamp = -1
+        self.omega = 0.0
+        self.beyond_since = -1e300  # when a step was first found too long, s
+        self.beyond_step = 0.0  # what would have been stable then, s
+        self.matrix = doubles([0.0] * self.n * self.n)
+
+    def fit(self, time, h):
+        """The step to take in place of h: h itself, an equal part of it, or 0 if it is refused."""
+        if self.limit == 0.0 or self.policy == _ALLOW:
+            return h
+        # the trace is an upper bound, and known
+        if h * h * self.stepper.omega_squared <= self.limit * self.limit:
+            return h
+        omega = self.fastest()
+        if h * omega <= self.limit:
+            return h
+        if self.beyond_since == -1e300:
+            self.beyond_since = time
+            self.beyond_step = self.limit / omega
+        if self.policy == _REFUSE:
+            return 0.0
+        return h / (1.0 + floor(h * omega / self.limit))
+
+    def fastest(self):
+        """omega_max of the present tangent, rad/s; 0 where nothing springs back."""
+        if self.stamp != self.stepper.stamp:
+            self.stamp = self.stepper.stamp
+            largest = self._largest_eigenvalue()
+            self.omega = sqrt(largest) if largest > 0.0 else 0.0
+        return self.omega
+
+    def _largest_eigenvalue(self):
+        """Of L^-1 K L^-T, by cyclic Jacobi rotations."""
+        n = self.n
+        m, low = self.matrix, self.net.mass_factor
+        for i in range(n * n):
+            m[i] = self.stepper.stiffness[i]
+        for i in range(n):
+            for p in range(i):
+                for j in range(n):
+                    m[i * n + j] -= low[i * n + p] * m[p * n + j]
+        for j in range(n):
+            for p in range(j):
+                for i in range(n):
+                    m[i * n + j] -= low[j * n + p] * m[i * n + p]
+        for i in range(n):
+            for j in range(n):
+                m[i * n + j] /= sqrt(low[i * n + i] * low[j * n + j])
+        for _sweep in range(_SWEEPS):
+            off = 0.0
+            largest = 0.0
+            for i in range(n):
+                largest = max(largest, fabs(m[i * n + i]))
+                for j in range(i):
+                    off = max(off, fabs(m[i * n + j]))
+            if off <= 1e-15 * largest:
+                break
+            for i in range(n):
+                for j in range(i):
+                    if m[i * n + j] != 0.0:
+                        self._rotate(i, j)
+        largest = m[0]
+        for i in range(n):
+            largest = max(largest, m[i * n + i])
+        return largest
+
+    def _rotate(self, i, j):
+        n = self.n
+        m = self.matrix
+        theta = (m[j * n + j] - m[i * n + i]) / (2.0 * m[i * n + j])
+        t = 1.0 / (fabs(theta) + sqrt(theta * theta + 1.0))
+        t = t if theta >= 0.0 else -t
+        c = 1.0 / sqrt(t * t + 1.0)
+        s = t * c
+        for k in range(n):
+            x, y = m[k * n + i], m[k * n + j]
+            m[k * n + i] = c * x - s * y
+            m[k * n + j] = s * x + c * y
+        for k in range(n):
+            x, y = m[i * n + k], m[j * n + k]
+            m[i * n + k] = c * x - s * y
+            m[j * n + k] = s * x + c * y

@@ -1,0 +1,178 @@
+"""Where steps grow: spectral radii, energy growth, and limits in theory and in fact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import log10
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+
+from phaseplane.figures.style import (
+    BLUE,
+    DARK,
+    GREEN,
+    GREY,
+    LIGHT,
+    OCHRE,
+    ORANGE,
+    PINK,
+    RED,
+    TEAL,
+    VIOLET,
+    Palette,
+    new_figure,
+)
+
+Values = npt.NDArray[np.float64]
+
+_COLOURS = (RED, OCHRE, PINK, VIOLET, TEAL, GREEN, BLUE, ORANGE, GREY)
+_GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
+_LARGEST = 2.0  # of the growth, as a power of ten, that the colours tell apart
+
+
+@dataclass(frozen=True, slots=True)
+class GrowthMap:
+    """Growth over omega h and one more number.
+
+    Parameters
+    ----------
+    title : above it
+    across, up : omega h, and the other number, on a logarithmic axis
+    label : what that is
+    growth : per step or run, (len(up), len(across)); 1 is none
+    limit : omega h of the theory's limit
+    """
+
+    title: str
+    across: Values
+    up: Values
+    label: str
+    growth: Values
+    limit: float
+
+
+def stability_sheet(
+    curves: Mapping[str, tuple[Values, Values]],
+    limits: Mapping[str, float],
+    growth: Sequence[GrowthMap],
+    found: Sequence[tuple[str, str, float, float | None]],
+    *,
+    dark: bool = False,
+) -> Figure:
+    """One sheet: radii without damping, maps of growth, and measured limits over those of theory.
+
+    Parameters
+    ----------
+    curves : omega h and spectral radius by method
+    limits : omega h of the theory's limits, by what is written at them
+    growth : up to three maps
+    found : problem, method, theory's limit and the measured one (s; None if no step grew)
+
+    Raises
+    ------
+    ValueError : no curves.
+    """
+    if not curves:
+        raise ValueError("there is nothing to draw: no curves")
+    palette = DARK if dark else LIGHT
+    figure = new_figure(12.0, 9.6, palette)
+    top = figure.add_gridspec(1, 2, left=0.06, right=0.985, top=0.955, bottom=0.57, wspace=0.42)
+    low = figure.add_gridspec(1, 3, left=0.06, right=0.94, top=0.44, bottom=0.07, wspace=0.3)
+    _radii(figure.add_subplot(top[0, 0]), curves, limits, palette)
+    _found(figure.add_subplot(top[0, 1]), found, palette)
+    panels = [figure.add_subplot(low[0, k]) for k in range(3)]
+    image: QuadMesh | None = None
+    for axes, one in zip(panels, growth, strict=False):
+        image = _map(axes, one, palette)
+    if image is not None:
+        bar = figure.colorbar(image, cax=figure.add_axes((0.953, 0.07, 0.012, 0.37)))
+        bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
+        bar.ax.tick_params(colors=palette.ink, labelsize=8)
+        bar.set_label("growth", color=palette.ink, fontsize=8)
+    return figure
+
+
+def _style(axes: Axes, palette: Palette, title: str) -> None:
+    axes.set_facecolor(palette.paper)
+    axes.set_title(title, fontsize=9.5, color=palette.ink)
+    axes.tick_params(colors=palette.ink, labelsize=8)
+    for spine in axes.spines.values():
+        spine.set_color(palette.faint)
+    axes.grid(visible=True, color=palette.grid, linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def _radii(
+    axes: Axes,
+    curves: Mapping[str, tuple[Values, Values]],
+    limits: Mapping[str, float],
+    palette: Palette,
+) -> None:
+    _style(axes, palette, "Spectral radius of one step, no damping")
+    axes.axhline(1.0, color=palette.faint, linewidth=0.8)
+    for (name, (phase, radius)), colour in zip(curves.items(), _COLOURS, strict=False):
+        axes.plot(phase, radius, color=colour, linewidth=1.5, label=name)
+    for name, limit in limits.items():
+        axes.axvline(limit, color=palette.ink, linewidth=0.8, linestyle=":")
+        axes.text(limit - 0.06, 2.42, name, rotation=90, ha="right", va="top", fontsize=8,
+                  color=palette.ink)  # fmt: skip
+    axes.set_xlim(0.0, 8.0)
+    axes.set_ylim(0.5, 2.5)
+    axes.set_xlabel("ωΔt", fontsize=9, color=palette.ink)
+    axes.legend(fontsize=7.5, frameon=True, facecolor=palette.paper, edgecolor="none",
+                framealpha=0.85, loc="upper left", labelcolor=palette.ink)  # fmt: skip
+
+
+def _found(
+    axes: Axes, found: Sequence[tuple[str, str, float, float | None]], palette: Palette
+) -> None:
+    _style(axes, palette, "Longest stable step on systems with switches, over the theory's")
+    problems = list(dict.fromkeys(problem for problem, *_ in found))
+    methods = list(dict.fromkeys(method for _, method, *_ in found))
+    axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")
+    for k, method in enumerate(methods):
+        points = [
+            (measured / theory, problems.index(problem) + 0.09 * (k - (len(methods) - 1) / 2))
+            for problem, one, theory, measured in found
+            if one == method and measured is not None
+        ]
+        colour = _COLOURS[k % len(_COLOURS)]
+        across, up = [x for x, _ in points], [y for _, y in points]
+        axes.plot(across, up, "o", color=colour, markersize=4.5, label=method)
+    axes.set_xscale("log")
+    axes.set_xlim(0.22, 4.5)
+    axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+    axes.set_yticks(range(len(problems)), labels=[p.replace("_", " ") for p in problems])
+    axes.set_ylim(len(problems) - 0.5, -0.5)
+    axes.set_xlabel("measured / theory", fontsize=9, color=palette.ink)
+    if methods:
+        axes.legend(fontsize=7, frameon=True, facecolor=palette.paper, edgecolor="none",
+                    framealpha=0.85, loc="lower right", labelcolor=palette.ink)  # fmt: skip
+
+
+def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
+    _style(axes, palette, one.title)
+    axes.grid(visible=False)
+    largest = 10.0**_LARGEST
+    growth = np.log10(np.clip(np.nan_to_num(one.growth, posinf=largest), 0.1, largest))
+    image = axes.pcolormesh(
+        one.across, one.up, growth, cmap=_GROWTH, norm=Normalize(-1.0, _LARGEST), shading="nearest",
+        rasterized=True,
+    )  # fmt: skip
+    axes.contour(one.across, one.up, growth, levels=[log10(1.01)], colors=palette.ink, linewidths=1)
+    axes.axvline(one.limit, color="#222222", linewidth=0.9, linestyle=":")
+    axes.set_yscale("log")
+    axes.set_ylim(one.up[0], one.up[-1])
+    axes.set_xlim(one.across[0], one.across[-1])
+    axes.set_xlabel("ωΔt", fontsize=9, color=palette.ink)
+    axes.set_ylabel(one.label, fontsize=8.5, color=palette.ink)
+    return image

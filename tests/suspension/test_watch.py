@@ -1,0 +1,261 @@
+"""Stability watched: steps that are too long, energy from nowhere, interrupts, and extreme cases."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from math import sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import suspension
+from suspension import characteristics, engine
+from suspension.engine import FAILURES, Integrator
+from suspension.models import build
+from suspension.session import Session, SimulationError
+from suspension.systems import Element, System
+from suspension.variables import ParameterError, checked_parameters
+
+
+def car(**parameters: object) -> System:
+    named = {name.replace("__", "."): value for name, value in parameters.items()}
+    return build("QuarterCar", checked_parameters("QuarterCar", named))
+
+
+def oscillator(phase: float) -> System:
+    spring = Element("spring", (1.0,), characteristics.linear(phase**2))
+    return System(("x",), ((1.0,),), (spring,), scales=(1.0,))
+
+
+def drawn(rng: np.random.Generator) -> System:
+    """A car with blow-off and stops on a bump, everything acting."""
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    return car(
+        sprung_mass=between(150.0, 600.0), unsprung_mass=between(15.0, 60.0),
+        spring__rate=between(8e3, 4e4), tyre__stiffness=between(1e5, 3e5),
+        tyre__damping=between(10.0, 500.0), damper__rebound_rate=between(200.0, 4e3),
+        damper__bump_rate=between(100.0, 2e3), damper__rebound_limit=between(100.0, 1e3),
+        damper__limit_slope=between(10.0, 200.0), bump_stop__gap=between(0.005, 0.05),
+        bump_stop__stiffness=between(1e4, 1e6), rebound_stop__gap=between(0.005, 0.05),
+        rebound_stop__stiffness=between(1e4, 1e6), road__height=between(0.02, 0.2),
+        road__length=between(0.3, 3.0), speed=between(3.0, 40.0),
+    )  # fmt: skip
+
+
+def final(system: System, until: float, **options: object) -> list[float]:
+    integrator = Integrator(system, **options)
+    assert integrator.advance(until, True) == 0
+    integrator.sample(until)
+    return list(integrator.sample_q)
+
+
+def test_a_step_beyond_the_stable_one_is_taken_in_equal_parts() -> None:
+    integrator = Integrator(oscillator(1.0), "equilibrium", step=10.0)
+    integrator.set_state([1.0], [0.0])
+    assert integrator.advance(100.0) == 0
+    assert integrator.step_count == 30  # 10 s in parts below 2 sqrt 3
+    since, stable = integrator.beyond_stable()
+    assert since == 0.0
+    assert stable == pytest.approx(2.0 * sqrt(3.0), rel=1e-3)
+    # the same motion as with the parts given
+    other = Integrator(oscillator(1.0), "equilibrium", step=10.0 / 3.0)
+    other.set_state([1.0], [0.0])
+    other.advance(100.0)
+    integrator.sample(100.0)
+    other.sample(100.0)
+    assert integrator.sample_q[0] == pytest.approx(other.sample_q[0], rel=1e-9)
+    assert other.beyond_stable() is None
+
+
+@pytest.mark.parametrize(
+    ("options", "limit"),
+    [({"method": "equilibrium"}, 2 * sqrt(3)), ({"order": 4}, 2.2), ({"order": 8}, 3.2)],
+)
+def test_each_method_has_its_limit(options: dict[str, object], limit: float) -> None:
+    for factor, status in ((0.99, 0), (1.01, 6)):
+        integrator = Integrator(
+            oscillator(1.0), step=factor * limit, beyond_stable="refuse", **options
+        )
+        assert integrator.advance(50.0) == status
+    assert "stable_step" in FAILURES[6]
+
+
+@pytest.mark.parametrize("method", ["wilson", "exact"])
+def test_methods_without_a_limit_take_any_step(method: str) -> None:
+    integrator = Integrator(oscillator(1.0), method, step=10.0, beyond_stable="refuse")
+    assert integrator.advance(50.0) == 0
+    assert integrator.step_count == 5
+
+
+def test_an_unknown_policy_is_refused() -> None:
+    with pytest.raises(ValueError, match="'halve' is not one of substep, refuse, allow"):
+        Integrator(oscillator(1.0), beyond_stable="halve")
+
+
+def test_energy_from_nowhere_ends_a_run() -> None:
+    integrator = Integrator(oscillator(1.0), "equilibrium", step=3.6, beyond_stable="allow")
+    integrator.set_state([1.0], [0.0])
+    assert integrator.advance(1e4) == 7
+    assert integrator.time < 500.0
+    assert "energy" in FAILURES[7]
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"tolerance": 1e-1}, {"tolerance": 1e-4}, {"step": 3e-2}, {"step": 5e-2, "order": 4},
+        {"method": "equilibrium", "step": 5e-3}, {"method": "tangent", "step": 1e-2},
+        {"method": "mean", "step": 5e-3}, {"method": "wilson", "step": 5e-3}, {"method": "exact"},
+    ],
+)  # fmt: skip
+def test_right_runs_of_drawn_cars_never_end_for_their_energy(options: dict[str, object]) -> None:
+    rng = np.random.default_rng(5)
+    for _ in range(40):
+        integrator = Integrator(drawn(rng), **options)
+        assert integrator.advance(2.0) == 0
+
+
+def test_a_sampled_road_that_jumps_is_no_energy_from_nowhere() -> None:
+    session = Session("QuarterCar", {"road.shape": "input"})
+    for k in range(1, 300):
+        session.set_input("road_elevation", 0.05 * (k // 20 % 2))
+        session.set_input("road_velocity", 1e-9)  # so that it counts as given
+        session.advance(0.01 * k)
+    assert session.ok
+    assert abs(session.value("energy_residual")) < 1e-2
+
+
+def test_a_session_says_once_that_its_step_is_too_long() -> None:
+    session = Session("QuarterCar", {"solver.method": "equilibrium", "solver.step": 0.2})
+    for k in range(1, 11):
+        session.advance(0.1 * k)
+    said = [text for _, text in session.messages if "not stable" in text]
+    assert said == [
+        "solver.step = 0.2 s is not stable from 0 s on: taken in parts of at most 0.0467 s"
+    ]
+    refusing = Session(
+        "QuarterCar",
+        {
+            "solver.method": "equilibrium",
+            "solver.step": 0.2,
+            "solver.beyond_stable": "refuse",
+        },
+    )
+    with pytest.raises(SimulationError, match="longer than the largest stable one"):
+        refusing.advance(0.1)
+
+
+def test_a_session_says_why_exact_is_refused() -> None:
+    with pytest.raises(ParameterError, match="method 'exact' cannot take this system: the spring"):
+        Session("QuarterCar", {"solver.method": "exact", "spring.cubic": 1e5})
+
+
+@pytest.mark.skipif(not engine.compiled or sys.platform == "win32", reason="needs the kernel")
+def test_an_interrupt_ends_one_long_call() -> None:
+    code = """
+import signal
+from suspension.engine import Integrator
+from suspension.models import build
+signal.setitimer(signal.ITIMER_REAL, 0.3)
+signal.signal(signal.SIGALRM, signal.default_int_handler)
+integrator = Integrator(build("QuarterCar", {}), "equilibrium", step=1e-6)
+try:
+    integrator.advance(1e6)
+except KeyboardInterrupt:
+    print("interrupted", integrator.time > 0)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": str(Path(suspension.__file__).parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    assert done.stdout.split() == ["interrupted", "True"]
+    assert signal.SIGINT  # what Ctrl-C sends
+
+
+def test_a_session_keeps_a_log_of_its_events_and_its_whole_state() -> None:
+    session, other = (Session("QuarterCar", {"bump_stop.gap": 0.02, "bump_stop.stiffness": 3e5})
+                      for _ in range(2))  # fmt: skip
+    session.advance(0.03)
+    kept = session.snapshot()
+    session.advance(0.5)
+    contact = [e for e in session.events if (e.element, e.kind) == ("tyre", "contact")]
+    assert (contact[0].before, contact[0].after) == (0, 1)
+    assert contact[0].time == session.value("last_lift_off") or len(contact) > 2
+    assert [e.time for e in session.events] == sorted(e.time for e in session.events)
+    ahead, events = session.snapshot(), list(session.events)
+    session.restore(kept)  # back to the bit, events with it, and forward again
+    assert session.snapshot() == kept
+    assert len(session.events) < len(events)
+    session.advance(0.5)
+    assert session.snapshot() == ahead
+    assert list(session.events) == events
+    other.advance(0.03)
+    assert other.snapshot() == kept  # two sessions compare by what they are
+    other.advance(0.04)
+    assert other.snapshot() != kept
+
+
+# -- extreme cases: the default against exact propagation --------------------------------------------
+
+HARD = {
+    "bump_stop__gap": 0.02, "bump_stop__stiffness": 1e9,
+    "rebound_stop__gap": 0.02, "rebound_stop__stiffness": 1e9,
+}  # fmt: skip
+OVERDAMPED = {"damper__rebound_rate": 4e7, "damper__bump_rate": 4e7}
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {**HARD, "road__height": 0.1},
+        {"unsprung_mass": 1e-3},
+        OVERDAMPED,
+        {**OVERDAMPED, "unsprung_mass": 1e-3},
+        {"damper__rebound_rate": 0.0, "damper__bump_rate": 0.0, "tyre__damping": 0.0},
+        {"friction": 2000.0, "unsprung_mass": 1e-3},
+        {"road__height": 1.0},
+        {"speed": 1000.0 / 3.6},
+    ],
+)
+def test_extreme_cars_move_as_exact_propagation_says(parameters: dict[str, object]) -> None:
+    system = car(**parameters)
+    found = np.array([final(system, t) for t in (0.02, 0.06, 0.3)])
+    truth = np.array([final(system, t, method="exact", tolerance=1e-9) for t in (0.02, 0.06, 0.3)])
+    assert np.abs(found - truth).max() < 3e-6 * np.abs(truth).max()
+
+
+def test_a_wheel_of_a_gram_does_not_lift_off_where_a_heavy_one_stays() -> None:
+    """Over a low swell nothing leaves the road; a light wheel least of all."""
+    swell = {"road__shape": "sine", "road__height": 0.01, "road__length": 5.0, "speed": 10.0}
+    for mass in (30.0, 1.0, 1e-3):
+        system = car(**swell, unsprung_mass=mass)
+        integrator = Integrator(system)
+        assert integrator.advance(2.0) == 0
+        tyre = system.element("tyre")
+        assert [entry for entry in integrator.log if entry[1] == tyre] == []
+
+
+def test_no_mass_is_refused() -> None:
+    with pytest.raises(ParameterError, match="unsprung_mass = 0: must be greater than 0"):
+        car(unsprung_mass=0.0)
+
+
+def test_a_million_fixed_steps_keep_an_undamped_amplitude() -> None:
+    steps = 1_000_000 if engine.compiled else 20_000
+    integrator = Integrator(oscillator(1.0), "equilibrium", step=0.5)
+    integrator.set_state([1.0], [0.0])
+    assert integrator.advance(0.5 * steps) == 0
+    integrator.sample(integrator.time)
+    energy = integrator.sample_q[0] ** 2 + integrator.sample_v[0] ** 2
+    # the method keeps a quadratic form close to the energy, which its amplitude shows
+    assert 0.9 < energy < 1.1
