@@ -20,7 +20,21 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
+LEAN: dict[str, Any] = {"energy": False} if hasattr(Integrator, "run") else {}  # no ledger
 _SAME = 1e-6  # of an interval, within which a drawn point stands at a wanted instant
+
+
+def _whole(integrator: Any, times: Vector, out: Vector) -> int:
+    """All instants in one call, if the kernel has it; else one after the other."""
+    if LEAN:
+        return int(integrator.run(times, out.reshape(-1)))
+    for row, t in zip(out, times.tolist(), strict=True):
+        status = int(integrator.advance(t))
+        if status:
+            return status
+        integrator.sample(t)
+        row[:] = integrator.sample_q
+    return 0
 
 
 def in_process(bench: Workbench, **options: Any) -> Run:
@@ -35,20 +49,17 @@ def in_process(bench: Workbench, **options: Any) -> Run:
     problem = bench.problem
     n = len(problem.system.mass)
     try:
-        integrator = Integrator(problem.system, **options)
+        integrator = Integrator(problem.system, **LEAN, **options)
     except ValueError as error:
         raise UnableError(str(error)) from None
     integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
-    start, times = integrator.snapshot(), problem.times.tolist()
+    start, times = integrator.snapshot(), problem.times
 
     def go() -> Vector:
         out = np.empty((len(times), n))
-        for row, t in zip(out, times, strict=True):
-            status = integrator.advance(t)
-            if status:
-                raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
-            integrator.sample(t)
-            row[:] = integrator.sample_q
+        status = _whole(integrator, times, out)
+        if status:
+            raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
         return out
 
     return Prepared(lambda: integrator.restore(start), go)
@@ -108,9 +119,8 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    from ..constructions import constructed  # noqa: PLC0415
+    from ..constructions import constructed, planes_of  # noqa: PLC0415
     from ..errors import InputError, one_line  # noqa: PLC0415
-    from ..planes import planes_of  # noqa: PLC0415
 
     problem = bench.problem
     if problem.model not in MODELS:
