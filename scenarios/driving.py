@@ -153,7 +153,7 @@ class OpenFmu:
                 validate=False,
                 start_time=0.0,
                 stop_time=scene.duration,
-                output_interval=scene.show.output_interval,
+                output_interval=scene.communication_step,
                 start_values=scene.parameters,
                 output=outputs,
                 step_finished=step_finished,

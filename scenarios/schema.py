@@ -40,7 +40,7 @@ from .fields import (
 from .fmus import Fmu, find_fmu
 from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
 from .measured import with_files
-from .measures import catalogue, default_measures
+from .measures import at_end, catalogue, default_measures
 from .results import TABLE
 from .tables import check_ending, read_table
 
@@ -358,6 +358,32 @@ class Scene(Strict):
     def construction_time(self) -> float:
         """How long the construction goes on, s."""
         return min(self.construction.duration or self.duration, self.duration)
+
+    @property
+    def communication_step(self) -> float:
+        """Time from one row to the next, s: as long as what is wanted of the run allows.
+
+        Where the end of the run tells it all, that is the whole duration. The models of this project
+        take the same internal steps whatever the communication step is; of another FMU that is not
+        known.
+        """
+        wants_rows = (
+            self.columns
+            or self.during
+            or self.reference
+            or self.show.figures
+            or self.show.recording
+        )
+        known = catalogue(self.fmu.outputs())
+        if self.fmu.is_ours and not wants_rows and at_end(known, self.measures):
+            return self.duration
+        return self.show.output_interval
+
+    def only(self, measures: Sequence[str]) -> Scene:
+        """The same motion, of which nothing but these measures is wanted."""
+        show = Show(output_interval=self.show.output_interval, outputs=[], measures=tuple(measures))
+        nothing: dict[str, Any] = {"expect": {}, "during": (), "reference": None, "unchecked": ()}
+        return self.model_copy(update={"show": show, **nothing})
 
     @property
     def outputs(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 Only those that a scene shows or bounds are taken, and only the outputs they need are read.
 """
 
-from .catalogue import catalogue, default_measures, outputs_needed, take
+from .catalogue import at_end, catalogue, default_measures, outputs_needed, take
 from .reading import COUNT, Measure, Reading, Run
 
 __all__ = [
@@ -11,6 +11,7 @@ __all__ = [
     "Measure",
     "Reading",
     "Run",
+    "at_end",
     "catalogue",
     "default_measures",
     "outputs_needed",

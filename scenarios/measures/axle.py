@@ -33,7 +33,9 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
         source: str = "",
     ) -> Measure:
         needs = tuple(f"{prefix}{need}" for need in needs)
-        return Measure(f"{prefix}{name}", unit, needs, partial(take, *needs), about, source)
+        return Measure(
+            f"{prefix}{name}", unit, needs, partial(take, *needs), about, source, take is last
+        )
 
     yield measure("lift_off_count", COUNT, ("lift_off_count",), last,
                   "how often the wheel left the road, counted by the model itself")  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import partial
 
 from suspension.variables import Variable
 
@@ -47,6 +48,11 @@ def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[st
     return {output for name in names for output in known[name].needs}
 
 
+def at_end(known: Mapping[str, Measure], names: Iterable[str]) -> bool:
+    """Whether the last row alone tells the named measures."""
+    return all(known[name].at_end for name in names)
+
+
 def take(known: Mapping[str, Measure], names: Iterable[str], run: Run) -> dict[str, Reading]:
     """Take measures of a run; where it lacks the columns, a reading of nothing."""
     return {
@@ -63,4 +69,4 @@ def _of_the_solver(outputs: Mapping[str, Variable]) -> Iterable[Measure]:
         ("step_count", last, COUNT, "internal steps of the integrator"),
     ):
         if name in outputs:
-            yield Measure(name, unit, (name,), lambda run, n=name, h=how: h(n, run), about)  # type: ignore[misc]
+            yield Measure(name, unit, (name,), partial(how, name), about, at_end=how is last)

@@ -21,7 +21,7 @@ def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
             about = (
                 f"{name.replace('_', ' ')} of the model's small motions about rest, slowest first"
             )
-            yield Measure(name, unit, (), partial(_of_run, what), about)
+            yield Measure(name, unit, (), partial(_of_run, what), about, at_end=True)
 
 
 def _of_run(what: str, run: Run) -> Reading:

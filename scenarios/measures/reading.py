@@ -73,6 +73,7 @@ class Measure:
     take : how
     about : its definition in one sentence
     source : where the definition stands, if it is not our own
+    at_end : whether the last row alone tells it
     """
 
     name: str
@@ -81,3 +82,4 @@ class Measure:
     take: Callable[[Run], Reading]
     about: str
     source: str = ""
+    at_end: bool = False

@@ -26,6 +26,28 @@ def scene_of(fmu: Path, *overrides: str, case: str = "ap57"):  # type: ignore[no
     return load_scene(case, [f"fmu={fmu}", *BARE, *overrides])
 
 
+def test_where_the_end_tells_all_one_communication_step_serves() -> None:
+    """The counts and times of the end are the same to the bit; anything over time has its rows."""
+    ends = "show.measures=['lift_off_count', 'airborne_time', 'step_count', 'damping_ratios']"
+    bare = ("show.outputs=[]", ends)
+    one = load_scene("speed_bump", [*BARE, *bare, "speed=9"])
+    assert one.communication_step == one.duration == 2.0
+    many = one.model_copy(update={"show": one.show.model_copy(update={"outputs": ["airborne"]})})
+    assert many.communication_step == one.show.output_interval
+    short, long = run(one), run(many)
+    assert (short.summary["rows"], long.summary["rows"]) == (2, 2001)
+    assert short.summary["measures"] == long.summary["measures"]
+    assert short.summary["measures"]["lift_off_count"]["value"] == 2
+    for wanted in (
+        "show.measures=['lift_offs']", "show.figures=['time_histories']", "show.recording=trail",
+        "show.planes=['suspension_deflection, suspension_deflection_rate']",
+    ):  # fmt: skip
+        scene = load_scene("speed_bump", [*BARE, *bare, "speed=9", wanted])
+        assert scene.communication_step == scene.show.output_interval, wanted
+    bounded = load_scene("speed_bump", [*BARE, *bare])  # its bounds look at rows
+    assert bounded.communication_step == bounded.show.output_interval
+
+
 def test_the_fmu_gives_what_the_model_gives_to_the_bit(fmu: Path) -> None:
     scene = scene_of(fmu, "show.outputs=all", "show.output_interval=3.7 ms")
     results = run(scene)
