@@ -28,6 +28,8 @@ _SECTIONS: dict[str, tuple[str, type[BaseModel]]] = {
     "[expect.during]": ("what an output must keep to within a time; repeatable", During),
     "expect.reference": ("a file to which the run must come close", Reference),
 }
+_EXAMPLE = "speed_bump"  # a sweep that comes with the package
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
 
 
@@ -39,6 +41,19 @@ def guide(model: str | None) -> str:
     InputError : no such model.
     """
     return "\n".join(_of_scenes() if model is None else _of_model(model))
+
+
+def sweep_guide() -> str:
+    """All keys of a sweep file, for a terminal."""
+    return "\n".join(_of_sweeps())
+
+
+def sweep_schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a sweep file."""
+    from .sweeps.plan import SweepFile  # noqa: PLC0415
+
+    schema = SweepFile.model_json_schema()
+    return {"$schema": _DIALECT, **schema, "title": "A sweep over a scene"}
 
 
 def json_schema(model: str | None) -> dict[str, Any]:
@@ -73,7 +88,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
         },
     }
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$schema": _DIALECT,
         "title": f"A scene that drives {fmu.model}",
         "type": "object",
         "properties": properties | sections,
@@ -91,19 +106,39 @@ def _of_scenes() -> Iterator[str]:
     for name, (about, kind) in _SECTIONS.items():
         yield ""
         yield f"[{name}]  {about}"
-        properties = kind.model_json_schema()["properties"]
-        for key, said in properties.items():
-            kinds = [said, *said.get("anyOf", ())]
-            unit = next((kind["unit"] for kind in kinds if "unit" in kind), "")
-            allowed = said.get("enum") or said.get("items", {}).get("enum")
-            words = said.get("description", "")
-            if allowed:
-                words += f": {', '.join(allowed)}"
-            yield _key(key, unit, words + _default(said.get("default")))
+        yield from _keys(kind)
     yield ""
     yield "[expect]  bounds on measures: name = { min = ..., max = ... }"
     yield ""
-    yield f"phaseplane schema MODEL tells the parameters and measures of {', '.join(MODELS)}."
+    yield f"phaseplane schema MODEL tells the parameters and measures of {', '.join(MODELS)};"
+    yield "phaseplane schema --sweep tells what a sweep file may say."
+
+
+def _of_sweeps() -> Iterator[str]:
+    from .sweeps.plan import SWEEPS, Range, SweepFile  # noqa: PLC0415
+
+    yield "A sweep is a TOML file that runs a scene many times."
+    yield ""
+    yield from _keys(SweepFile)
+    yield ""
+    yield "A range, within vary"
+    yield from _keys(Range)
+    yield ""
+    yield "For example:"
+    yield ""
+    yield from (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8").splitlines()
+
+
+def _keys(kind: type[BaseModel]) -> Iterator[str]:
+    """The keys of a table, as its definition explains them."""
+    for key, said in kind.model_json_schema()["properties"].items():
+        kinds = [said, *said.get("anyOf", ())]
+        unit = next((kind["unit"] for kind in kinds if "unit" in kind), "")
+        allowed = said.get("enum") or said.get("items", {}).get("enum")
+        words = said.get("description", "")
+        if allowed:
+            words += f": {', '.join(allowed)}"
+        yield _key(key, unit, words + _default(said.get("default")))
 
 
 def _of_model(name: str) -> Iterator[str]:
@@ -119,8 +154,9 @@ def _of_model(name: str) -> Iterator[str]:
     yield f"{fmu.model}: measures"
     yield _key("peak.X", "", "value of largest magnitude, with its sign, of any output X in time")
     yield _key("rms.X", "", "root of the time mean of the square of any output X in time")
+    yield _key("amplitude.X", "", "half the range of any output X over the second half of the run")
     for measure in catalogue(outputs).values():
-        if not measure.name.startswith(("peak.", "rms.")):
+        if not measure.name.startswith(("peak.", "rms.", "amplitude.")):
             source = f" ({measure.source})" if measure.source else ""
             yield _key(measure.name, measure.unit, measure.about + source)
 

@@ -7,20 +7,27 @@ from pathlib import Path
 import click
 
 from ..console import json_option
+from ..errors import InputError
 
 
 @click.command()
 @click.argument("model", required=False)
+@click.option("--sweep", is_flag=True, help="Tell what a sweep file may say.")
 @json_option
-def schema(model: str | None, as_data: bool) -> None:
+def schema(model: str | None, sweep: bool, as_data: bool) -> None:
     """Tell what a scene may say; with MODEL also its parameters, outputs and measures.
 
     As JSON it is a JSON Schema, which editors can check scene files by.
     """
-    from ..guide import guide, json_schema  # noqa: PLC0415
+    from ..guide import guide, json_schema, sweep_guide, sweep_schema  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
 
-    click.echo(as_json(json_schema(model)) if as_data else guide(model))
+    if sweep and model:
+        raise InputError("schema: give a MODEL or --sweep, not both")
+    if as_data:
+        click.echo(as_json(sweep_schema() if sweep else json_schema(model)))
+    else:
+        click.echo(sweep_guide() if sweep else guide(model))
 
 
 @click.command()

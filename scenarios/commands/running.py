@@ -98,17 +98,20 @@ def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> No
 @click.command("list")
 @json_option
 def list_cases(as_data: bool) -> None:
-    """List the scenes that come with the package."""
+    """List the scenes and the sweeps that come with the package."""
     from ..layers import case_titles  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
+    from ..sweeps.plan import sweep_titles  # noqa: PLC0415
 
-    titles = case_titles()
-    width = max(map(len, titles))
-    click.echo(
-        as_json(titles)
-        if as_data
-        else "\n".join(f"{name:<{width}}  {title}" for name, title in titles.items())
-    )
+    titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
+    if as_data:
+        click.echo(as_json(titles))
+        return
+    width = max(len(name) for named in titles.values() for name in named)
+    for command, named in zip(("run", "sweep"), titles.values(), strict=True):
+        click.echo(f"phaseplane {command}")
+        for name, title in named.items():
+            click.echo(f"  {name:<{width}}  {title}")
 
 
 @click.command()

@@ -10,13 +10,13 @@ from ..console import DONE, FAILED, complain, json_option, progress_bar
 
 
 @click.command()
-@click.argument("file", metavar="FILE", type=click.Path(path_type=Path))
+@click.argument("file", metavar="SWEEP")
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of the results, replaced whole. [default: out/FILE]",
+    help="Folder of the results, replaced whole. [default: out/SWEEP]",
 )
 @click.option(
     "--through",
@@ -33,7 +33,7 @@ from ..console import DONE, FAILED, complain, json_option, progress_bar
 @json_option
 def sweep(
     *,
-    file: Path,
+    file: str,
     output: Path | None,
     through: str,
     workers: int | None,
@@ -41,15 +41,16 @@ def sweep(
     table: str,
     as_data: bool,
 ) -> int:
-    """Run a scene many times, as FILE says: a grid, a list, or a sample of parameters.
+    """Run a scene many times, as SWEEP says: a grid, a list, or a sample of parameters.
 
-    An interrupted sweep goes on where it stopped when it is started again.
+    SWEEP is the name of a sweep that comes along (see `list`), or a file: `schema --sweep` tells what it
+    may say. An interrupted sweep goes on where it stopped when it is started again.
     """
     from ..results import as_json  # noqa: PLC0415
     from ..sweeps.job import run_sweep  # noqa: PLC0415
     from ..sweeps.report import sweep_in_words  # noqa: PLC0415
 
-    with progress_bar(file.stem) as progress:
+    with progress_bar(Path(file).stem) as progress:
         plan, summary, folder = run_sweep(
             file,
             output,

@@ -16,7 +16,7 @@ _NOT_MOTION = (
 
 
 def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """`peak.X` and `rms.X` of every output X that is a number in time."""
+    """`peak.X`, `rms.X` and `amplitude.X` of every output X that is a number in time."""
     for name, output in outputs.items():
         if type(output.start) is float and not name.endswith(_NOT_MOTION):
             unit = output.unit or "1"
@@ -28,12 +28,23 @@ def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
                 f"rms.{name}", unit, (name,), partial(root_mean_square, name),
                 f"root of the time mean of the square of {name}",
             )  # fmt: skip
+            yield Measure(
+                f"amplitude.{name}", unit, (name,), partial(amplitude, name),
+                f"half of largest minus smallest {name} over the second half of the run: the "
+                "amplitude of a steady vibration, when what the start has set off has died away",
+            )  # fmt: skip
 
 
 def peak(name: str, run: Run) -> Reading:
     """The value of largest magnitude among the rows, the first of equals, with its sign."""
     column = run.columns[name]
     return _at(run, name, int(abs(column).argmax()))
+
+
+def amplitude(name: str, run: Run) -> Reading:
+    """Half of largest minus smallest value over the second half of the run."""
+    late = run.columns[name][run.time >= 0.5 * (run.time[0] + run.time[-1])]
+    return Reading(0.5 * float(late.max() - late.min()))
 
 
 def smallest(name: str, run: Run) -> Reading:

@@ -17,7 +17,7 @@ _PICTURE = "sweep.png"
 
 
 def run_sweep(
-    file: Path,
+    file: str | Path,
     folder: Path | None = None,
     *,
     through: str = "process",
@@ -30,7 +30,7 @@ def run_sweep(
 
     Parameters
     ----------
-    file : the sweep
+    file : the sweep, by its file or the name of one that comes with the package
     folder : None for `out/<file>`; replaced whole
     through, workers, dask, progress : see `running.sweep`
     table : name of the table of rows, ending in .csv or .parquet

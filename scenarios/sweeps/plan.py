@@ -18,10 +18,11 @@ from suspension.variables import Value, Variable
 
 from ..errors import InputError, SceneError, one_line, shown
 from ..fields import Strict, choices, one_of, tuple_from
-from ..layers import KEYS
+from ..layers import CASES, KEYS
 from ..measures import catalogue
 from ..schema import Scene, load_scene
 
+SWEEPS = CASES / "sweeps"
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _MOST_RUNS = 1_000_000
 _TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
@@ -143,20 +144,50 @@ class Plan:
         SceneError : values that the scene does not take.
         """
         overrides = [f"{key}={_as_text(x)}" for key, x in zip(self.keys, point, strict=True)]
-        wanted = f"show.measures={list(self.measures)!r}".replace("'", '"')
-        return load_scene(self.reference, [*overrides, wanted, *BARE])
+        return load_scene(self.reference, overrides).only(self.measures)
 
 
-BARE = ("show.figures=[]", "show.recording=false", "show.outputs=[]")
+def sweep_titles() -> dict[str, str]:
+    """Name and title of the sweeps that come with the package."""
+    return {
+        path.stem: str(tomllib.loads(path.read_text(encoding="utf-8")).get("title", ""))
+        for path in sorted(SWEEPS.glob("*.toml"))
+    }
 
 
-def load_plan(path: Path) -> Plan:
-    """Read a sweep file.
+def find_sweep(reference: str) -> Path:
+    """The file of a sweep: the name of one that comes with the package, or a path.
+
+    Raises
+    ------
+    InputError : a name that is none; names the nearest one.
+    """
+    path, named = Path(reference), SWEEPS / f"{reference}.toml"
+    if named.parent == SWEEPS and named.is_file():
+        return named
+    if path.suffix != ".toml" and not path.exists():
+        known = sweep_titles()
+        raise InputError(
+            one_line(
+                f"no sweep {shown(reference)}{nearest(reference, known)}; 'phaseplane list' tells "
+                "them all; or give the path of a .toml file"
+            )
+        )
+    return path
+
+
+def load_plan(reference: str | Path) -> Plan:
+    """Read a sweep.
+
+    Parameters
+    ----------
+    reference : name of a sweep that comes with the package, or path of a sweep file
 
     Raises
     ------
     InputError : one line that names file, key, value and what is allowed.
     """
+    path = find_sweep(str(reference))
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
@@ -185,8 +216,8 @@ def load_plan(path: Path) -> Plan:
         raise InputError(one_line(f"{path}: {len(points)} runs; allowed: {_MOST_RUNS}"))
     units = tuple(declared[key].unit if key in declared else "" for key in said.vary)
     plan = Plan(
-        path.stem, said.title, scene, str(_base(path, said.scene)), tuple(said.vary), units,
-        tuple(points), said.measures,
+        path.stem, said.title, scene.only(said.measures), str(_base(path, said.scene)),
+        tuple(said.vary), units, tuple(points), said.measures,
     )  # fmt: skip
     if not plan.parameters_only:
         try:
@@ -204,7 +235,7 @@ def _base(path: Path, reference: str) -> str | Path:
 
 def _scene(path: Path, reference: str) -> Scene:
     try:
-        return load_scene(str(_base(path, reference)), BARE)
+        return load_scene(str(_base(path, reference)))
     except SceneError as error:
         raise InputError(one_line(f"{path}: scene: {error}")) from None
 

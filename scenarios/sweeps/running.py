@@ -127,7 +127,7 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     import numpy as np  # noqa: PLC0415  (heavy)
 
     scene = plan.scene
-    time = _instants(scene.duration, scene.show.output_interval)
+    time = _instants(scene.duration, scene.communication_step)
     sets = [
         {**scene.parameters, **dict(zip(plan.keys, plan.points[run], strict=True))} for run in runs
     ]

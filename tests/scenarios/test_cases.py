@@ -44,4 +44,4 @@ def test_a_case_holds(name: str) -> None:
 def test_the_titles_tell_the_cases_apart() -> None:
     titles = [load_scene(name).title for name in case_names()]
     assert len(set(titles)) == len(titles)
-    assert {path.suffix for path in Path(CASES).iterdir()} == {".toml"}
+    assert {path.suffix for path in Path(CASES).rglob("*.*")} == {".toml"}

@@ -298,11 +298,14 @@ def test_output_that_cannot_be_encoded() -> None:
 
 def test_list() -> None:
     lines = phaseplane("list").stdout.splitlines()
-    assert lines[0].split(maxsplit=1) == [
+    assert lines[0] == "phaseplane run"
+    assert lines[1].split(maxsplit=1) == [
         "ap57",
         "Quarter car over a 5 cm bump, with wheel lift-off",
     ]
-    assert set(json.loads(phaseplane("list", "--json").stdout)) >= {"ap57", "ap57_figure13"}
+    listed = json.loads(phaseplane("list", "--json").stdout)
+    assert set(listed["scenes"]) >= {"ap57", "ap57_figure13"}
+    assert set(listed["sweeps"]) >= {"speed_bump", "four_post"}
 
 
 def test_build_packs_what_runs() -> None:

@@ -15,6 +15,7 @@ from scenarios.cli import main
 from scenarios.expectations import During, Reference
 from scenarios.guide import json_schema
 from scenarios.schema import Construction, Show, load_scene
+from scenarios.sweeps.plan import Range, SweepFile
 from scenarios.tables import write_table
 from suspension.variables import MODELS
 
@@ -85,6 +86,9 @@ def test_compare_tells_the_largest_differences_first(tables: Path) -> None:
         (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
         (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
         (["schema", "QuaterCar"], "did you mean 'QuarterCar'?"),
+        (["schema", "QuarterCar", "--sweep"], "not both"),
+        (["sweep", "speed_bunp"], "no sweep 'speed_bunp'; did you mean 'speed_bump'?"),
+        (["sweep", "../speed_bump"], "no sweep '../speed_bump'"),
         (["new", "a.csv"], "is there already"),
         (["new", "no/such/folder.toml"], "No such file or directory"),
         (["new", "x.toml", "--model", "Bicycle"], "must be OneDof or"),
@@ -107,6 +111,18 @@ def test_every_key_of_a_scene_is_explained(kind: type[BaseModel]) -> None:
     for name, field in kind.model_fields.items():
         assert field.description, name
         assert f"  {field.alias or name}" in told
+
+
+def test_every_key_of_a_sweep_is_explained() -> None:
+    told = phaseplane("schema", "--sweep").stdout
+    for kind in (SweepFile, Range):
+        for name, field in kind.model_fields.items():
+            assert field.description, name
+            assert f"  {field.alias or name}" in told
+    schema = json.loads(phaseplane("schema", "--sweep", "--json").stdout)
+    assert set(schema["properties"]) == set(SweepFile.model_fields)
+    assert set(schema["$defs"]["Range"]["properties"]) == {"from", "to", "count"}
+    assert "schema --sweep" in phaseplane("schema").stdout
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -11,13 +11,16 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from scenarios.cli import main
 from scenarios.errors import InputError
-from scenarios.sweeps.plan import load_plan
+from scenarios.linearised import linearised
+from scenarios.sweeps.plan import SWEEPS, load_plan, sweep_titles
 from scenarios.sweeps.running import Row, sweep
+from suspension.models import build
 from suspension.session import simulate
 
 ROOT = Path(__file__).parents[2]
@@ -124,6 +127,37 @@ def test_what_a_sweep_file_may_not_say(old: str, new: str, words: str) -> None:
     assert words in str(caught.value)
     assert str(caught.value).startswith("sweep.toml: ") or "cannot read" in str(caught.value)
     assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize("name", sweep_titles())
+def test_a_sweep_that_comes_along_is_found_by_name(name: str) -> None:
+    plan = load_plan(name)
+    assert (plan.name, plan.title) == (name, sweep_titles()[name])
+    assert plan.title
+    assert len(plan.points) > 10
+
+
+@pytest.mark.slow
+def test_a_stepped_sine_follows_the_transfer_function(tmp_path: Path) -> None:
+    """The amplitudes of a linear car on the rig are those of its linearised system."""
+    linear = "\n".join(
+        f"{name} = {value}"
+        for name, value in {
+            "damper.rebound_limit": 0.0, "damper.bump_limit": 0.0, "damper.rebound_rate": 1500.0,
+            "damper.bump_rate": 1500.0, "road.height": 0.002,
+        }.items()
+    )  # fmt: skip
+    (tmp_path / "linear.toml").write_text(f'extends = "four_post_sine"\n[parameters]\n{linear}\n')
+    text = (SWEEPS / "four_post.toml").read_text().replace("four_post_sine", "linear.toml")
+    plan = load_plan(written(text.replace("count = 79", "count = 14")))
+    found, _ = sweep(plan, tmp_path / "journal", workers=1)
+    system = linearised(build(plan.scene.fmu.model, plan.scene.all_parameters))
+    frequencies = np.array([point[0] for point in plan.points], float)
+    (road,) = system.road_stiffness
+    gain = abs(system.transfer(road, frequencies))
+    for row, (body, wheel) in zip(found, gain, strict=True):
+        assert row.values[0] == pytest.approx(1e-3 * body, rel=5e-3)
+        assert row.values[1] == pytest.approx(1e-3 * wheel, rel=5e-3)
 
 
 # -- runs ------------------------------------------------------------------------------------------
