@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import cycle
 from math import log10
 
 import numpy as np
@@ -84,15 +85,16 @@ def stability_sheet(
     palette = DARK if dark else LIGHT
     figure = new_figure(12.0, 9.6, palette)
     top = figure.add_gridspec(1, 2, left=0.06, right=0.985, top=0.955, bottom=0.57, wspace=0.42)
-    low = figure.add_gridspec(1, 3, left=0.06, right=0.94, top=0.44, bottom=0.07, wspace=0.3)
+    low = figure.add_gridspec(1, 3, left=0.06, right=0.915, top=0.44, bottom=0.07, wspace=0.3)
     _radii(figure.add_subplot(top[0, 0]), curves, limits, palette)
-    _found(figure.add_subplot(top[0, 1]), found, palette)
+    colours = dict(zip(curves, cycle(_COLOURS), strict=False))
+    _found(figure.add_subplot(top[0, 1]), found, colours, palette)
     panels = [figure.add_subplot(low[0, k]) for k in range(3)]
     image: QuadMesh | None = None
     for axes, one in zip(panels, growth, strict=False):
         image = _map(axes, one, palette)
     if image is not None:
-        bar = figure.colorbar(image, cax=figure.add_axes((0.953, 0.07, 0.012, 0.37)))
+        bar = figure.colorbar(image, cax=figure.add_axes((0.932, 0.07, 0.012, 0.37)))
         bar.set_ticks([-1, 0, 1, 2], labels=["0.1", "1", "10", "≥ 100"])
         bar.ax.tick_params(colors=palette.ink, labelsize=8)
         bar.set_label("growth", color=palette.ink, fontsize=8)
@@ -131,7 +133,10 @@ def _radii(
 
 
 def _found(
-    axes: Axes, found: Sequence[tuple[str, str, float, float | None]], palette: Palette
+    axes: Axes,
+    found: Sequence[tuple[str, str, float, float | None]],
+    colours: Mapping[str, str],
+    palette: Palette,
 ) -> None:
     _style(axes, palette, "Longest stable step on systems with switches, over the theory's")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
@@ -143,9 +148,8 @@ def _found(
             for problem, one, theory, measured in found
             if one == method and measured is not None
         ]
-        colour = _COLOURS[k % len(_COLOURS)]
         across, up = [x for x, _ in points], [y for _, y in points]
-        axes.plot(across, up, "o", color=colour, markersize=4.5, label=method)
+        axes.plot(across, up, "o", color=colours.get(method, GREY), markersize=4.5)
     axes.set_xscale("log")
     axes.set_xlim(0.22, 4.5)
     axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))
@@ -154,9 +158,6 @@ def _found(
     axes.set_yticks(range(len(problems)), labels=[p.replace("_", " ") for p in problems])
     axes.set_ylim(len(problems) - 0.5, -0.5)
     axes.set_xlabel("measured / theory", fontsize=9, color=palette.ink)
-    if methods:
-        axes.legend(fontsize=7, frameon=True, facecolor=palette.paper, edgecolor="none",
-                    framealpha=0.85, loc="lower right", labelcolor=palette.ink)  # fmt: skip
 
 
 def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
