@@ -38,7 +38,7 @@ def uncompiled_integrator() -> Any:
 
 def fixed_steps(integrator_class: Any, method: str = "equilibrium") -> Callable[[], int]:
     """The quarter car over its bump in fixed steps; returns how many there were."""
-    integrator = integrator_class(PROBLEMS["lift_off"]().system, method, STEP, **own.LEAN)
+    integrator = integrator_class(PROBLEMS["lift_off"]().system, method, STEP, energy=False)
     start = integrator.snapshot()
 
     def go() -> int:

@@ -20,21 +20,7 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
-LEAN: dict[str, Any] = {"energy": False} if hasattr(Integrator, "run") else {}  # no ledger
 _SAME = 1e-6  # of an interval, within which a drawn point stands at a wanted instant
-
-
-def _whole(integrator: Any, times: Vector, out: Vector) -> int:
-    """All instants in one call, if the kernel has it; else one after the other."""
-    if LEAN:
-        return int(integrator.run(times, out.reshape(-1)))
-    for row, t in zip(out, times.tolist(), strict=True):
-        status = int(integrator.advance(t))
-        if status:
-            return status
-        integrator.sample(t)
-        row[:] = integrator.sample_q
-    return 0
 
 
 def in_process(bench: Workbench, **options: Any) -> Run:
@@ -49,7 +35,7 @@ def in_process(bench: Workbench, **options: Any) -> Run:
     problem = bench.problem
     n = len(problem.system.mass)
     try:
-        integrator = Integrator(problem.system, **LEAN, **options)
+        integrator = Integrator(problem.system, energy=False, **options)
     except ValueError as error:
         raise UnableError(str(error)) from None
     integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())
@@ -57,7 +43,7 @@ def in_process(bench: Workbench, **options: Any) -> Run:
 
     def go() -> Vector:
         out = np.empty((len(times), n))
-        status = _whole(integrator, times, out)
+        status = integrator.run(times, out.reshape(-1))
         if status:
             raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
         return out
