@@ -118,6 +118,9 @@ def figure_option(what: str) -> Callable[[Any], Any]:
     )
 
 
+dark_option = click.option("--dark", is_flag=True, help="Draw on a dark ground.")
+
+
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
     """A bar on a terminal, for what takes over a second."""

@@ -254,6 +254,9 @@ def replay(
     figure: Path | None,
     viewer: str = "",
     over: Path | None = None,
+    *,
+    kind: str = "phase_planes",
+    dark: bool = False,
 ) -> dict[str, Any]:
     """Make the construction of a scene, or lay it over the results of a run, and write it down.
 
@@ -264,6 +267,8 @@ def replay(
     overrides : `key=value` texts; for results only those of `construction`
     recording, figure : files to be written
     viewer : address of a running viewer that is to show it
+    kind : name of the figure; the rule that it shows is taken where overrides name none
+    dark : whether the figure has a dark ground
 
     Raises
     ------
@@ -272,12 +277,18 @@ def replay(
     """
     from .constructions import constructed, laid_over, told_of  # noqa: PLC0415
     from .live import show_in  # noqa: PLC0415
-    from .pictures import draw, record  # noqa: PLC0415
+    from .pictures import RULES_SHOWN, draw, record  # noqa: PLC0415
     from .replays import content, of_results, readings  # noqa: PLC0415
-    from .schema import construction_settings, load_scene  # noqa: PLC0415
+    from .schema import CONSTRUCTION_FIGURES, construction_settings, load_scene  # noqa: PLC0415
 
     _check_targets(recording, figure)
+    try:
+        refuse_unknown([kind], CONSTRUCTION_FIGURES, "--kind: there is no figure")
+    except ParameterError as error:
+        raise InputError(str(error)) from None
     started = perf_counter()
+    if figure is not None and kind in RULES_SHOWN:
+        overrides = (f"construction.rule={RULES_SHOWN[kind]}", *overrides)
     folder = _results_folder(Path(what))
     if folder is not None and over is None:
         results = read_results(folder)
@@ -313,7 +324,10 @@ def replay(
     if viewer:
         show_in(shown, viewer)
     if figure is not None:
-        draw("phase_planes", figure, drawing)
+        try:
+            draw(kind, figure, drawing, title=shown.title, dark=dark)
+        except ValueError as error:  # it has not got what the figure shows
+            raise InputError(f"--kind {kind}: {one_line(error)}") from None
     files = [str(path) for path in (recording, figure) if path is not None]
     return {**told_of(drawing, perf_counter() - started), "files": files}
 

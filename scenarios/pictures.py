@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from .schema import Scene
 
 RECORDING = "construction.rrd"
-_SHEET_STEPS = 20  # as many as AP57 shows with all auxiliary lines (figure 13)
+RULES_SHOWN = {"figure4a": "mean_normal", "figure4b": "osculating_circle", "figure8": "tangent"}
+"""The step rule that a figure shows, where it shows a single one."""
 
 
 def draw_all(
@@ -34,7 +35,14 @@ def draw_all(
     for name, file in makers.items():
         if name == "time_histories" or drawing is not None:
             try:
-                draw(name, folder / file, drawing, results)
+                draw(
+                    name,
+                    folder / file,
+                    drawing,
+                    results,
+                    title=scene.title or scene.name,
+                    dark=scene.show.dark,
+                )
             except Exception as error:  # a picture that fails must not cost the results
                 yield f"{file} was not drawn: {one_line(error)}"
     if scene.show.recording:
@@ -44,22 +52,28 @@ def draw_all(
             yield f"{RECORDING} was not written: {one_line(error)}"
 
 
-def draw(name: str, path: Path, drawing: Drawing | None, results: Results | None = None) -> None:
-    """Draw one picture: `time_histories` from results, the others from a construction."""
+def draw(
+    name: str,
+    path: Path,
+    drawing: Drawing | None,
+    results: Results | None = None,
+    *,
+    title: str = "",
+    dark: bool = False,
+) -> None:
+    """Draw one picture: `time_histories` from results, the others from a construction.
+
+    Raises
+    ------
+    ValueError : a construction that has not got what the picture shows.
+    """
     from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
 
     if name == "time_histories":
         assert results is not None
-        figure = figures.time_histories(histories(results), title=results.summary["title"])
+        figure = figures.time_histories(histories(results), title=title, dark=dark)
     else:
-        assert drawing is not None
-        figure = (
-            figures.phase_planes(drawing)
-            if name == "phase_planes"
-            else figures.construction_sheet(
-                drawing, frames=range(min(_SHEET_STEPS, len(drawing.frames)))
-            )
-        )
+        figure = getattr(figures, name)(drawing, title=title, dark=dark)
     figures.save(figure, path)
 
 

@@ -44,7 +44,12 @@ from .measures import at_end, catalogue, default_measures
 from .results import TABLE
 from .tables import check_ending, read_table
 
-Figure = Literal["time_histories", "phase_planes", "construction_sheet"]
+Figure = Literal[
+    "time_histories", "phase_planes", "construction_sheet",
+    # those of AP57, drawn anew
+    "figure4a", "figure4b", "figure7", "figure8", "figure9", "figure10", "figure12", "figure13",
+    "figure14", "figure15", "figure16",
+]  # fmt: skip
 Detail = Literal["trail", "steps", "stages"]
 View = Literal["planes", "vehicle", "histories", "energies", "words"]
 Rule = Literal[
@@ -52,6 +57,7 @@ Rule = Literal[
     "mean_arc_circle", "velocity", "delta",
 ]  # fmt: skip
 FIGURES: tuple[Figure, ...] = get_args(Figure)
+CONSTRUCTION_FIGURES = tuple(name for name in FIGURES if name != "time_histories")
 RULES: tuple[Rule, ...] = get_args(Rule)
 VIEWS: tuple[View, ...] = get_args(View)
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
@@ -81,6 +87,8 @@ class Show(Strict):
         tuple[str, ...], BeforeValidator(list_of(FIGURES)), choices(FIGURES, many=True)
     ] = ()
     """which pictures are drawn"""
+    dark: bool = False
+    """whether pictures have a dark ground"""
     recording: Detail | Literal[False] = False
     """detail of the recording, or false for none"""
     views: Annotated[
@@ -141,7 +149,7 @@ class Show(Strict):
     @property
     def figures_construction(self) -> bool:
         """Whether a figure needs the graphical construction."""
-        return any(name != "time_histories" for name in self.figures)
+        return any(name in CONSTRUCTION_FIGURES for name in self.figures)
 
 
 class Construction(Strict):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, floor
+from textwrap import wrap
 
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -62,7 +63,7 @@ class Sheet:
         self.inches = min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
         width, height = size.real * self.inches, size.imag * self.inches
         self.columns = max(2, int(width / 1.3))
-        below, above, beside = (0.5 if self.columns > 6 else 0.7), 0.6, 0.1
+        below, above, beside = (0.5 if self.columns > 6 else 0.7), 0.8, 0.1
         full = (width + 2 * beside, height + below + above)
         self.figure = new_figure(*full, palette)
         self.axes: Axes = self.figure.add_axes(
@@ -167,8 +168,10 @@ class Sheet:
             at = axis.at(value)
             self._tick(at, 0.35j * em)
             self.write(at - 1.0j * em, _number(value * graduation.factor), self.palette.faint, 7.0)
-        words = plane.name.replace("_", " ")
-        self._name(tip + 1.1j * em, f"{words} {typeset(axis.label)} [{graduation.unit}]", sense)
+        # a word on each line, to keep clear of the motion
+        rows = plane.name.split("_")
+        name = "\n".join(rows) + f" {typeset(axis.label)} [{graduation.unit}]"
+        self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
 
     def _vertical(self, plane: Plane, points: Sequence[complex]) -> None:
         """The y-bar axis is as long as the motion, to keep clear of the other plane."""
@@ -187,6 +190,15 @@ class Sheet:
         name = f"{typeset(axis.label)} [{graduation.unit}]"
         self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
 
+    def y_axis(self, plane: Plane) -> None:
+        """The y axis alone, across the view, for a part of the sheet without the origin."""
+        axis, reach_of_view = plane.displacement, self.view.half.real - 0.5 * self.em
+        sense = axis.direction.real
+        middle = complex(self.view.centre.real, axis.origin.imag)
+        tip = middle + sense * reach_of_view
+        self._arrow(middle - sense * reach_of_view, tip)
+        self._name(tip - 1.0j * self.em, typeset(axis.label), sense)
+
     def _name(self, edge: complex, name: str, sense: float) -> None:
         """The name of an axis, ending at its edge (sense > 0) or beginning there."""
         self.axes.text(
@@ -201,7 +213,9 @@ class Sheet:
             zorder=6.0,
             gid="axis_name",
         )
-        box = text_box(edge, name, 0.9 * self.em)
+        rows = name.split("\n")
+        box = text_box(edge, max(rows, key=len), 0.9 * self.em)
+        box = Box(edge, complex(box.half.real, box.half.imag * len(rows)))
         self.taken.append(Box(edge - sense * box.half.real, box.half))
 
     def _tick(self, at: complex, half: complex) -> None:
@@ -223,7 +237,7 @@ class Sheet:
             if curve.role == "line":
                 side = 0.75j if end.imag == highest else -0.75j
                 edge = self.view.centre.real + 0.93 * self.view.half.real
-                centre = complex(edge, end.imag) + side * self.em
+                centre = complex(min(edge, end.real - 0.5 * self.em), end.imag) + side * self.em
                 self.write(centre, curve.label, self.colour("line"))
             elif curve.role == "axis":
                 self.write(end - 0.8j * self.em, curve.label, self.palette.faint, 7.0)
@@ -284,16 +298,23 @@ class Sheet:
             for mark in self.drawing.schemes[frame.scheme].marks
             if mark.label and is_main(mark.point) and self.view.holds(frame.points[mark.point])
         ]
-        letters = [(frame.points[mark.point], typeset(mark.label)) for mark in marks]
-        letters += [
-            (plane.displacement.origin, typeset("O" + plane.state[1:]))
+        named = [
+            (frame.points[mark.point], typeset(mark.label), self.colour(mark.role))
+            for mark in marks
+        ]
+        named += [
+            (plane.displacement.origin, typeset("O" + plane.state[1:]), self.palette.ink)
             for plane in self.drawing.planes
         ]
-        colours = [self.colour(mark.role) for mark in marks]
-        colours += [self.palette.ink] * len(self.drawing.planes)
-        centres = place(letters, 10.0 / _TYPE * self.em, self.view, self.segments, self.taken)
-        for (_, text), centre, colour in zip(letters, centres, colours, strict=True):
-            self.write(centre, text, colour, 10.0)
+        self.letter(named)
+
+    def letter(self, named: Sequence[tuple[complex, str, str]], size: float = 10.0) -> None:
+        """Letters beside points: each a place, a text and its colour."""
+        letters = [(z, text) for z, text, _ in named]
+        em = size / _TYPE * self.em
+        centres = place(letters, em, self.view, self.segments, self.taken)
+        for (_, text, colour), centre in zip(named, centres, strict=True):
+            self.write(centre, text, colour, size)
 
     def numbers(self, frames: Sequence[Frame]) -> None:
         """The numbers of the state points, up to the successors of the last step."""
@@ -307,10 +328,14 @@ class Sheet:
             for (_, text), centre in zip(points, centres, strict=True):
                 self.write(centre, text, self.colour("state"), 7.0)
 
-    def finish(self, title: str) -> None:
-        """Title above, legend below."""
+    def finish(self, title: str, words: str) -> None:
+        """Title above with what else is to be said, legend below."""
+        width, height = self.figure.get_size_inches()
+        lines = [
+            line for text in (title, *words.split("\n")) for line in wrap(text, int(13 * width))
+        ]
         self.figure.text(
-            0.5, 1.0 - 0.3 / self.figure.get_figheight(), title, color=self.palette.ink,
+            0.5, 1.0 - 0.4 / height, "\n".join(lines), color=self.palette.ink,
             fontsize=10.0, ha="center", va="center",
         )  # fmt: skip
         handles = [

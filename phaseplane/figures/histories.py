@@ -59,7 +59,11 @@ _QUANTITIES = (
 
 
 def time_histories(
-    columns: Mapping[str, npt.ArrayLike], *, title: str = "", dark: bool = False
+    columns: Mapping[str, npt.ArrayLike],
+    *,
+    title: str = "",
+    dark: bool = False,
+    points: bool = False,
 ) -> Figure:
     """Displacements, velocities and accelerations one under the other (AP57 figures 14 to 16).
 
@@ -71,6 +75,7 @@ def time_histories(
         passed over, a panel without columns is left out
     title : written above
     dark : on a dark ground
+    points : whether every instant is marked
 
     Raises
     ------
@@ -83,7 +88,7 @@ def time_histories(
     times = 1e3 * table["time"]
     spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
     for axes, quantity in zip(panels, shown, strict=True):
-        _panel(axes, quantity, table, times, palette)
+        _panel(axes, quantity, table, times, palette, points=points)
         for start, end in spans:
             axes.axvspan(1e3 * start, 1e3 * end, color=palette.shade, zorder=0.0, gid="airborne")
     for start, end in spans[:1]:
@@ -156,6 +161,8 @@ def _panel(
     table: Mapping[str, npt.NDArray[np.float64]],
     times: npt.NDArray[np.float64],
     palette: Palette,
+    *,
+    points: bool,
 ) -> None:
     axes.set_facecolor(palette.paper)
     for name, words in quantity.columns:
@@ -168,6 +175,8 @@ def _panel(
             color=SERIES[element],
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
             linestyle="--" if element == "road" else "-",
+            marker="." if points and element != "road" else "",
+            markersize=4.0,
             label=words,
             gid=name,
         )

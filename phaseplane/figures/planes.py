@@ -7,15 +7,18 @@ from collections.abc import Iterable, Sequence
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.sheet import reach, trail
 from phaseplane.figures.canvas import Sheet, graduation_of, is_main
 from phaseplane.figures.lettering import Box
 from phaseplane.figures.style import DARK, LIGHT
 
+_NAME = 0.16  # of a sheet's height: what the name of an axis takes up
 _BODY_CURVES = ("auxiliary", "line", "shortcut")
 
 
-def phase_planes(drawing: Drawing, frame: int | None = None, *, dark: bool = False) -> Figure:
+def phase_planes(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
     """Both phase planes to scale with the whole motion, and one step lettered in full.
 
     In the manner of AP57's figure 7. Lift-off U and touchdown V are marked.
@@ -23,26 +26,49 @@ def phase_planes(drawing: Drawing, frame: int | None = None, *, dark: bool = Fal
     Parameters
     ----------
     frame : index of the lettered step; left out, one whose letters have room
+    title : written above, before what the drawing says of itself
     dark : on a dark ground
 
     Raises
     ------
     ValueError : no such frame.
     """
-    chosen = _frame(drawing, frame)
-    sheet = Sheet(drawing, _view(drawing, [chosen], turn=False), DARK if dark else LIGHT)
-    sheet.axes_of_planes()
-    sheet.stay(_BODY_CURVES)
-    sheet.trails()
-    sheet.step(chosen, repeated=False, turn=False)
+    chosen = frame_at(drawing, frame)
+    sheet = step_sheet(drawing, chosen, dark=dark)
     sheet.events()
     sheet.letters(chosen)
-    sheet.finish(f"{drawing.title}\nStep {chosen.step} lettered, t = {1e3 * chosen.time:.4g} ms")
+    sheet.finish(title, f"{drawing.title}\n{step_words(chosen)}")
     return sheet.figure
 
 
+def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.0) -> Sheet:
+    """Axes, curves, the whole motion and the lines of one step, still without letters.
+
+    Parameters
+    ----------
+    beside : of the width, room on the right for dimensions
+    """
+    view = view_of(drawing, [frame], turn=False)
+    room = beside * view.half.real
+    sheet = Sheet(drawing, Box(view.centre + room, view.half + room), DARK if dark else LIGHT)
+    sheet.axes_of_planes()
+    sheet.stay(_BODY_CURVES)
+    sheet.trails()
+    sheet.step(frame, repeated=False, turn=False)
+    return sheet
+
+
+def step_words(frame: Frame) -> str:
+    """Which step is lettered."""
+    return f"Step {frame.step} lettered, t = {1e3 * frame.time:.4g} ms"
+
+
 def construction_sheet(
-    drawing: Drawing, frames: Iterable[int] = range(20), *, dark: bool = False
+    drawing: Drawing,
+    frames: Iterable[int] = range(20),
+    *,
+    title: str = "",
+    dark: bool = False,
 ) -> Figure:
     """The sheet as it looks after many steps, with all their auxiliary lines.
 
@@ -52,6 +78,7 @@ def construction_sheet(
     Parameters
     ----------
     frames : indices of the steps that are drawn with all lines; those beyond the end are left out
+    title : written above, before what the drawing says of itself
     dark : on a dark ground
 
     Raises
@@ -62,7 +89,7 @@ def construction_sheet(
     if not wanted:
         raise ValueError(f"none of the frames is there; the drawing has {len(drawing.frames)}")
     chosen = [drawing.frames[i] for i in wanted]
-    sheet = Sheet(drawing, _view(drawing, chosen, turn=True), DARK if dark else LIGHT)
+    sheet = Sheet(drawing, view_of(drawing, chosen, turn=True), DARK if dark else LIGHT)
     sheet.axes_of_planes()
     sheet.stay(None)
     for one in chosen:
@@ -71,11 +98,13 @@ def construction_sheet(
     sheet.events()
     sheet.numbers(chosen)
     last = chosen[-1].step + 1
-    sheet.finish(f"{drawing.title}\nPoints {chosen[0].step} to {last} with all auxiliary lines")
+    words = f"Points {chosen[0].step} to {last} with all auxiliary lines"
+    sheet.finish(title, f"{drawing.title}\n{words}")
     return sheet.figure
 
 
-def _frame(drawing: Drawing, index: int | None) -> Frame:
+def frame_at(drawing: Drawing, index: int | None) -> Frame:
+    """The frame of this index, or one whose letters have room."""
     if index is None:
         return telling_frame(drawing)
     if not 0 <= index < len(drawing.frames):
@@ -83,21 +112,26 @@ def _frame(drawing: Drawing, index: int | None) -> Frame:
     return drawing.frames[index]
 
 
-def telling_frame(drawing: Drawing) -> Frame:
-    """The step in contact whose lettered points lie farthest apart on the sheet it needs."""
-    normal = drawing.frames[0].scheme
-    names = [m.point for m in drawing.schemes[normal].marks if is_main(m.point) and m.label]
+def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
+    """The step whose lettered points lie farthest apart on the sheet it needs.
+
+    Parameters
+    ----------
+    mode : of the step; left out, that of the first
+    """
+    mode = mode or drawing.frames[0].scheme
+    names = [m.point for m in drawing.schemes[mode].marks if is_main(m.point) and m.label]
 
     def room(frame: Frame) -> float:
         points = [frame.points[name] for name in names if not name.endswith("'")]
         gaps = sorted(abs(p - q) for i, p in enumerate(points) for q in points[:i])
-        box = _view(drawing, [frame], turn=False)
+        box = view_of(drawing, [frame], turn=False)
         return sum(gaps[:5]) / abs(box.half) ** 2
 
-    return max((f for f in drawing.frames if f.scheme == normal), key=room)
+    return max((f for f in drawing.frames if f.scheme == mode), key=room)
 
 
-def _view(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
+def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
     """What has to be seen of the sheet, with a margin."""
     names = {
         mark.point
@@ -106,12 +140,7 @@ def _view(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
         if is_main(mark.point) and not mark.point.startswith("S")
     }
     points = [frame.points[name] for frame in frames for name in names if name in frame.points]
-    for plane in drawing.planes:
-        points += trail(plane, drawing.frames)
-        points.append(plane.displacement.origin)
-        axis = plane.scaled_velocity
-        values = graduation_of(axis, trail(plane, drawing.frames)).values
-        points += [axis.at(value) for value in values]
+    points += motion_points(drawing)
     if turn:
         points += [
             vertex
@@ -119,10 +148,37 @@ def _view(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
             if curve.role not in _BODY_CURVES
             for vertex in curve.vertices
         ]
+    return around(points + name_room(drawing, points))
+
+
+def name_room(drawing: Drawing, points: Sequence[complex]) -> list[complex]:
+    """How far the y axes go beyond the motion for their names, on a sheet with these points."""
+    heights = [point.imag for point in points]
+    room = _NAME * (max(heights) - min(heights))
+    ends = []
+    for plane in drawing.planes:
+        axis, motion = plane.displacement, trail(plane, drawing.frames)
+        ends.append(axis.at(reach(axis, motion)[1]) + room * axis.direction)
+    return ends
+
+
+def motion_points(drawing: Drawing) -> list[complex]:
+    """The motion in all planes, with their origins and the values on their y-bar axes."""
+    points: list[complex] = []
+    for plane in drawing.planes:
+        motion = trail(plane, drawing.frames)
+        axis = plane.scaled_velocity
+        points += [*motion, plane.displacement.origin]
+        points += [axis.at(value) for value in graduation_of(axis, motion).values]
+    return points
+
+
+def around(points: Sequence[complex], margin: float = 0.05) -> Box:
+    """The smallest box that holds the points with a margin, a part of the larger side."""
     left, right = min(z.real for z in points), max(z.real for z in points)
     bottom, top = min(z.imag for z in points), max(z.imag for z in points)
-    margin = 0.05 * max(right - left, top - bottom) or 0.01
+    border = margin * max(right - left, top - bottom) or 0.01
     return Box(
         complex(left + right, bottom + top) / 2,
-        complex(right - left, top - bottom) / 2 + margin * (1 + 1j),
+        complex(right - left, top - bottom) / 2 + border * (1 + 1j),
     )

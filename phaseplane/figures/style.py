@@ -59,6 +59,7 @@ ROLES = {
     "projection": RoleStyle(VIOLET, 0.8, words="projection"),
     "normal": RoleStyle(ORANGE, 1.4, size=4.0, words="normal"),
     "arc": RoleStyle(GREEN, 1.6, words="step P to P'"),
+    "turn": RoleStyle(RED, 1.0, words="turn angle"),
     "successor": RoleStyle(GREEN, 1.6, size=4.5),
     "event": RoleStyle(RED, 1.6, size=7.0),
 }
@@ -70,6 +71,11 @@ SERIES = {
     "suspension": GREEN,
     "road": GREY,
 }
+
+
+def palette(dark: bool) -> Palette:
+    """The dark palette or the light one."""
+    return DARK if dark else LIGHT
 
 
 def role_style(role: str) -> RoleStyle:

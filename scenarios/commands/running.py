@@ -10,6 +10,7 @@ from ..console import (
     DONE,
     FAILED,
     complain,
+    dark_option,
     figure_option,
     json_option,
     output_option,
@@ -126,7 +127,16 @@ def list_cases(as_data: bool) -> None:
 @click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option
-@figure_option("the phase planes")
+@figure_option("the phase planes, or of another --kind")
+@click.option(
+    "--kind",
+    default="phase_planes",
+    show_default=True,
+    metavar="NAME",
+    help="Which figure: phase_planes, construction_sheet, or one of AP57's: figure4a, figure4b, "
+    "figure7 to figure10, figure12 to figure16.",
+)
+@dark_option
 @viewer_options
 @json_option
 def replay(
@@ -138,6 +148,8 @@ def replay(
     step: str | None,
     save: Path | None,
     figure: Path | None,
+    kind: str,
+    dark: bool,
     viewer: str,
     served: bool,
     address: str,
@@ -157,7 +169,7 @@ def replay(
     settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
     with page(served, address) as server:
         shown_in = viewer or (server.url if server else "")
-        told = make(what, settings, save, figure, shown_in, over)
+        told = make(what, settings, save, figure, shown_in, over, kind=kind, dark=dark)
         places = ", ".join([*told["files"], *([viewer] if viewer else [])])
         click.echo(
             as_json(told)

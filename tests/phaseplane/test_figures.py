@@ -79,9 +79,9 @@ def test_the_sheet_is_to_scale(lettered, sheet):
 def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, drawing):
     names = [t for t in lettered.axes[0].texts if t.get_gid() == "axis_name"]
     assert [t.get_text() for t in names] == [
-        "suspension deflection $y_{1}$ [cm]",
+        "suspension\ndeflection $y_{1}$ [cm]",
         r"$\bar{y}_1 = \dot{y}_1/\Omega_1$ [cm]",
-        "wheel displacement $y_{2}$ [cm]",
+        "wheel\ndisplacement $y_{2}$ [cm]",
         r"$\bar{y}_2 = \dot{y}_2/\Omega_2$ [cm]",
     ]
     # 3 cm of wheel displacement stand 7.5 cm to the left of the origin of plane 2
@@ -182,7 +182,7 @@ def test_one_plane_with_a_family_of_auxiliary_curves():
 def test_a_motion_of_millimetres_is_shown_in_millimetres():
     one = OneDofPlane(300.0, linear(15000.0), linear(100.0), initial_deflection=0.002)
     names = texts(phase_planes(march(one, step=0.01, duration=0.6)))
-    assert "suspension deflection $y$ [mm]" in names
+    assert "suspension\ndeflection $y$ [mm]" in names
 
 
 # The sheet with all auxiliary lines.

@@ -1,0 +1,236 @@
+"""The figures of AP57, drawn anew from a construction that is computed."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
+from phaseplane.constructions.primitives import Curve, Drawing, Plane
+from phaseplane.figures import dimensions
+from phaseplane.figures.canvas import Sheet
+from phaseplane.figures.histories import time_histories
+from phaseplane.figures.lettering import typeset
+from phaseplane.figures.planes import (
+    around,
+    construction_sheet,
+    frame_at,
+    motion_points,
+    step_sheet,
+    step_words,
+    telling_frame,
+)
+from phaseplane.figures.style import palette
+
+_ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
+_INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
+
+
+def figure7(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """One step in two planes with elastic coupling, lettered and dimensioned (AP57 figure 7).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : another construction, no such frame, or one in flight.
+    """
+    _needs(drawing, "B2", "figure 7 shows two planes with elastic coupling", "ap57_figure13")
+    chosen = frame_at(drawing, frame)
+    if chosen.scheme != CONTACT:
+        raise ValueError(f"figure 7 shows a wheel on the road; in step {chosen.step} it is off")
+    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
+    _distances(sheet, _ELASTIC)
+    points = chosen.points
+    dimensions.below(sheet, points["A2*"], points["B2"], r"$b\,h_2/c_2$", 2.4)
+    sheet.letters(chosen)
+    sheet.finish(title, f"Elastic coupling: {step_words(chosen).lower()}")
+    return sheet.figure
+
+
+def figure10(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """One step while the wheel is off the road, lettered and dimensioned (AP57 figure 10).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : another construction, one that never leaves the road, no such frame, or one in
+        contact.
+    """
+    _needs(drawing, "B2", "figure 10 shows two planes with elastic coupling", "ap57")
+    flights = [f for f in drawing.frames if f.scheme == FLIGHT]
+    if not flights:
+        raise ValueError("figure 10 shows the wheel off the road, which it never leaves here")
+    chosen = telling_frame(drawing, FLIGHT) if frame is None else frame_at(drawing, frame)
+    if chosen.scheme != FLIGHT:
+        raise ValueError(f"figure 10 shows the wheel off the road; in step {chosen.step} it is not")
+    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
+    _distances(sheet, _ELASTIC)
+    points = chosen.points
+    dimensions.below(sheet, points["Q2"], points["B0"], r"$b\,x_{2st}$", 2.4)
+    dimensions.below(sheet, points["A1*"], points["D1"], r"$a\,Mg/c_1$", 2.4)
+    sheet.events()
+    sheet.letters(chosen)
+    sheet.finish(title, f"The wheel off the road: {step_words(chosen).lower()}")
+    return sheet.figure
+
+
+def figure12(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """One step in two planes with inertial coupling, lettered and dimensioned (AP57 figure 12).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : another construction, or no such frame.
+    """
+    _needs(
+        drawing, "H1", "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
+    )
+    chosen = frame_at(drawing, frame)
+    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
+    one, two = (plane.displacement.scale for plane in drawing.planes)
+    _distances(sheet, _INERTIAL if one == two else ("", ""))
+    points = chosen.points
+    for n in "12":
+        text = rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$"
+        dimensions.below(sheet, points[f"D{n}"], points[f"H{n}"], text, 2.4)
+    sheet.letters(chosen)
+    sheet.finish(title, f"Inertial coupling: {step_words(chosen).lower()}")
+    return sheet.figure
+
+
+def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+    """Where the wheel leaves the road, U, and where it comes back, V (AP57 figure 9).
+
+    B2Q2 is b x2st long in both points (AP57 eq. 28).
+
+    Raises
+    ------
+    ValueError : another construction, or one that never leaves the road.
+    """
+    _needs(drawing, "B2", "figure 9 shows two planes with elastic coupling", "ap57")
+    frames = {frame.event: frame for frame in reversed(drawing.frames) if frame.event}
+    if LIFT_OFF not in frames:
+        raise ValueError("figure 9 shows where the wheel leaves the road, which it never does here")
+    shown = [frames[event] for event in (LIFT_OFF, TOUCHDOWN) if event in frames]
+    wheel = drawing.planes[1]
+    only = Drawing(
+        drawing.title,
+        (wheel,),
+        tuple(c for c in drawing.curves if c.role == "auxiliary" and _is_in(wheel, c)),
+        drawing.schemes,
+        drawing.frames,
+    )
+    names = ("P2", "Q2", "A2", "A2*", "B0")
+    points = [frame.points[name] for frame in shown for name in names]
+    sheet = Sheet(only, around([*motion_points(only), *points]), palette(dark))
+    sheet.axes_of_planes()
+    sheet.stay(("auxiliary",))
+    sheet.trails()
+    letters = []
+    for frame, row in zip(shown, (2.6, 4.6), strict=False):
+        p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has come to B0
+        sheet.lines("foot", [[p, q]])
+        sheet.lines("construction", [[p, a], [a, foot]])
+        sheet.lines("excitation", [[foot, b]])
+        sheet.dots("foot", [q, a, foot])
+        sheet.dots("excitation", [b])
+        dimensions.below(sheet, b, q, r"$b\,x_{2st}$", row)
+        for z, label, role in (
+            (q, "Q2", "foot"), (a, "A2", "construction"), (foot, "A2*", "construction"),
+            (b, "B2", "excitation"),
+        ):  # fmt: skip
+            letters.append((z, typeset(label), sheet.colour(role)))
+    sheet.events()
+    sheet.letter([*letters, (wheel.displacement.origin, typeset("O2"), sheet.palette.ink)])
+    times = ", ".join(
+        f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
+    )
+    sheet.finish(title, f"Off the road from U on and back in V: {times}")
+    return sheet.figure
+
+
+def figure13(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+    """Points 0 to 20 with all auxiliary lines, the others along the curves (AP57 figure 13)."""
+    return construction_sheet(drawing, range(20), title=title, dark=dark)
+
+
+def figure14(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+    """Displacements of body, wheel, suspension and road, read off the planes (AP57 figure 14)."""
+    return _history(drawing, ("_displacement", "_deflection", "_elevation"), title, dark)
+
+
+def figure15(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+    """Velocities of body, wheel and suspension, read off the planes (AP57 figure 15)."""
+    return _history(drawing, ("_velocity", "_deflection_rate"), title, dark)
+
+
+def figure16(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+    """Accelerations of body, wheel and suspension, read off the planes (AP57 figure 16)."""
+    return _history(drawing, ("_acceleration",), title, dark)
+
+
+def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool) -> Figure:
+    """Readings over time, each point of the construction marked.
+
+    Raises
+    ------
+    ValueError : a construction without the motions of a body on a suspension.
+    """
+    frames = drawing.frames
+    names = [n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")]
+    columns = {
+        "time": [f.time for f in frames],
+        **{name: [f.readings[name] for f in frames] for name in names},
+    }
+    if any(f.event == LIFT_OFF for f in frames):
+        columns["airborne"] = [float(f.scheme == FLIGHT) for f in frames]
+    words = f"Read off the planes: {drawing.title}"
+    return time_histories(
+        columns, title=f"{title}\n{words}" if title else words, dark=dark, points=True
+    )
+
+
+def _distances(sheet: Sheet, formulas: tuple[str, str]) -> None:
+    """l and the distances of lines I and II from the y1 axis, at the right edge."""
+    top, bottom = (plane.displacement.origin.imag for plane in sheet.drawing.planes)
+    lines = {c.label: c.vertices[-1] for c in sheet.drawing.curves if c.role == "line"}
+    edge = sheet.view.centre.real + sheet.view.half.real
+    ends = (complex(edge, bottom), lines["I"], lines["II"])
+    for column, (formula, end) in enumerate(zip(("$l$", *formulas), ends, strict=True)):
+        height = end.imag
+        x = edge - (1.0 + 3.2 * column) * sheet.em
+        if end.real < x:
+            dimensions.witness(sheet, end, complex(x, height))
+        words = f"{100.0 * (top - height):.5g} cm"
+        dimensions.length(
+            sheet, complex(x, top), complex(x, height), f"{formula} = {words}" if formula else words,
+            towards=-1.0,
+        )  # fmt: skip
+
+
+def _is_in(plane: Plane, curve: Curve) -> bool:
+    """Whether a curve runs through the origin of a plane."""
+    origin = plane.displacement.origin
+    start, end = curve.vertices[0], curve.vertices[-1]
+    return min(start.imag, end.imag) < origin.imag < max(start.imag, end.imag)
+
+
+def _needs(drawing: Drawing, letter: str, shown: str, scene: str) -> None:
+    """Refuse a construction without a letter."""
+    schemes = drawing.schemes.values()
+    if not any(mark.point == letter for scheme in schemes for mark in scheme.marks):
+        raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")

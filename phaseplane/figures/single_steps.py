@@ -1,0 +1,191 @@
+"""How one step is made: AP57's figures 4a, 4b and 8, drawn anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from phaseplane.constructions.primitives import Arc, Drawing, Frame, Plane
+from phaseplane.figures import dimensions
+from phaseplane.figures.canvas import Sheet, arc_vertices
+from phaseplane.figures.lettering import typeset
+from phaseplane.figures.planes import around, frame_at, motion_points, name_room
+from phaseplane.figures.style import palette
+
+Named = tuple[str, str, str]
+"""A point's name in the frame, its letter and its role; {n} is the plane's number, {d} its foot."""
+
+_STEP: tuple[Named, ...] = (
+    ("P{n}", "P{n}", "state"),
+    ("{d}{n}", "{d}{n}", "normal"),
+    ("P{n}'", "P{n}'", "successor"),
+)
+_PREDICTED: tuple[Named, ...] = (
+    ("P{n}~", "P{n}'*", "construction"),
+    ("{d}{n}~", "{d}{n}'*", "construction"),
+)
+_CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
+
+
+def figure4a(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """P' on the tangent, as far as the mean of both normals wants (AP57 figure 4a).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : a construction by another rule than `mean_normal`, or no such frame.
+    """
+    letters = (*_STEP, *_PREDICTED)
+    _needs(drawing, "figure 4a", "mean_normal")
+    one, plane = _telling(drawing, letters, frame)
+    sheet = _close_up(drawing, one, plane, letters, dark)
+    p, _, p_new, ahead, foot = _points(one, plane, letters)
+    sheet.lines("construction", [[p, ahead], [foot, ahead]])
+    sheet.lines("successor", [[p, p_new]])
+    _finish(sheet, one, plane, letters)
+    words = "PP' is as long as the mean of both normals times the turn angle"
+    sheet.finish(title, f"{words}: {_which(one)}")
+    return sheet.figure
+
+
+def figure4b(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """P' on the osculating circle about S, seen from D under the turn angle (AP57 figure 4b).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : a construction by another rule than `osculating_circle`, or no such frame.
+    """
+    letters = (*_STEP, *_PREDICTED, *_CENTRE)
+    _needs(drawing, "figure 4b", "osculating_circle")
+    one, plane = _telling(drawing, letters, frame)
+    sheet = _close_up(drawing, one, plane, letters, dark)
+    p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
+    sheet.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
+    sheet.lines("foot", [[centre, p], [centre, ahead]])
+    n = plane.number
+    sheet.lines("arc", [arc_vertices(Arc("arc", f"S{n}", f"P{n}", f"P{n}'", 0), one)])
+    _finish(sheet, one, plane, letters)
+    sheet.finish(title, f"P' on the osculating circle about S: {_which(one)}")
+    return sheet.figure
+
+
+def figure8(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+) -> Figure:
+    """The normals turned, each in the sense of its own plane (AP57 figure 8).
+
+    Parameters
+    ----------
+    frame : index of the step; left out, one whose letters have room
+
+    Raises
+    ------
+    ValueError : a construction by another rule than `tangent`, in one plane, or no such frame.
+    """
+    if len(drawing.planes) < 2:
+        raise ValueError(f"figure 8 shows two planes or more; {drawing.title!r} has one")
+    _needs(drawing, "figure 8", "tangent")
+    one, _ = _telling(drawing, _STEP, frame, together=True)
+    points = motion_points(drawing)
+    points += [z for plane in drawing.planes for z in _points(one, plane, _STEP)]
+    view = around(points + name_room(drawing, points))
+    sheet = Sheet(drawing, view, palette(dark))
+    sheet.axes_of_planes()
+    sheet.trails()
+    letters = []
+    for plane in drawing.planes:
+        p, d, p_new = _points(one, plane, _STEP)
+        sheet.lines("normal", [[d, p]])
+        sheet.lines("construction", [[d, p_new]])
+        sheet.lines("successor", [[p, p_new]])
+        _turn(sheet, one, plane, p, d)
+        letters += _lettered(sheet, one, plane, _STEP)
+    sheet.letter(letters)
+    sheet.finish(title, f"The normals turn in opposite senses: {_which(one)}")
+    return sheet.figure
+
+
+def _which(frame: Frame) -> str:
+    return f"step {frame.step}, t = {1e3 * frame.time:.4g} ms, {1e3 * frame.duration:.4g} ms long"
+
+
+def _points(frame: Frame, plane: Plane, named: Sequence[Named]) -> list[complex]:
+    return [frame.points[_fit(name, plane)] for name, _, _ in named]
+
+
+def _fit(template: str, plane: Plane) -> str:
+    return template.format(n=plane.number, d=plane.foot[0])
+
+
+def _needs(drawing: Drawing, figure: str, rule: str) -> None:
+    """Refuse a construction by another rule."""
+    if f"rule {rule.replace('_', ' ')}," not in drawing.title:
+        raise ValueError(f"{figure} shows the rule {rule}, not {drawing.title!r}")
+
+
+def _telling(
+    drawing: Drawing, named: Sequence[Named], index: int | None, *, together: bool = False
+) -> tuple[Frame, Plane]:
+    """The step and the plane whose points lie farthest apart for the room that they take up."""
+    frames = drawing.frames if index is None else (frame_at(drawing, index),)
+
+    def clear(frame: Frame, plane: Plane) -> float:
+        """The smallest gap: on the whole sheet, or on one that this plane has to itself."""
+        planes = drawing.planes if together else (plane,)
+        points = [_points(frame, each, named) for each in planes]
+        gap = min(abs(p - q) for group in points for i, p in enumerate(group) for q in group[:i])
+        return gap if together else gap / abs(around(points[0]).half)
+
+    planes = drawing.planes[:1] if together else drawing.planes
+    return max(((f, plane) for f in frames for plane in planes), key=lambda pair: clear(*pair))
+
+
+def _close_up(
+    drawing: Drawing, frame: Frame, plane: Plane, named: Sequence[Named], dark: bool
+) -> Sheet:
+    """A sheet with the step alone, its y axis, its integral curve and its normal."""
+    points = _points(frame, plane, named)
+    sheet = Sheet(drawing, around(points, 0.12), palette(dark))
+    sheet.y_axis(plane)
+    p, d, *_ = points
+    sheet.lines("normal", [[d, p]])
+    return sheet
+
+
+def _finish(sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]) -> None:
+    """The turn angle, the right angle at P, points and letters."""
+    p, d, *_ = _points(frame, plane, named)
+    _turn(sheet, frame, plane, p, d)
+    ahead = frame.points[f"P{plane.number}~"]
+    dimensions.right_angle(sheet, p, d - p, ahead - p)
+    sheet.letter(_lettered(sheet, frame, plane, named))
+
+
+def _turn(sheet: Sheet, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
+    """The turn angle at D, clockwise where the y axis points to the right."""
+    turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
+    dimensions.angle(sheet, d, p, turn, typeset(f"dtau{plane.number}"))
+
+
+def _lettered(
+    sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]
+) -> list[tuple[complex, str, str]]:
+    """Points with their letters, drawn as dots."""
+    letters = []
+    for name, letter, role in named:
+        z = frame.points[_fit(name, plane)]
+        sheet.dots(role, [z])
+        letters.append((z, typeset(_fit(letter, plane)), sheet.colour(role)))
+    return letters

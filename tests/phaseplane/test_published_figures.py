@@ -1,0 +1,246 @@
+"""AP57's figures drawn anew: that what they show is what the paper says, measured on the drawing."""
+
+from __future__ import annotations
+
+from cmath import phase
+from itertools import combinations
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from worked_example import STEP, ap57, by_scipy, column
+
+from phaseplane import figures
+from phaseplane.constructions import (
+    Drawing,
+    HalfCarRigidTyresPlanes,
+    march,
+    rule_named,
+)
+from suspension import roads
+from suspension.characteristics import damper, linear
+
+CM = 0.01
+
+
+@pytest.fixture(scope="module")
+def grounded() -> Drawing:
+    return march(ap57(lift_off=False), step=STEP, steps=60)
+
+
+@pytest.fixture(scope="module")
+def flying() -> Drawing:
+    return march(ap57(), step=STEP, steps=40)
+
+
+@pytest.fixture(scope="module")
+def half_car() -> Drawing:
+    planes = HalfCarRigidTyresPlanes(
+        300.0, 330.0, 40.0, linear(15000.0), linear(16000.0), damper(1800.0, 600.0),
+        damper(1800.0, 600.0), roads.bump(0.1, 20.0, 20.0), roads.bump(0.1, 20.0, 20.0, 0.13),
+    )  # fmt: skip
+    return march(planes, step=0.02, steps=60)
+
+
+def by_rule(name: str) -> Drawing:
+    return march(ap57(lift_off=False), rule_named(name), step=3 * STEP, steps=15)
+
+
+def strips(figure: Figure, role: str) -> list[list[complex]]:
+    """The polylines of a role."""
+    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
+    return [[complex(*z) for z in s] for c in found for s in c.get_segments()]
+
+
+def texts(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+
+
+def dimension_lines(figure: Figure) -> list[tuple[complex, complex]]:
+    return [
+        (complex(*text.xyann), complex(*text.xy))
+        for text in figure.axes[0].texts
+        if getattr(text, "arrow_patch", None) is not None and not text.get_text()
+    ]
+
+
+def lengths(figure: Figure) -> list[float]:
+    return [abs(b - a) for a, b in dimension_lines(figure)]
+
+
+def hidden(figure: Figure) -> list[tuple[str, str]]:
+    """Texts that cover each other by more than a tenth, or leave the figure."""
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    boxes = [
+        (t.get_text(), t.get_window_extent(renderer)) for t in figure.axes[0].texts if t.get_text()
+    ]
+    canvas = figure.bbox
+    found = [(text, "edge") for text, box in boxes if not canvas.contains(*box.min)]
+    found += [(text, "edge") for text, box in boxes if not canvas.contains(*box.max)]
+    for (one, a), (other, b) in combinations(boxes, 2):
+        across, up = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+        smaller = min(a.width * a.height, b.width * b.height)
+        if max(0.0, across) * max(0.0, up) > 0.1 * smaller:
+            found.append((one, other))
+    return found
+
+
+def test_figure_7_is_drawn_to_the_papers_lengths(grounded: Drawing) -> None:
+    figure = figures.figure7(grounded, title="A bump")
+    measured = lengths(figure)
+    # l, and lines I and II from the y1 axis (AP57 section 8)
+    for wanted in (25.0, 20.0, 19.608):
+        assert min(abs(length - wanted * CM) for length in measured) < 0.5e-5
+    assert {r"$l$ = 25 cm", r"$b\,h_2/c_2$"} <= set(texts(figure))
+    assert "A bump" in figure.texts[0].get_text()
+    assert hidden(figure) == []
+
+
+def test_the_length_of_h2_is_that_of_its_mean(grounded: Drawing) -> None:
+    figure = figures.figure7(grounded, 4)
+    time = np.linspace(4 * STEP, 5 * STEP, 2001)
+    omega = 40.0 * np.pi
+    h2 = 2.5 * (1.0 - np.cos(omega * time)) + 2.0 * np.pi / 3.0 * np.sin(omega * time)  # cm
+    wanted = 2.5 * CM * float(np.trapezoid(h2, time)) / STEP
+    assert min(abs(length - wanted) for length in lengths(figure)) < 1e-7
+
+
+def test_figure_9_shows_where_the_tyre_bears_nothing(flying: Drawing) -> None:
+    figure = figures.figure9(flying)
+    x2st = 33.0 / 15000.0 * 9.80665  # (M + m) g / c2 with kgf s2/m and kgf/m
+    widths = [2.5 * x2st] * 2
+    found = sorted(lengths(figure), key=lambda width: abs(width - widths[0]))[:2]
+    assert found == pytest.approx(widths, rel=1e-9)
+    # A2*B2 is b h2/c2 of the road at U and V (AP57 eq. 27), within the step's error at the switch
+    _, switches = by_scipy(np.linspace(0.0, 0.1, 11), lift_off=True)
+    omega, t = 40.0 * np.pi, switches[0]
+    h2 = 0.025 * (1.0 - np.cos(omega * t)) + 0.02 * np.pi / 3.0 * np.sin(omega * t)
+    at_lift_off, at_touchdown = strips(figure, "excitation")
+    assert abs(at_lift_off[1] - at_lift_off[0]) == pytest.approx(2.5 * abs(h2), rel=0.01)
+    assert abs(at_touchdown[1] - at_touchdown[0]) < 1e-9  # the road is level again
+    assert {"U", "V", "$B_{2}$", "$O_{2}$"} <= set(texts(figure))
+
+
+def test_figure_10_shows_the_weights(flying: Drawing) -> None:
+    figure = figures.figure10(flying)
+    body, tyre = 0.3 / 15.0 * 980.665 * CM, 2.5 * 0.33 / 150.0 * 980.665 * CM  # a Mg/c1, b x2st
+    for wanted in (body, tyre):
+        assert min(abs(length - wanted) for length in lengths(figure)) < 1e-9
+    written = texts(figure)
+    assert "$B_{0}$" in written
+    assert "$C_{2}$" not in written
+    assert hidden(figure) == []
+
+
+def test_figure_12_shows_the_shift_by_the_roads(half_car: Drawing) -> None:
+    figure = figures.figure12(half_car, 20)
+    frame, planes = half_car.frames[20], half_car.planes
+    time = np.linspace(frame.time, frame.time + frame.duration, 2001)
+    omega = 2.0 * np.pi
+    for plane, delay in zip(planes, (0.0, 0.13), strict=True):
+        acceleration = 0.05 * omega**2 * np.cos(omega * (time - delay))
+        mean = float(np.trapezoid(acceleration, time)) / frame.duration
+        wanted = abs(mean) / plane.angular_frequency**2
+        assert min(abs(length - wanted) for length in lengths(figure)) < 1e-6
+    letters = {f"${letter}_{{{n}}}$" for letter in "PQACDH" for n in "12"}
+    assert letters <= set(texts(figure))
+
+
+def test_figure_4b_has_its_circle() -> None:
+    drawing = by_rule("osculating_circle")
+    figure = figures.figure4b(drawing)
+    (arc,) = strips(figure, "arc")
+    (d, p), = strips(figure, "normal")  # fmt: skip
+    frame, plane = next(
+        (f, pl) for f in drawing for pl in drawing.planes if f.points[pl.state] == p
+    )
+    centre = frame.points["S" + plane.number]
+    assert [abs(z - centre) for z in arc] == pytest.approx([abs(p - centre)] * len(arc))
+    # P' is seen from D under the turn angle, and S lies on both normals
+    turned = abs(phase((arc[-1] - d) / (p - d)))
+    assert turned == pytest.approx(plane.angular_frequency * 3 * STEP)
+    assert abs(((centre - d) / (p - d)).imag) < 1e-9
+    assert hidden(figure) == []
+
+
+def test_figure_4a_takes_the_mean_of_both_normals() -> None:
+    drawing = by_rule("mean_normal")
+    figure = figures.figure4a(drawing)
+    (d, p), = strips(figure, "normal")  # fmt: skip
+    (start, end), = strips(figure, "successor")  # fmt: skip
+    assert start == p
+    assert abs(((end - p) / (p - d)).real) < 1e-12  # on the tangent
+    frame, plane = next(
+        (f, pl) for f in drawing for pl in drawing.planes if f.points[pl.state] == p
+    )
+    n = plane.number
+    mean = 0.5 * (abs(p - d) + abs(frame.points[f"P{n}~"] - frame.points[f"D{n}~"]))
+    assert abs(end - p) == pytest.approx(mean * plane.angular_frequency * 3 * STEP)
+    assert hidden(figure) == []
+
+
+def test_figure_8_turns_the_planes_in_opposite_senses() -> None:
+    drawing = march(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=60)
+    figure = figures.figure8(drawing)
+    normals, arcs = strips(figure, "normal"), strips(figure, "turn")
+    turns = [phase((arc[-1] - d) / (arc[0] - d)) for (d, _), arc in zip(normals, arcs, strict=True)]
+    assert turns == pytest.approx([-23.452 * STEP, 70.7107 * STEP], rel=1e-4)
+
+
+def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
+    figure = figures.figure13(grounded)
+    assert len(strips(figure, "normal")) == 2 * 20
+    assert len(strips(figure, "projection")) == 3 * 20
+    assert [len(strip) for strip in strips(figure, "trail")] == [61, 61]
+
+
+@pytest.mark.parametrize(
+    ("draw", "unit", "names"),
+    [
+        (figures.figure14, 100.0, ("body_displacement", "wheel_displacement")),
+        (figures.figure15, 1.0, ("body_velocity", "wheel_velocity")),
+        (figures.figure16, 1.0, ("body_acceleration", "wheel_acceleration")),
+    ],
+)
+def test_figures_14_to_16_are_read_off_the_planes(grounded, draw, unit, names) -> None:
+    figure = draw(grounded)
+    (axes,) = figure.axes
+    lines = {line.get_gid(): line.get_ydata() for line in axes.lines}
+    for name in names:
+        assert np.allclose(lines[name], unit * column(grounded, name))
+    # body = wheel + deflection, as the paper adds them
+    (deflection,) = (y for name, y in lines.items() if name and name.startswith("suspension"))
+    assert np.allclose(lines[names[0]], lines[names[1]] + deflection, atol=1e-9)
+
+
+def test_displacements_are_those_of_an_independent_solution(grounded: Drawing) -> None:
+    lines = {line.get_gid(): line.get_ydata() for line in figures.figure14(grounded).axes[0].lines}
+    exact, _ = by_scipy(np.arange(61) * STEP, lift_off=False)
+    assert np.abs(lines["body_displacement"] - 100.0 * exact[0, :60]).max() < 0.03  # cm
+    assert np.abs(lines["wheel_displacement"] - 100.0 * exact[1, :60]).max() < 0.03
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("figure4a", "figure 4a shows the rule mean_normal"),
+        ("figure4b", "figure 4b shows the rule osculating_circle"),
+        ("figure8", "figure 8 shows the rule tangent"),
+        ("figure9", "which it never does here"),
+        ("figure10", "which it never leaves here"),
+        ("figure12", "try the scene half_car_rigid_tyres"),
+    ],
+)
+def test_what_a_drawing_has_not_got_is_refused(grounded, name, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        getattr(figures, name)(grounded)
+
+
+def test_figures_7_and_10_refuse_each_others_steps(flying: Drawing) -> None:
+    flight = next(i for i, frame in enumerate(flying) if frame.scheme == "flight")
+    with pytest.raises(ValueError, match="it is off"):
+        figures.figure7(flying, flight)
+    with pytest.raises(ValueError, match="it is not"):
+        figures.figure10(flying, 0)
