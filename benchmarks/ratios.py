@@ -20,6 +20,7 @@ import cases
 from measuring import medians
 
 from scenarios.studies.telling import machine, versions
+from suspension import engine
 from suspension.engine import Integrator
 
 HERE = Path(__file__).parent
@@ -134,6 +135,8 @@ def main() -> None:
     options.add_argument("--only", default=",".join(PARTS))
     options.add_argument("--print", action="store_true", dest="only_print", help="write no files")
     given = options.parse_args()
+    if not engine.compiled:
+        options.error(f"the integrator is not compiled: {engine.why_uncompiled}")
     ratios = [ratio for part in given.only.split(",") for ratio in PARTS[part](given.rounds)]
     on = machine()
     data = {
