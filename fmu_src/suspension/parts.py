@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 from itertools import pairwise
-from math import inf
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
 from . import characteristics, roads
@@ -24,14 +24,18 @@ def points(name: str, text: str) -> list[tuple[float, float]]:
 
     Raises
     ------
-    ParameterError : something else.
+    ParameterError : something else, or a number that is not finite.
     """
     try:
-        return [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
+        pairs = [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
     except ValueError:
+        pairs = []
+    if not pairs or not all(isfinite(number) for pair in pairs for number in pair):
         raise ParameterError(
-            f"{name} = {text!r}: must be pairs such as '-0.1:-1500, 0:0, 0.1:1500'"
-        ) from None
+            f"{name} = {text!r}: must be pairs of finite numbers such as "
+            "'-0.1:-1500, 0:0, 0.1:1500'"
+        )
+    return pairs
 
 
 @contextmanager
@@ -285,11 +289,11 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
         except ValueError:
             numbers = []
         make, counts = _IN_SEQUENCE.get(name, (None, (1,)))
-        if len(numbers) not in counts:
+        if len(numbers) not in counts or not all(map(isfinite, numbers)):
             wanted = " or ".join(map(str, counts))
             raise ParameterError(
                 f"road.sequence = {text!r}: {item.strip()!r} must be {name} with {wanted} "
-                f"number{'s' * (counts != (1,))} in m"
+                f"finite number{'s' * (counts != (1,))} in m"
             )
         with blaming(f"road.sequence, {item.strip()!r}"):
             if make is None:
