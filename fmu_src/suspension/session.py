@@ -102,8 +102,11 @@ class Session:
         self._sample()
 
     def _start_moving(self) -> None:
-        state = start_state(self._system, self.parameters, self.time)
-        if state is not None:
+        now = replace(self._system, signals=self._signals)  # with what the inputs say
+        rest = [0.0] * len(now.coordinates)
+        state = start_state(now, self.parameters, self.time) or (rest, rest)
+        self._integrator.sample(self.time)
+        if state != (list(self._integrator.sample_q), list(self._integrator.sample_v)):
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
 

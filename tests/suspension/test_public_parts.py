@@ -176,6 +176,17 @@ def test_a_road_that_starts_elsewhere_is_stood_on() -> None:
     assert session.value("body_displacement") == pytest.approx(0.08, rel=1e-12)
 
 
+def test_the_last_word_on_the_road_at_the_start_counts() -> None:
+    session = Session("QuarterCar", {"road.shape": "input"})
+    for elevation in (0.08, 0.0):
+        session.set_input("road_elevation", elevation)
+        session.advance(0.0)
+        assert session.value("body_displacement") == pytest.approx(elevation, abs=1e-15)
+    session.advance(0.1)
+    assert session.value("body_displacement") == 0.0
+    assert not session.value("airborne")
+
+
 def test_a_kerb_at_the_start_is_still_to_be_climbed() -> None:
     step = {"road.shape": "step", "road.height": 0.02}
     found = simulate("QuarterCar", step, [0.0, 3.0], ["body_displacement"])
