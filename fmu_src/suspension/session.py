@@ -185,7 +185,10 @@ class Session:
         if not self.ok:
             raise SimulationError(f"the run failed before, at {self.time:.9g} s")
         if not isfinite(until) or until < self.time - _AT_REST:
-            raise SimulationError(f"cannot step from {self.time:.9g} s back to {until:.9g} s")
+            raise SimulationError(
+                f"cannot step from {self.time:.9g} s to {until:.9g} s: steps go forward, "
+                "to a finite instant"
+            )
         if self._tuned:
             self._take_parameters()
         if self._changed or self._sampled:
@@ -449,9 +452,12 @@ def simulate(
 
     Raises
     ------
+    ValueError : no instant at all.
     ParameterError, SimulationError : as `Session`.
     """
     times = list(times)
+    if not times:
+        raise ValueError("there is nothing to simulate: give at least one instant")
     session = Session(model, parameters, times[0])
     columns: dict[str, list[Value]] = {"time": list(times), **{name: [] for name in outputs}}
     for time in times:
