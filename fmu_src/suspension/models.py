@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import sqrt
 
 from . import characteristics, roads
 from .parts import (
@@ -39,6 +40,7 @@ __all__ = [
     "tyre_element",
 ]
 
+_LEAST_INERTIA = 1e-12  # M1 M2 - M3^2 = (rho M / L)^2 over M1 M2: below, it is lost in rounding
 _SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a displacement
 
 
@@ -135,9 +137,18 @@ class _Body:
     def of(cls, p: Mapping[str, Value]) -> _Body:
         front, rear = float(p["cg_to_front"]), float(p["cg_to_rear"])
         wheelbase = front + rear
+        radius = float(p["pitch_radius_of_gyration"])
+        masses = axle_masses(float(p["sprung_mass"]), radius, front, rear)
+        over_front, over_rear, coupling = masses
+        if not over_front * over_rear - coupling**2 > _LEAST_INERTIA * over_front * over_rear:
+            raise ParameterError(
+                f"pitch_radius_of_gyration = {radius:g}: beside cg_to_front = {front:g} and "
+                f"cg_to_rear = {rear:g} m the body would move as if it had one mass only; "
+                f"take one of the order of {sqrt(front) * sqrt(rear):g} m"
+            )
         road = road_from(p)
         return cls(
-            axle_masses(float(p["sprung_mass"]), float(p["pitch_radius_of_gyration"]), front, rear),
+            masses,
             (rear / wheelbase, front / wheelbase),
             wheelbase,
             {

@@ -144,6 +144,15 @@ def test_bad_values_are_named(parameters: dict[str, object], complaint: str) -> 
     assert any(name.split(".")[0] in str(caught.value) for name in parameters)
 
 
+@pytest.mark.parametrize("gyration", [1e-9, 1e9])
+@pytest.mark.parametrize("model", ["HalfCar", "HalfCarRigidTyres"])
+def test_a_body_that_is_one_mass_to_rounding_is_refused(model: str, gyration: float) -> None:
+    with pytest.raises(ParameterError, match=r"pitch_radius_of_gyration = .* order of 1.25 m"):
+        Session(model, {"pitch_radius_of_gyration": gyration})
+    for kept in (1e-4, 1e4):
+        Session(model, {"pitch_radius_of_gyration": kept}).advance(0.05)
+
+
 @pytest.mark.parametrize("shape", [s for s in ROAD_SHAPES if s != "input"])
 def test_every_road_can_be_driven(shape: str) -> None:
     parameters = {
