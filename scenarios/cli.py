@@ -54,6 +54,7 @@ for _command in (
     results.show,
     results.compare,
     modelling.ladder,
+    modelling.portrait,
     sweeping.sweep,
     studies.accuracy,
     studies.rules,

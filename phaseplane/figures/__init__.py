@@ -9,6 +9,7 @@ from phaseplane.figures.characteristics import characteristics_sheet
 from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, phase_planes
+from phaseplane.figures.portrait import portrait
 from phaseplane.figures.published import (
     figure7,
     figure9,
@@ -42,6 +43,7 @@ __all__ = [
     "figure15",
     "figure16",
     "phase_planes",
+    "portrait",
     "save",
     "stability_sheet",
     "sweep",

@@ -8,6 +8,7 @@ from phaseplane.portrait.cycles import Cycle, limit_cycles
 from phaseplane.portrait.equilibria import Equilibrium, equilibria, separatrices
 from phaseplane.portrait.poincare import PeriodicMotion, periodic_motion, poincare_section
 from phaseplane.portrait.system import PhaseSystem, Window, direction_field, of_coordinate
+from phaseplane.portrait.whole import Portrait, good_window, whole_portrait
 
 __all__ = [
     "Curves",
@@ -15,10 +16,12 @@ __all__ = [
     "Equilibrium",
     "PeriodicMotion",
     "PhaseSystem",
+    "Portrait",
     "Window",
     "direction_field",
     "energy_levels",
     "equilibria",
+    "good_window",
     "isocline",
     "limit_cycles",
     "nullcline",
@@ -26,4 +29,5 @@ __all__ = [
     "periodic_motion",
     "poincare_section",
     "separatrices",
+    "whole_portrait",
 ]

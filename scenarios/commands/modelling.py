@@ -1,10 +1,12 @@
-"""Which model a scene needs."""
+"""Which model a scene needs, and what its phase portrait looks like."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
-from ..console import json_option, set_option
+from ..console import dark_option, figure_option, json_option, set_option
 
 
 @click.command()
@@ -27,3 +29,51 @@ def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bo
 
     told = climb(load_scene(scene, overrides), tolerance)
     click.echo(as_json(told) if as_data else ladder_in_words(told))
+
+
+@click.command()
+@click.argument("scene")
+@set_option
+@figure_option("the portrait")
+@click.option(
+    "--coordinate",
+    default="",
+    metavar="NAME",
+    help="Which one moves while the others rest, e.g. wheel_displacement. [default: the first]",
+)
+@click.option(
+    "--window",
+    type=float,
+    nargs=4,
+    metavar="L R B T",
+    help="Left, right, bottom and top of what is looked at. [default: chosen]",
+)
+@click.option(
+    "--period",
+    type=click.FloatRange(min=0.0, min_open=True),
+    metavar="TIME",
+    help="Period of an equation's excitation, s, for its Poincare section.",
+)
+@dark_option
+@json_option
+def portrait(
+    *,
+    scene: str,
+    overrides: tuple[str, ...],
+    figure: Path | None,
+    coordinate: str,
+    window: tuple[float, float, float, float] | None,
+    period: float | None,
+    dark: bool,
+    as_data: bool,
+) -> None:
+    """Show the phase portrait of SCENE: equilibria with their kinds, limit cycles, sections."""
+    from ..portraits import portrait as make  # noqa: PLC0415
+    from ..portraits import portrait_in_words  # noqa: PLC0415
+    from ..results import as_json  # noqa: PLC0415
+
+    told = make(
+        scene, overrides, figure,
+        coordinate=coordinate, window=window or (), period=period or 0.0, dark=dark,
+    )  # fmt: skip
+    click.echo(as_json(told) if as_data else portrait_in_words(told))

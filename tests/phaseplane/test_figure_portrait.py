@@ -1,0 +1,66 @@
+"""What is on a drawn phase portrait."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from phaseplane.figures import portrait
+from phaseplane.figures.style import DARK
+from phaseplane.portrait import PhaseSystem, good_window, whole_portrait
+
+
+def curves(figure: Figure, role: str) -> list[np.ndarray]:
+    found = [c for c in figure.axes[0].collections if c.get_gid() == role]
+    return [np.asarray(s) for c in found for s in c.get_segments()]
+
+
+def words(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
+    system = PhaseSystem(lambda v, x, t: sin(x))
+    figure = portrait(whole_portrait(system, good_window(system, 3.0)), title="A pendulum")
+    marks = [line for line in figure.axes[0].lines if line.get_gid() == "equilibrium"]
+    assert [line.get_xdata()[0] for line in marks] == pytest.approx([-np.pi, 0.0, np.pi])
+    assert {"saddle", "centre", "energy", "separatrices", "nullcline"} <= set(words(figure))
+    for curve in curves(figure, "separatrix"):
+        assert curve[:, 1] ** 2 / 2.0 - np.cos(curve[:, 0]) == pytest.approx(1.0, abs=1e-5)
+    for curve in curves(figure, "energy"):
+        energy = curve[:, 1] ** 2 / 2.0 - np.cos(curve[:, 0])
+        assert np.ptp(energy) < 0.02
+    assert figure.get_suptitle() == "A pendulum"
+
+
+def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
+    system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
+    made = whole_portrait(system, good_window(system, 3.0))
+    figure = portrait(made, labels=("x", "x'"), dark=True)
+    (cycle,) = curves(figure, "attracting")
+    assert cycle[:, 0].max() == pytest.approx(2.0086, abs=1e-3)
+    low, high = figure.axes[0].get_ylim()
+    assert low < cycle[:, 1].min() < cycle[:, 1].max() < high
+    assert to_hex(figure.get_facecolor()) == DARK.paper
+    # integral curves from the border end on the cycle
+    for orbit in curves(figure, "orbit"):
+        end = orbit[-1]
+        assert np.abs(cycle - end).sum(axis=1).min() < 0.1
+    assert curves(figure, "energy") == []
+
+
+def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
+    """x'' + 0.4 x' + x = cos 2t: the motion of the excitation's period in closed form."""
+    system = PhaseSystem(lambda v, x, t: 0.4 * v + x)
+    forced = PhaseSystem(lambda v, x, t: 0.4 * v + x - cos(2.0 * t), period=np.pi)
+    made = whole_portrait(system, good_window(system, 1.0), forced=forced, periods=40)
+    figure = portrait(made)
+    (dots,) = [line for line in figure.axes[0].lines if line.get_gid() == "section"]
+    amplitude = 1.0 / complex(1.0 - 4.0, 0.8)
+    last = [values[-1] for values in dots.get_data()]
+    assert last == pytest.approx([amplitude.real, -2.0 * amplitude.imag], abs=1e-6)
+    assert len(dots.get_xdata()) == 40
