@@ -220,7 +220,7 @@ OVERDAMPED = {"damper__rebound_rate": 4e7, "damper__bump_rate": 4e7}
         {**HARD, "road__height": 0.1},
         {"unsprung_mass": 1e-3},
         OVERDAMPED,
-        {**OVERDAMPED, "unsprung_mass": 1e-3},
+        pytest.param({**OVERDAMPED, "unsprung_mass": 1e-3}, marks=pytest.mark.slow),
         {"damper__rebound_rate": 0.0, "damper__bump_rate": 0.0, "tyre__damping": 0.0},
         {"friction": 2000.0, "unsprung_mass": 1e-3},
         {"road__height": 1.0},
