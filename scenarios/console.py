@@ -108,13 +108,13 @@ output_option = click.option(
 )
 
 
-def figure_option(what: str) -> Callable[[Any], Any]:
+def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
     """`--figure F.png` for a picture of something."""
     return click.option(
         "--figure",
         type=click.Path(path_type=Path),
         metavar="F.png",
-        help=f"Write a picture of {what} (.png, .svg or .pdf).",
+        help=f"Write a picture of {what} (.png, .svg or .pdf{more}).",
     )
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
+MOVING = (".gif", ".mp4")
 
 
 class InputError(ValueError):
@@ -43,14 +45,14 @@ def shown(value: object, limit: int = 80) -> str:
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
 
 
-def check_picture(path: Path) -> None:
+def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
     """Refuse the name of a picture before anything is computed.
 
     Raises
     ------
     InputError : another ending, or a folder that does not exist.
     """
-    if path.suffix not in PICTURES:
-        raise InputError(one_line(f"--figure {path}: must end in {', '.join(PICTURES)}"))
+    if path.suffix not in allowed:
+        raise InputError(one_line(f"--figure {path}: must end in {', '.join(allowed)}"))
     if not path.parent.is_dir():
         raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))

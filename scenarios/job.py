@@ -10,6 +10,8 @@ from typing import Any
 from suspension.variables import ParameterError, refuse_unknown
 
 from .errors import (
+    MOVING,
+    PICTURES,
     DrawingError,
     InputError,
     RunError,
@@ -359,6 +361,6 @@ def _check_targets(recording: Path | None, figure: Path | None) -> None:
     if recording is not None and recording.suffix != ".rrd":
         raise InputError(one_line(f"--save {recording}: the name must end in .rrd"))
     if figure is not None:
-        check_picture(figure)
+        check_picture(figure, PICTURES + MOVING)
     if recording is not None and not recording.parent.is_dir():
         raise InputError(one_line(f"{recording}: no folder {recording.parent}; make it first"))

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .errors import one_line
+from .errors import MOVING, PICTURES, one_line
 from .replays import of_results
 
 if TYPE_CHECKING:
@@ -63,12 +63,20 @@ def draw(
 ) -> None:
     """Draw one picture: `time_histories` from results, the others from a construction.
 
+    The phase planes are moving where the file is a .gif or an .mp4.
+
     Raises
     ------
     ValueError : a construction that has not got what the picture shows.
     """
     from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
 
+    if path.suffix in MOVING:
+        if name != "phase_planes":
+            raise ValueError(f"only phase_planes is moving; write it as {', '.join(PICTURES)}")
+        assert drawing is not None
+        figures.animation(drawing, path, title=title, dark=dark)
+        return
     if name == "time_histories":
         assert results is not None
         figure = figures.time_histories(histories(results), title=title, dark=dark)

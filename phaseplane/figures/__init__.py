@@ -5,6 +5,7 @@ Figures are made with its object interface alone: no window, no global state, no
 
 from __future__ import annotations
 
+from phaseplane.figures.animation import animation
 from phaseplane.figures.characteristics import characteristics_sheet
 from phaseplane.figures.columns import columns, comparison
 from phaseplane.figures.histories import time_histories
@@ -27,6 +28,7 @@ from phaseplane.figures.sweeps import sweep
 from phaseplane.figures.work_precision import work_precision
 
 __all__ = [
+    "animation",
     "characteristics_sheet",
     "columns",
     "comparison",

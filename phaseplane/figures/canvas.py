@@ -262,20 +262,11 @@ class Sheet:
 
     def step(self, frame: Frame, *, repeated: bool, turn: bool, thin: float = 1.0) -> None:
         """All lines and points of one step."""
-        scheme, points = self.drawing.schemes[frame.scheme], frame.points
-        by_role: dict[str, list[list[complex]]] = {}
-        for stroke in scheme.strokes:
-            if repeated or is_main(stroke.start + stroke.end):
-                by_role.setdefault(stroke.role, []).append(
-                    [points[stroke.start], points[stroke.end]]
-                )
-        for arc in scheme.arcs:
-            of_turn = arc.centre.startswith("W")
-            if (turn and of_turn) or (not of_turn and is_main(arc.start + arc.end)):
-                by_role.setdefault(arc.role, []).append(arc_vertices(arc, frame))
-        for role, strips in by_role.items():
-            self.lines(role, strips, thin)
-        for mark in scheme.marks:
+        strips = step_strips(self.drawing, frame, repeated=repeated, turn=turn)
+        for role, lines in strips.items():
+            self.lines(role, lines, thin)
+        points = frame.points
+        for mark in self.drawing.schemes[frame.scheme].marks:
             if is_main(mark.point) and self.view.holds(points[mark.point]):
                 self.dots(mark.role, [points[mark.point]], thin)
 
@@ -358,6 +349,28 @@ class Sheet:
             fontsize=8.0,
             labelcolor=self.palette.ink,
         )
+
+
+def step_strips(
+    drawing: Drawing, frame: Frame, *, repeated: bool, turn: bool
+) -> dict[str, list[Sequence[complex]]]:
+    """The lines of one step by role.
+
+    Parameters
+    ----------
+    repeated : with the construction that the rule repeats
+    turn : with the arcs of the turn angles
+    """
+    scheme, points = drawing.schemes[frame.scheme], frame.points
+    by_role: dict[str, list[Sequence[complex]]] = {}
+    for stroke in scheme.strokes:
+        if repeated or is_main(stroke.start + stroke.end):
+            by_role.setdefault(stroke.role, []).append([points[stroke.start], points[stroke.end]])
+    for arc in scheme.arcs:
+        of_turn = arc.centre.startswith("W")
+        if (turn and of_turn) or (not of_turn and is_main(arc.start + arc.end)):
+            by_role.setdefault(arc.role, []).append(arc_vertices(arc, frame))
+    return by_role
 
 
 def arc_vertices(arc: Arc, frame: Frame) -> list[complex]:

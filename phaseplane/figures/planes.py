@@ -13,7 +13,7 @@ from phaseplane.figures.lettering import Box
 from phaseplane.figures.style import DARK, LIGHT
 
 _NAME = 0.16  # of a sheet's height: what the name of an axis takes up
-_BODY_CURVES = ("auxiliary", "line", "shortcut")
+BODY_CURVES = ("auxiliary", "line", "shortcut")
 
 
 def phase_planes(
@@ -52,7 +52,7 @@ def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.
     room = beside * view.half.real
     sheet = Sheet(drawing, Box(view.centre + room, view.half + room), DARK if dark else LIGHT)
     sheet.axes_of_planes()
-    sheet.stay(_BODY_CURVES)
+    sheet.stay(BODY_CURVES)
     sheet.trails()
     sheet.step(frame, repeated=False, turn=False)
     return sheet
@@ -145,7 +145,7 @@ def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
         points += [
             vertex
             for curve in drawing.curves
-            if curve.role not in _BODY_CURVES
+            if curve.role not in BODY_CURVES
             for vertex in curve.vertices
         ]
     return around(points + name_room(drawing, points))

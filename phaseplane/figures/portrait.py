@@ -34,7 +34,7 @@ _KINDS = {
     "degenerate": ("s", GREY),
 }
 _LINES: dict[str, tuple[str, float, Literal["-", "--", ":"], str]] = {  # with their words
-    "orbit": (BLUE, 0.9, "-", "integral curves"),
+    "orbit": (BLUE, 0.6, "-", "integral curves"),
     "energy": (GREY, 0.7, "-", "energy"),
     "isocline": (TEAL, 0.7, ":", "isoclines"),
     "nullcline": (OCHRE, 1.3, "--", "nullcline"),

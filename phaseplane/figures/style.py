@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -114,22 +116,35 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     suffix = target.suffix.lower()
     if suffix not in _METADATA:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_METADATA)}")
+    with written_whole(target) as temporary, rc_context({"svg.hashsalt": "phaseplane"}):
+        figure.savefig(
+            temporary,
+            format=suffix[1:],
+            facecolor=figure.get_facecolor(),
+            metadata=_METADATA[suffix],
+        )
+    return target
+
+
+@contextmanager
+def written_whole(target: Path) -> Iterator[Path]:
+    """A file beside the target to write to, which takes its place if nothing goes wrong.
+
+    Raises
+    ------
+    OSError : the folder does not exist or cannot be written to.
+    """
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")
-    handle, name = tempfile.mkstemp(suffix=suffix, prefix=f".{target.stem}-", dir=target.parent)
+    handle, name = tempfile.mkstemp(
+        suffix=target.suffix, prefix=f".{target.stem}-", dir=target.parent
+    )
     os.close(handle)
     temporary = Path(name)
     try:
-        with rc_context({"svg.hashsalt": "phaseplane"}):
-            figure.savefig(
-                temporary,
-                format=suffix[1:],
-                facecolor=figure.get_facecolor(),
-                metadata=_METADATA[suffix],
-            )
+        yield temporary
         temporary.chmod(0o644)
         os.replace(temporary, target)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-    return target

@@ -127,7 +127,7 @@ def list_cases(as_data: bool) -> None:
 @click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option
-@figure_option("the phase planes, or of another --kind")
+@figure_option("the phase planes, or of another --kind", ", moving as .gif or .mp4")
 @click.option(
     "--kind",
     default="phase_planes",

@@ -1,0 +1,100 @@
+"""A construction as it grows, as a moving picture."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
+from matplotlib.collections import LineCollection
+
+from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.sheet import trail
+from phaseplane.figures.canvas import Sheet, step_strips
+from phaseplane.figures.planes import BODY_CURVES, view_of
+from phaseplane.figures.style import palette, role_style, written_whole
+
+MOVING = (".gif", ".mp4")
+_MOST = 150  # pictures
+_DPI = 72
+_HOLD = 12  # pictures for which the end is shown
+
+
+def animation(
+    drawing: Drawing,
+    path: str | os.PathLike[str],
+    *,
+    rate: int = 12,
+    title: str = "",
+    dark: bool = False,
+) -> Path:
+    """Write the construction step by step as a moving picture, whole or not at all.
+
+    Of many steps so many are left out that there are no more than 150 pictures.
+
+    Parameters
+    ----------
+    path : ending with .gif, or with .mp4 where the program ffmpeg is installed
+    rate : pictures in a second
+    title : written above
+    dark : on a dark ground
+
+    Raises
+    ------
+    ValueError : another suffix, or .mp4 without ffmpeg.
+    OSError : the folder does not exist or cannot be written to.
+    """
+    writer = _writer(Path(path).suffix.lower(), rate)
+    shown = drawing.frames[:: -(-len(drawing.frames) // _MOST)]
+    sheet = Sheet(drawing, view_of(drawing, shown, turn=False), palette(dark))
+    sheet.axes_of_planes()
+    sheet.stay(BODY_CURVES)
+    for plane in drawing.planes:
+        sheet.lines("foot", [trail(plane, drawing.frames)])
+    sheet.events()
+    sheet.finish(title, drawing.title)
+    with (
+        written_whole(Path(path)) as temporary,
+        writer.saving(sheet.figure, str(temporary), dpi=_DPI),
+    ):
+        for _ in _growing(sheet, shown):
+            writer.grab_frame(facecolor=sheet.figure.get_facecolor())
+        for _ in range(_HOLD):
+            writer.grab_frame(facecolor=sheet.figure.get_facecolor())
+    return Path(path)
+
+
+def _writer(suffix: str, rate: int) -> AbstractMovieWriter:
+    if suffix == ".gif":
+        return PillowWriter(fps=rate)
+    if suffix != ".mp4":
+        raise ValueError(f"moving pictures are written as {', '.join(MOVING)}, not as {suffix!r}")
+    if not FFMpegWriter.isAvailable():
+        raise ValueError(".mp4 needs the program ffmpeg, which is not there; .gif does without")
+    # yuv420p, which every player shows, wants even sizes
+    even = ["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
+    return FFMpegWriter(fps=rate, extra_args=even)
+
+
+def _growing(sheet: Sheet, shown: tuple[Frame, ...]) -> Iterator[Frame]:
+    """Move the lines of the step and the motion so far from picture to picture."""
+    drawing = sheet.drawing
+    roles = ("trail", *dict.fromkeys(s.role for x in drawing.schemes.values() for s in x.strokes))
+    moving = {role: LineCollection([], zorder=3.0, gid=role) for role in roles}
+    for role, lines in moving.items():
+        look = role_style(role)
+        lines.set(color=sheet.colour(role), linewidth=look.width, linestyle=look.dash)
+        sheet.axes.add_collection(lines, autolim=False)
+    clock = sheet.axes.text(
+        0.99, 0.99, "", transform=sheet.axes.transAxes, ha="right", va="top", fontsize=10.0,
+        color=sheet.palette.ink, gid="clock",
+    )  # fmt: skip
+    for frame in shown:
+        so_far = drawing.frames[: frame.step + 1]
+        strips = step_strips(drawing, frame, repeated=False, turn=False)
+        strips["trail"] = [trail(plane, so_far) for plane in drawing.planes]
+        for role, lines in moving.items():
+            lines.set_segments([[(z.real, z.imag) for z in s] for s in strips.get(role, [])])
+        clock.set_text(f"t = {1e3 * frame.time:.1f} ms")
+        yield frame
