@@ -71,6 +71,9 @@ def check_characteristic(
     name : what to call it
     reach : how far from zero to look, m or m/s; by default twice as far as its corners, at least 0.2
     """
+    wanted = ("force", "tangent", "potential", "corners", "pieces")
+    if missing := [part for part in wanted if not hasattr(law, part)]:
+        return [f"{name}: has no {', '.join(missing)}; a characteristic has {', '.join(wanted)}"]
     order = list(_pieces_in_order(law, name))
     if order:
         return order
@@ -212,8 +215,12 @@ def _shapes(system: System) -> Iterator[str]:
     for name in {name for name in names if names.count(name) > 1}:
         yield f"{name}: two elements have this name"
     for element in system.elements:
-        if len(element.direction) != n or not any(element.direction):
-            yield f"{element.name}: direction must have {n} numbers that are not all 0"
+        if (
+            len(element.direction) != n
+            or not any(element.direction)
+            or not all(map(isfinite, element.direction))
+        ):
+            yield f"{element.name}: direction must have {n} finite numbers that are not all 0"
         if element.road and element.road not in system.signals:
             yield f"{element.name}: its road {element.road!r} is not among the signals"
         if not element.limit > 0.0:

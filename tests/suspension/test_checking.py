@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import doctest
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, nan
 
 import pytest
 
@@ -89,6 +89,11 @@ def test_each_fault_of_a_characteristic_is_told(wrong: str, sentence: str) -> No
     assert all(finding.startswith("mine: ") for finding in findings)
 
 
+def test_an_object_of_another_kind() -> None:
+    found = check_characteristic(abs, "mine")  # type: ignore[arg-type]
+    assert found[0].startswith("mine: has no force, tangent, potential, corners, pieces;")
+
+
 def test_pieces_that_do_not_join_or_ascend() -> None:
     torn = (Piece(-inf, 0.0, (0.0, 1e3, 0.0, 0.0)), Piece(0.1, 0.1, (90.0, 1e3, 0.0, 0.0)))
     assert "jumps by -10 N at the corner 0.1" in check_characteristic(Characteristic(torn))[0]
@@ -125,7 +130,8 @@ def with_strut(**changes: object) -> System:
         (strut(coordinates=("body", "body")), "same name"),
         (strut(elements=2 * strut().elements), "two elements have this name"),
         (strut(signals={}), "'road' is not among the signals"),
-        (with_strut(direction=(1.0,)), "must have 2 numbers"),
+        (with_strut(direction=(1.0,)), "must have 2 finite numbers"),
+        (with_strut(direction=(1.0, nan)), "must have 2 finite numbers"),
         (with_strut(limit=-1.0), "limit = -1 must be positive"),
         (with_strut(damper=law.linear(-50.0)), "feeds energy in"),
         (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
