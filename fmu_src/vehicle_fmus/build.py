@@ -74,7 +74,7 @@ def build(
     RuntimeError : pythonfmu could not build an FMU; the message holds what it said.
     """
     parameters = parameters or {}
-    refuse_unknown(models, SCRIPTS, "there is no FMU of")
+    refuse_unknown(models, SCRIPTS, f"FMUs are {', '.join(SCRIPTS)}; there is none of")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
