@@ -19,7 +19,7 @@ FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
 MODULES = (
     "linear", "bernstein", "signals", "laws", "elements", "network",
     "exact", "lanes", "stepper", "switches", "dense", "ledger", "watch",
-    "integrator",
+    "march", "integrator",
 )  # fmt: skip
 
 

@@ -1,8 +1,4 @@
-"""The integrator: macro steps chosen, cut at joints and switches, accepted, and read off.
-
-Branches stay fixed within a step, in which the motion is therefore smooth; a step that would leave
-a branch is cut short so that it ends on the switch, located to rounding.
-"""
+"""The integrator as others use it: states and signals in, runs, results and the whole state out."""
 
 from __future__ import annotations
 
@@ -10,21 +6,13 @@ from struct import pack, unpack_from
 
 import cython
 
-from .arrays import doubles, integers, vectors
-from .dense import Dense
-from .exact import not_straight
-from .ledger import Ledger
-from .network import Network
-from .stepper import METHODS, Stepper
-from .switches import Switches
-from .watch import LIMITS, POLICIES, UNLIMITED, Watch
+from .arrays import doubles
+from .march import March
 
 if not cython.compiled:
-    from math import fabs, pow, sqrt
+    from math import sqrt
 
-# How a step, or a run of them, ended. C constants when compiled; FAILURES is what others read.
-_REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
-_UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
+# How a run of steps ended that did not reach its end.
 FAILURES = {
     2: "the motion has diverged",
     3: "the step has become too small to go on",
@@ -35,18 +23,11 @@ FAILURES = {
     8: "switches follow one another while no time passes",
 }
 
-_SPRING, _CONTACT, _FRICTION, _KINDS = 0, 3, 4, 5  # as in elements
-_EVENT_CAPACITY = 256
-_PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
-_STALLED = 100  # steps in which no time passes
-_LEAST_THETA = 1.37
-_GROWTH = 1e7  # a displacement this many times the scale of the run has diverged
-_SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
-_NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
-_SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
+_PAUSED = 1  # as in march
+_SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
 
 
-class Integrator:
+class Integrator(March):
     """Steps one system and holds its whole state.
 
     The methods, with omega_max^2 the largest eigenvalue of M^-1 K, K the present tangent:
@@ -87,83 +68,6 @@ class Integrator:
     ------
     ValueError : unknown method, or a mass matrix that is not positive definite.
     """
-
-    def __init__(
-        self,
-        system,
-        method="extrapolated",
-        step=0.0,
-        tolerance=1e-6,
-        start=0.0,
-        order=0,
-        landing=True,
-        energy=True,
-        theta=1.4,
-        beyond_stable="substep",
-    ):
-        if method not in METHODS:
-            raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
-        if method == "exact" and (why := not_straight(system)):
-            raise ValueError(f"method 'exact' cannot take this system: {why}")
-        if not theta >= _LEAST_THETA:
-            raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
-        if method == "exact":
-            columns = 4
-        elif method != "extrapolated":
-            columns = 1
-        elif order:
-            columns = order // 2
-        else:
-            columns = 4 if tolerance < 1e-4 or step > 0.0 else 3
-        self.net = Network(system)
-        self.stepper = Stepper(self.net, method, columns, tolerance, theta)
-        self.switches = Switches(self.stepper)
-        if beyond_stable not in POLICIES:
-            raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        limit = 0.0 if method in UNLIMITED else LIMITS[columns]
-        self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
-        self.n = n = self.net.n
-        self.dense = Dense(n, method in ("equilibrium", "mean", "tangent"))
-        self.ledger = Ledger(self.net, self.dense)
-        self.fixed_step = step
-        self.landing, self.energy = landing, energy
-        self.controlled = method in ("extrapolated", "exact") and step == 0.0
-        self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
-        elements = self.net.elements
-        self.sample_f, self.sample_set = vectors(2, elements)
-        self.in_step = True  # whether the branches are still those of the last step
-        self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
-        self.event_time = doubles([0.0] * _EVENT_CAPACITY)
-        self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.event_count = self.stalled = self.filled = self.since_pause = 0
-        self.log = []  # switches so far: (time, element, kind, from, to)
-        self.time = self.grid_start = start
-        self.grid_index = self.step_count = 0
-        self.proposal = 0.0
-        self.stepper.reach = self.first_reach = max(system.scales)
-        self.net.enter_segments(start, vectors(1, n)[0])  # what lies before the start gives no jump
-        self._begin()
-
-    def _begin(self):
-        """Branches, accelerations and energy of the present state, which both ends of the step show."""
-        s, d, net = self.stepper, self.dense, self.net
-        net.settle(self.time, s.q, s.v)
-        net.locate_branches(self.time, s.q, s.v)
-        self._enter_branches()
-        for i in range(self.n):
-            d.qa[i] = d.qb[i] = s.q[i]
-            d.va[i] = d.vb[i] = s.v[i]
-            d.aa[i] = d.ab[i] = s.a[i]
-            d.ja[i] = d.jb[i] = s.j[i]
-            s.drift[i] = 0.0
-        d.start = d.end = self.time
-        net.row_states(s.q, s.v)
-        self.ledger.initial_energy = net.energy(s.v)
-
-    def _enter_branches(self):
-        """Everything that follows from the branches, after any of them has changed."""
-        self.stepper.refresh(self.time)
-        self.switches.enter_branches()
 
     def set_state(self, displacements, velocities):
         """Start from given displacements (m) and velocities (m/s), at the present time.
@@ -328,199 +232,6 @@ class Integrator:
         self.event_count = self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
-
-    def _advance(self, until, stop):
-        while self.time < until:
-            if self.event_count > _EVENT_CAPACITY - 16 or self.since_pause >= _PAUSE:
-                return _PAUSED
-            self.since_pause += 1
-            before = self.time
-            status = self._step(until if stop else 1e300)
-            if status != 0:
-                return status
-            # switches that follow each other while no time passes would have no end
-            if self.time - before > 1e-13 * (fabs(self.time) + 1e-3):
-                self.stalled = 0
-            else:
-                self.stalled += 1
-                if self.stalled > _STALLED:
-                    return _NO_TIME_PASSES
-        return _REACHED
-
-    def _proposed_step(self):
-        """The step the method wants, before joints and switches cut it."""
-        if self.fixed_step > 0.0:
-            # the grid is counted, not summed, so that it does not drift
-            target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            while target <= self.time + 1e-9 * self.fixed_step:
-                self.grid_index += 1
-                target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            return self.watch.fit(self.time, target - self.time)
-        omega = sqrt(self.stepper.omega_squared)
-        road = self.net.road_limit(self.time)
-        if not self.controlled:
-            # the period error of the linear-acceleration method is (omega h)^2 / 24
-            h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
-        else:
-            h = self.proposal if self.proposal > 0.0 else 0.1 * _SAFE_PHASE / (omega + 1.0)
-            if h * omega > _SAFE_PHASE:
-                h = _SAFE_PHASE / omega
-        return road if h > road else h
-
-    def _step(self, latest):
-        """One accepted macro step, cut at joints and switches."""
-        h = self._proposed_step()
-        if h == 0.0:
-            return _UNSTABLE
-        flips = 0
-        while True:
-            joint = self.net.next_joint()
-            end = joint if joint < latest else latest
-            to_end = 0
-            if self.time + h * (1.0 + 1e-9) >= end:
-                h = end - self.time
-                to_end = 1
-            if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
-                return _STEP_TOO_SMALL
-            status = self.stepper.attempt(self.time, h)
-            if status != 0:
-                h *= 0.25
-                if not self.controlled or h < 1e-14:
-                    return status
-                continue
-            if self.controlled and self.stepper.error > 1.0:
-                h *= self._factor_for_error()
-                continue
-            at = self.switches.first(self.time, h) if self.landing else 2.0
-            if at == 0.0 and flips < 8:
-                # the branch is left at once: it was the wrong side of its bound
-                flips += 1
-                self._switch(self.switches.element, self.switches.kind, self.switches.side)
-                self._enter_branches()
-                continue
-            break
-        # a step that a joint cut short says nothing against longer ones
-        if self.controlled and (not to_end or h > self.proposal > 0.0):
-            self.proposal = h * self._factor_for_error()
-        landed = 0
-        if 0.0 < at <= 1.0:
-            status = self._land(h)
-            if status != 0:
-                return status
-            h = self.landed
-            landed = 1
-            to_end = to_end and self.time + h >= end
-        self._accept(h, end if to_end else self.time + h)
-        if landed:
-            self._switch(self.switches.element, self.switches.kind, self.switches.side)
-        if to_end and end == joint:
-            self._pass_joint()
-        if not self.landing:
-            self._leave_step()
-            self.net.follow(self.time, self.stepper.q, self.stepper.v)
-        if landed or to_end or not (self.landing and self.stepper.affine):
-            self._enter_branches()
-        for i in range(self.n):
-            if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
-                return _DIVERGED
-        if self.energy and self.ledger.grows():
-            return _ENERGY_GROWS
-        return _REACHED
-
-    def _pass_joint(self):
-        """Signals enter their next segments; what a jump of a road does is work of that road."""
-        self._leave_step()
-        self.net.all_signals(self.time)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        self.net.row_forces()
-        before = self.net.energy(self.stepper.v)
-        if self.net.enter_segments(self.time, self.stepper.v):
-            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-            self.ledger.bring_in(self.net.energy(self.stepper.v) - before)
-
-    def _factor_for_error(self):
-        """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
-        if self.stepper.error <= _NO_ERROR:
-            return 4.0
-        factor = 0.9 * pow(self.stepper.error, -1.0 / (2.0 * self.stepper.columns - 1.0))
-        return 4.0 if factor > 4.0 else (0.2 if factor < 0.2 else factor)
-
-    def _accept(self, h, t):
-        """Make the attempt the last step."""
-        for i in range(self.n):
-            self.dense.qa[i] = self.stepper.q[i]
-            self.dense.va[i] = self.stepper.v[i]
-            self.dense.aa[i] = self.stepper.a[i]
-            self.dense.ja[i] = self.stepper.j[i]
-            self.dense.qb[i] = self.stepper.q[i] = self.stepper.qb[i]
-            self.dense.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
-            self.dense.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
-            self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
-            self.stepper.drift[i] = self.stepper.drift_end[i]
-            self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
-        for i in range(self.net.elements):
-            self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
-            if self.step_limited[i]:
-                self.limited_time[i] += h
-        for i in range(_KINDS * self.net.elements):
-            self.net.departing[i] = 0
-        if self.net.stuck:
-            self.stepper.keep_multipliers()
-        self.in_step = True
-        self.dense.start = self.time
-        self.dense.end = self.time = t
-        self.dense.known = 0
-        self.step_count += 1
-        if self.energy:
-            self.ledger.book()
-            self.ledger.strike_balance(t, self.stepper.q, self.stepper.v)
-
-    def _land(self, h):
-        """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor."""
-        step = self.switches.at * h
-        status = self.stepper.attempt(self.time, step)
-        best = 1e300
-        for _iteration in range(8):
-            if status != 0:
-                return status
-            late = self.switches.lateness(self.time + step)
-            new = step - late
-            if late == 0.0 or self.switches.miss >= best or not (0.0 < new <= h):
-                break
-            if self.time + new == self.time + step:
-                break
-            best = self.switches.miss
-            if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
-                self.stepper.shift_end(self.time + new, -late)
-            else:
-                status = self.stepper.attempt(self.time, new)
-            step = new
-        self.landed = step
-        return status
-
-    def _switch(self, e, kind, side):
-        """Element e enters the neighbouring branch, now; the event is noted."""
-        self._leave_step()
-        new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
-        k = self.event_count
-        if k < _EVENT_CAPACITY:
-            self.event_time[k] = self.time
-            self.event_what[4 * k] = e
-            self.event_what[4 * k + 1] = kind
-            if kind == _CONTACT:
-                self.event_what[4 * k + 2] = 1 - new
-            elif kind == _FRICTION and new != 0:
-                self.event_what[4 * k + 2] = 0
-            else:
-                self.event_what[4 * k + 2] = new - side
-            self.event_what[4 * k + 3] = new
-            self.event_count += 1
-
-    def _leave_step(self):
-        """Branches are about to change: remember those of the step that ends here, to read it off."""
-        if self.in_step:
-            self.net.keep_branches()
-            self.in_step = False
 
     # -- reading results ---------------------------------------------------------------------------
 

@@ -16,18 +16,23 @@ cdef class Switches:
     cdef bint roads_known
     cdef double at, miss
     cdef int[::1] watched_element, watched_kind
-    cdef double[::1] low, high, row_start, row_end, road_start, road_end, force
+    cdef double[::1] low, high, row_start, row_end, road_start, road_end
+    cdef double[::1] contact_f, contact_k, contact_c
 
     @cython.locals(e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil
+    @cython.locals(ps=int, pd=int, factor=double)
+    cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(k=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _read_roads(self, double t, double h) noexcept nogil
     @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
     cdef void _read_rows(self, double[::1] road, bint end, double[::1] out) noexcept nogil
-    @cython.locals(at=int)
+    @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
+    @cython.locals(k=double, c=double)
+    cdef void _contact_force(self, int e, double[::1] row, int at) noexcept nogil
     @cython.locals(e=int, kind=int, departing=bint, at=double)
     cdef void _search(self, int k, int side, double bound, int degree) noexcept nogil
     @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import integers, vectors
 from .bernstein import Crossing
 from .elements import KINDS
 
@@ -39,7 +39,7 @@ class Switches:
         self.row_start, self.row_end = vectors(2, 4 * max(self.net.rows, 1))
         self.road_start, self.road_end = vectors(2, 4 * max(self.net.signals, 1))
         self.roads_known = 0
-        self.force = doubles([0.0] * 3)
+        self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
 
@@ -49,8 +49,10 @@ class Switches:
         self.roads_known = 0
         for e in range(self.net.elements):
             for kind in range(_KINDS):
-                if kind == _CONTACT and self.net.limit[e] > _NEVER:
-                    continue
+                if kind == _CONTACT:
+                    if self.net.limit[e] > _NEVER:
+                        continue
+                    self._note_contact(e)
                 if kind == _FRICTION and self.net.friction[e] == 0.0:
                     continue
                 # what sticks passes no corner, whatever rounding says
@@ -63,6 +65,16 @@ class Switches:
                     self.watched_element[k], self.watched_kind[k] = e, kind
                     self.low[k], self.high[k] = low, high
                     self.watched += 1
+
+    def _note_contact(self, e):
+        """Force at rest, stiffness and damping of a tyre while its pieces are straight."""
+        ps, pd = self.net.piece_now(e, _SPRING), self.net.piece_now(e, _DAMPER)
+        factor = 1.0
+        if self.net.modulated[e]:
+            factor = self.net.law(self.net.piece_now(e, _MODULATION), 0.0)
+        self.contact_k[e] = self.net.law_slope(ps, 0.0)
+        self.contact_c[e] = self.net.law_slope(pd, 0.0) * factor
+        self.contact_f[e] = self.net.intercept(ps) + self.net.intercept(pd) * factor
 
     def first(self, t, h):
         """The earliest switch of the attempt from t to t + h: its fraction of h, or 2 for none."""
@@ -131,14 +143,10 @@ class Switches:
             self.crossing.hermite7(self.row_start, self.row_end, at, h)
             return 7
         if kind == _CONTACT:
-            self.net.unlimited_force(e, self.row_start, at)
-            self.force[0], self.force[1] = self.net.force0, self.net.force1
-            self.force[2] = self.net.force2
-            self.net.unlimited_force(e, self.row_end, at)
-            self.crossing.hermite5(
-                self.force[0], self.force[1], self.force[2],
-                self.net.force0, self.net.force1, self.net.force2, h,
-            )  # fmt: skip
+            self._contact_force(e, self.row_start, at)
+            f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
+            self._contact_force(e, self.row_end, at)
+            self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
             return 5
         if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
             # sticking: the force it takes
@@ -152,6 +160,16 @@ class Switches:
             self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
         )  # fmt: skip
         return 5
+
+    def _contact_force(self, e, row, at):
+        """As `unlimited_force`; in a linear branch by its few numbers."""
+        if not self.stepper.affine:
+            self.net.unlimited_force(e, row, at)
+            return
+        k, c = self.contact_k[e], self.contact_c[e]
+        self.net.force0 = self.contact_f[e] + k * row[at] + c * row[at + 1]
+        self.net.force1 = k * row[at + 1] + c * row[at + 2]
+        self.net.force2 = k * row[at + 2] + c * row[at + 3]
 
     def _search(self, k, side, bound, degree):
         """Keep the first exit over a bound, if it is the earliest."""

@@ -1,0 +1,61 @@
+cimport cython
+from libc.math cimport fabs, pow, sqrt
+from .dense cimport Dense
+from .ledger cimport Ledger
+from .network cimport Network
+from .stepper cimport Stepper
+from .switches cimport Switches
+from .watch cimport Watch
+
+cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
+cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _STALLED
+cdef int _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
+cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
+
+cdef class March:
+    cdef Network net
+    cdef Stepper stepper
+    cdef Switches switches
+    cdef Watch watch
+    cdef Dense dense
+    cdef Ledger ledger
+    cdef int n
+    cdef bint controlled, landing, energy, in_step, entered
+    cdef double fixed_step
+    # its state
+    cdef readonly double time
+    cdef readonly long long step_count
+    cdef double grid_start, proposal, first_reach
+    cdef long long grid_index
+    cdef double[::1] limited_time
+    cdef int contacts
+    cdef int[::1] step_limited, contact_element
+    cdef public list log
+    # results at the last sampled instant
+    cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
+    cdef readonly Py_ssize_t filled
+    # workspace
+    cdef double[::1] event_time
+    cdef int[::1] event_what
+    cdef int stalled, event_count, since_pause
+    cdef double landed
+
+    cdef void _enter_branches(self) noexcept nogil
+    @cython.locals(status=int, before=double)
+    cdef int _advance(self, double until, bint stop) noexcept nogil
+    @cython.locals(target=double, omega=double, road=double, h=double)
+    cdef double _proposed_step(self) noexcept nogil
+    @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int,
+                   h=double, joint=double, end=double, at=double)
+    cdef int _step(self, double latest) noexcept nogil
+    @cython.locals(before=double)
+    cdef void _pass_joint(self) noexcept nogil
+    @cython.locals(factor=double)
+    cdef double _factor_for_error(self) noexcept nogil
+    @cython.locals(i=int, k=int)
+    cdef void _accept(self, double h, double t) noexcept nogil
+    @cython.locals(_iteration=int, status=int, step=double, best=double, late=double, new=double)
+    cdef int _land(self, double h) noexcept nogil
+    @cython.locals(new=int, k=int)
+    cdef void _switch(self, int e, int kind, int side) noexcept nogil
+    cdef void _leave_step(self) noexcept nogil
