@@ -53,12 +53,13 @@ def animation(
     for plane in drawing.planes:
         sheet.lines("foot", [trail(plane, drawing.frames)])
     sheet.events()
+    moving = _moving(sheet)
     sheet.finish(title, drawing.title)
     with (
         written_whole(Path(path)) as temporary,
         writer.saving(sheet.figure, str(temporary), dpi=_DPI),
     ):
-        for _ in _growing(sheet, shown):
+        for _ in _growing(sheet, moving, shown):
             writer.grab_frame(facecolor=sheet.figure.get_facecolor())
         for _ in range(_HOLD):
             writer.grab_frame(facecolor=sheet.figure.get_facecolor())
@@ -77,15 +78,24 @@ def _writer(suffix: str, rate: int) -> AbstractMovieWriter:
     return FFMpegWriter(fps=rate, extra_args=even)
 
 
-def _growing(sheet: Sheet, shown: tuple[Frame, ...]) -> Iterator[Frame]:
-    """Move the lines of the step and the motion so far from picture to picture."""
-    drawing = sheet.drawing
-    roles = ("trail", *dict.fromkeys(s.role for x in drawing.schemes.values() for s in x.strokes))
+def _moving(sheet: Sheet) -> dict[str, LineCollection]:
+    """The lines that move, by role, still empty."""
+    schemes = sheet.drawing.schemes.values()
+    roles = ("trail", *dict.fromkeys(s.role for scheme in schemes for s in scheme.strokes))
     moving = {role: LineCollection([], zorder=3.0, gid=role) for role in roles}
     for role, lines in moving.items():
         look = role_style(role)
         lines.set(color=sheet.colour(role), linewidth=look.width, linestyle=look.dash)
         sheet.axes.add_collection(lines, autolim=False)
+        sheet.seen[role] = None  # for the legend
+    return moving
+
+
+def _growing(
+    sheet: Sheet, moving: dict[str, LineCollection], shown: tuple[Frame, ...]
+) -> Iterator[Frame]:
+    """Move the lines of the step and the motion so far from picture to picture."""
+    drawing = sheet.drawing
     clock = sheet.axes.text(
         0.99, 0.99, "", transform=sheet.axes.transAxes, ha="right", va="top", fontsize=10.0,
         color=sheet.palette.ink, gid="clock",

@@ -116,6 +116,7 @@ def orbits(system: PhaseSystem, window: Window, count: int = 4) -> tuple[Grid, .
     count : through either side
     """
     long = _FOLLOWED * (window.right - window.left) / (window.top - window.bottom)
+    times = np.linspace(0.0, long, 2000)
     places = np.linspace(window.left, window.right, count + 2)[1:-1]
 
     def gone(_t: float, state: Grid) -> float:
@@ -123,9 +124,7 @@ def orbits(system: PhaseSystem, window: Window, count: int = 4) -> tuple[Grid, .
 
     gone.terminal = True  # type: ignore[attr-defined]
     return tuple(
-        solve_ivp(
-            system.rates, (0.0, long), (x, v), events=gone, rtol=1e-8, max_step=long / 400.0
-        ).y.T
+        solve_ivp(system.rates, (0.0, long), (x, v), events=gone, rtol=1e-8, t_eval=times).y.T
         for v in (window.top, window.bottom)
         for x in places
     )
