@@ -244,6 +244,8 @@ class Stepper:
                 force = 0.0
                 for r in range(self.net.rows):
                     force += fabs(self.net.row_direction[r * n + i] * self.net.row_f[r])
+                for k in range(n):
+                    force += fabs(self.stiffness2[i * n + k] * self.cq[k])
                 largest = max(largest, fabs(self.ca[i]), force / self.net.mass[i * n + i])
             if not isfinite(size):
                 return _DIVERGED
