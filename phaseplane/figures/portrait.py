@@ -109,7 +109,8 @@ def _field(axes: Axes, shown: Portrait, colours: Palette) -> None:
     """Arrows of equal length as seen on the paper."""
     x, v, dx, dv = shown.field
     window = shown.window
-    u, w = dx / (window.right - window.left), 0.75 * dv / (window.top - window.bottom)
+    width, height = axes.bbox.size
+    u, w = width * dx / (window.right - window.left), height * dv / (window.top - window.bottom)
     size = np.hypot(u, w)
     size[(size == 0.0) | ~np.isfinite(size)] = np.inf
     axes.quiver(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
 
 from phaseplane.figures import portrait
 from phaseplane.figures.style import DARK
@@ -64,3 +65,16 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     last = [values[-1] for values in dots.get_data()]
     assert last == pytest.approx([amplitude.real, -2.0 * amplitude.imag], abs=1e-6)
     assert len(dots.get_xdata()) == 40
+
+
+def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
+    system = PhaseSystem(lambda v, x, t: sin(x))
+    figure = portrait(whole_portrait(system, good_window(system, 3.0)))
+    (axes,) = figure.axes
+    (field,) = [c for c in axes.collections if c.get_gid() == "field"]
+    assert isinstance(field, Quiver)
+    for x, v, u, w in list(zip(field.X, field.Y, field.U, field.V, strict=True))[7::50]:
+        ahead = axes.transData.transform([(x, v), (x + 1e-4 * v, v - 1e-4 * sin(x))])
+        along = ahead[1] - ahead[0]
+        drawn = np.array([u, w])
+        assert along @ drawn > 0.999 * np.hypot(*along) * np.hypot(*drawn)

@@ -94,6 +94,9 @@ def test_figure_7_is_drawn_to_the_papers_lengths(grounded: Drawing) -> None:
     for wanted in (25.0, 20.0, 19.608):
         assert min(abs(length - wanted * CM) for length in measured) < 0.5e-5
     assert {r"$l$ = 25 cm", r"$b\,h_2/c_2$"} <= set(texts(figure))
+    assert [t.split(" = ")[1] for t in texts(figure) if t.endswith(" cm") and " = " in t] == [
+        "25 cm", "20 cm", "19.608 cm",
+    ]  # fmt: skip
     assert "A bump" in figure.texts[0].get_text()
     assert hidden(figure) == []
 
