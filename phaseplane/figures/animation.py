@@ -11,7 +11,7 @@ from matplotlib.collections import LineCollection
 
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.sheet import trail
-from phaseplane.figures.canvas import Sheet, step_strips
+from phaseplane.figures.canvas import Sheet, step_strips, time_words
 from phaseplane.figures.planes import BODY_CURVES, view_of
 from phaseplane.figures.style import palette, role_style, written_whole
 
@@ -106,5 +106,5 @@ def _growing(
         strips["trail"] = [trail(plane, so_far) for plane in drawing.planes]
         for role, lines in moving.items():
             lines.set_segments([[(z.real, z.imag) for z in s] for s in strips.get(role, [])])
-        clock.set_text(f"t = {1e3 * frame.time:.1f} ms")
+        clock.set_text(time_words(frame.time))
         yield frame

@@ -170,7 +170,7 @@ class Sheet:
             self.write(at - 1.0j * em, _number(value * graduation.factor), self.palette.faint, 7.0)
         # a word on each line, to keep clear of the motion
         rows = plane.name.split("_")
-        name = "\n".join(rows) + f" {typeset(axis.label)} [{graduation.unit}]"
+        name = "\n".join(rows) + f" {typeset(axis.label)}{_bracketed(graduation.unit)}"
         self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
 
     def _vertical(self, plane: Plane, points: Sequence[complex]) -> None:
@@ -187,7 +187,7 @@ class Sheet:
             self._tick(at, 0.35 * em)
             text = _number(value * graduation.factor)
             self.write(at + side * 1.2 * em, text, self.palette.faint, 7.0)
-        name = f"{typeset(axis.label)} [{graduation.unit}]"
+        name = f"{typeset(axis.label)}{_bracketed(graduation.unit)}"
         self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
 
     def y_axis(self, plane: Plane) -> None:
@@ -382,6 +382,16 @@ def arc_vertices(arc: Arc, frame: Frame) -> list[complex]:
     turn = phase(to / radius)
     parts = 2 + ceil(abs(turn) / 0.05)
     return [centre + radius * exp(1j * turn * i / parts) for i in range(parts + 1)]
+
+
+def time_words(time: float) -> str:
+    """An instant in s as it is written."""
+    return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
+
+
+def _bracketed(unit: str) -> str:
+    """A unit behind a name; nothing for a plain number."""
+    return f" [{unit}]" if unit not in ("", "1") else ""
 
 
 def _number(value: float) -> str:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.sheet import reach, trail
-from phaseplane.figures.canvas import Sheet, graduation_of, is_main
+from phaseplane.figures.canvas import Sheet, graduation_of, is_main, time_words
 from phaseplane.figures.lettering import Box
 from phaseplane.figures.style import DARK, LIGHT
 
@@ -60,7 +60,7 @@ def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.
 
 def step_words(frame: Frame) -> str:
     """Which step is lettered."""
-    return f"Step {frame.step} lettered, t = {1e3 * frame.time:.4g} ms"
+    return f"Step {frame.step} lettered, {time_words(frame.time)}"
 
 
 def construction_sheet(

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Arc, Drawing, Frame, Plane
 from phaseplane.figures import dimensions
-from phaseplane.figures.canvas import Sheet, arc_vertices
+from phaseplane.figures.canvas import Sheet, arc_vertices, time_words
 from phaseplane.figures.lettering import typeset
 from phaseplane.figures.planes import around, frame_at, motion_points, name_room
 from phaseplane.figures.style import palette
@@ -118,7 +118,7 @@ def figure8(
 
 
 def _which(frame: Frame) -> str:
-    return f"step {frame.step}, t = {1e3 * frame.time:.4g} ms, {1e3 * frame.duration:.4g} ms long"
+    return f"step {frame.step}, {time_words(frame.time)}, {1e3 * frame.duration:.4g} ms long"
 
 
 def _points(frame: Frame, plane: Plane, named: Sequence[Named]) -> list[complex]:
