@@ -10,16 +10,17 @@ import os
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise, repeat
 from math import isfinite
 
 from .engine import FAILURES, Integrator
 from .models import build
+from .series import Series, at_the_end, over_time
 from .session import start_state
+from .systems import System
 from .variables import ParameterError, checked_parameters, refuse_unknown, variables
 
-_ORDERS = ("displacement", "velocity", "acceleration")
 _CHUNK = 16  # runs that a thread takes at a time
 
 
@@ -31,10 +32,12 @@ class Outcome:
     ----------
     columns : values over the instants by the name of the output; up to where the run came
     failure : why it ended before the last instant, or empty
+    at_end : values at the last instant by the name of the output; none if the run ended before
     """
 
-    columns: Mapping[str, array[float]]
+    columns: Mapping[str, Sequence[float]]
     failure: str = ""
+    at_end: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
@@ -48,6 +51,8 @@ def run_many(
     times: Sequence[float],
     outputs: Sequence[str],
     workers: int | None = None,
+    *,
+    at_end: Sequence[str] = (),
     progress: Callable[[float], None] | None = None,
 ) -> list[Outcome]:
     """Run a model once for each set of parameters.
@@ -59,8 +64,9 @@ def run_many(
     model : key of `variables.MODELS`
     parameter_sets : parameters that are not at their defaults, for each run
     times : s, ascending; the first is the start
-    outputs : displacements, velocities and accelerations of coordinates
+    outputs : motions, deflections, forces, contact and the road over time: see `outputs_over_time`
     workers : threads; None for one on each core
+    at_end : outputs at the last instant, of those that add up: see `outputs_at_end`
     progress : called with the part done, 0 to 1
 
     Returns
@@ -87,7 +93,9 @@ def run_many(
         raise ParameterError("times must be at least one finite instant")
     if any(b < a for a, b in pairwise(instants)):
         raise ParameterError("times must ascend")
-    task = _Task.of(model, instants, outputs)
+    for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
+        refuse_unknown(names, known(model), f"a batch of {model} has no output")
+    task = _Task(model, instants, tuple(outputs), tuple(at_end))
     chunks = [parameter_sets[k : k + _CHUNK] for k in range(0, len(parameter_sets), _CHUNK)]
     found: list[Outcome] = []
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
@@ -98,25 +106,39 @@ def run_many(
     return found
 
 
+def outputs_over_time(model: str) -> list[str]:
+    """Outputs that a batch gives at every instant.
+
+    Raises
+    ------
+    ParameterError : unknown model.
+    """
+    return over_time(_as_it_comes(model))
+
+
+def outputs_at_end(model: str) -> list[str]:
+    """Outputs that a batch gives at the last instant.
+
+    Raises
+    ------
+    ParameterError : unknown model.
+    """
+    return at_the_end(_as_it_comes(model))
+
+
+def _as_it_comes(model: str) -> System:
+    variables(model)  # refuses a model that is not known
+    return build(model, checked_parameters(model, {}))
+
+
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """What all runs have in common: for each output its order of derivative and its coordinate."""
+    """What all runs have in common."""
 
     model: str
     times: array[float]
-    columns: Mapping[str, tuple[int, int]]
-
-    @classmethod
-    def of(cls, model: str, times: array[float], outputs: Sequence[str]) -> _Task:
-        variables(model)  # refuses a model that is not known
-        coordinates = build(model, checked_parameters(model, {})).coordinates
-        known = {
-            f"{name}_{what}".lstrip("_"): (order, i)
-            for i, name in enumerate(coordinates)
-            for order, what in enumerate(_ORDERS)
-        }
-        refuse_unknown(outputs, known, f"a batch of {model} has no output")
-        return cls(model, times, {name: known[name] for name in outputs})
+    outputs: tuple[str, ...]
+    at_end: tuple[str, ...]
 
 
 def _run_chunk(task: _Task, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
@@ -142,13 +164,10 @@ def _run(task: _Task, given: Mapping[str, object]) -> Outcome:
             integrator.set_state(*state)
     except ValueError as error:  # a ParameterError among them
         return Outcome({}, str(error))
-    n, count = len(system.mass), len(task.times)
-    wanted = {order for order, _ in task.columns.values()} | {0}
-    filled = {order: array("d", bytes(8 * n * count)) for order in wanted}
-    status = integrator.run(task.times, filled[0], filled.get(1), filled.get(2))
-    end = n * integrator.filled
-    columns = {name: filled[order][i:end:n] for name, (order, i) in task.columns.items()}
-    failure = ""
+    series = Series(system, integrator, task.times, task.outputs)
+    status = series.run()
+    columns = {name: series.column(name) for name in task.outputs}
     if status != 0:
-        failure = f"{FAILURES[status]} at {integrator.time:.6g} s, in step {integrator.step_count}"
-    return Outcome(columns, failure)
+        reason = f"{FAILURES[status]} at {integrator.time:.6g} s, in step {integrator.step_count}"
+        return Outcome(columns, reason)
+    return Outcome(columns, at_end={name: series.at_end(name) for name in task.at_end})

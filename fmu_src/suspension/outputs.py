@@ -18,7 +18,7 @@ from .variables import Value
 
 Read = Callable[[], Value]
 
-_SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop", "friction")
+SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop", "friction")
 
 
 @dataclass(slots=True)
@@ -205,7 +205,7 @@ def _of_axle(axle: Axle, system: System, run: Run) -> dict[str, Read]:
         "suspension_deflection_rate": deflection(1),
         "ground_elevation": lambda: run.state.signals[axle.road][0],
         "ground_velocity": lambda: run.state.signals[axle.road][1],
-        **{f"{name}_force": force(name) for name in _SUSPENSION},
+        **{f"{name}_force": force(name) for name in SUSPENSION},
     }
     return {f"{axle.prefix}{name}": reader for name, reader in read.items()}
 

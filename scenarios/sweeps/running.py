@@ -23,7 +23,7 @@ from suspension.session import SimulationError
 from suspension.variables import ParameterError, Value
 
 from ..errors import InputError, RunError, one_line
-from ..measures import Run, catalogue, outputs_needed, take
+from ..measures import Measure, Run, catalogue, take
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -126,32 +126,42 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """The model itself, all runs over the same instants."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    scene = plan.scene
+    scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
     time = _instants(scene.duration, scene.communication_step)
-    sets = [
-        {**scene.parameters, **dict(zip(plan.keys, plan.points[run], strict=True))} for run in runs
-    ]
-    outputs = outputs_needed(catalogue(scene.fmu.outputs()), plan.measures)
-    for run, given, (columns, reason) in zip(
-        runs, sets, _columns(scene.fmu.model, sets, time, outputs), strict=True
-    ):
+    varied = [dict(zip(plan.keys, plan.points[run], strict=True)) for run in runs]
+    sets = [{**scene.parameters, **values} for values in varied]
+    parameters = scene.all_parameters
+    found = _columns(scene.fmu.model, sets, time, [known[name] for name in plan.measures])
+    for run, values, (columns, reason) in zip(runs, varied, found, strict=True):
         if reason:
             yield Row(run, (None,) * len(plan.measures), reason)
         else:
-            yield _row(
-                plan, run, {"time": time, **{n: np.asarray(c) for n, c in columns.items()}}, given
-            )
+            arrays = {"time": time, **{n: np.asarray(c, float) for n, c in columns.items()}}
+            yield _row(plan, known, run, Run(arrays, {**parameters, **values}, scene.fmu.model))
 
 
 def _columns(
-    model: str, sets: Sequence[Mapping[str, Value]], time: Column, outputs: set[str]
+    model: str, sets: Sequence[Mapping[str, Value]], time: Column, measures: Sequence[Measure]
 ) -> Iterator[tuple[Mapping[str, Any], str]]:
-    """The outputs of every run, or why there are none."""
+    """The outputs that measures of every run need, or why there are none.
+
+    Where the integrator can give them all it makes each run in one call. What is wanted at the end
+    alone is then a column of one row.
+    """
+    from suspension.batch import outputs_at_end, outputs_over_time, run_many  # noqa: PLC0415
     from suspension.session import simulate  # noqa: PLC0415
 
+    rows = {output for measure in measures if not measure.at_end for output in measure.needs}
+    ends = {output for measure in measures if measure.at_end for output in measure.needs} - rows
+    if rows <= set(outputs_over_time(model)) and ends <= set(outputs_at_end(model)):
+        batch = run_many(model, sets, time.tolist(), tuple(rows), workers=1, at_end=tuple(ends))
+        for run in batch:
+            last = {name: [value] for name, value in run.at_end.items()}
+            yield {**run.columns, **last}, run.failure and one_line(run.failure)
+        return
     for given in sets:
         try:
-            yield simulate(model, given, time.tolist(), outputs), ""
+            yield simulate(model, given, time.tolist(), rows | ends), ""
         except (ParameterError, SimulationError, ArithmeticError, ValueError) as error:
             yield {}, one_line(error)
 
@@ -193,12 +203,8 @@ def _instants(duration: float, interval: float) -> Column:
     return np.array(time if time[-1] >= duration * (1.0 - 1e-12) else [*time, duration])
 
 
-def _row(plan: Plan, run: int, columns: Mapping[str, Column], given: Mapping[str, Value]) -> Row:
-    scene = plan.scene
-    known = catalogue(scene.fmu.outputs())
-    told = take(
-        known, plan.measures, Run(columns, {**scene.all_parameters, **given}, scene.fmu.model)
-    )
+def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run) -> Row:
+    told = take(known, plan.measures, made)
     values = _plain(tuple(told[name].value for name in plan.measures))
     broken = [name for name, x in zip(plan.measures, values, strict=True)
               if isinstance(x, float) and not isfinite(x)]  # fmt: skip

@@ -9,8 +9,8 @@ cdef int _PAUSED, _SPRING, _CONTACT, _KINDS
 @cython.final
 cdef class Integrator(March):
     # what a run fills
-    cdef bint want_v, want_a
-    cdef double[::1] instants, out_q, out_v, out_a
+    cdef bint want_v, want_a, want_f
+    cdef double[::1] instants, out_q, out_v, out_a, out_f
 
     @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
     cpdef take_over(self, Integrator earlier, list pairs)
@@ -21,5 +21,5 @@ cdef class Integrator(March):
     @cython.locals(status=int, i=int, at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t count) noexcept nogil
     @cython.locals(i=int)
-    cpdef void sample(self, double t) noexcept
-    cpdef void sample_forces(self, double t) noexcept
+    cpdef void sample(self, double t) noexcept nogil
+    cpdef void sample_forces(self, double t) noexcept nogil

@@ -165,7 +165,7 @@ class Integrator(March):
             self._log_events()
         return status
 
-    def run(self, times, displacements, velocities=None, accelerations=None):
+    def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
 
         Parameters
@@ -173,6 +173,8 @@ class Integrator(March):
         times : s, ascending, none before the last step; an array of doubles, as all of them
         displacements : m, one for each coordinate at the first instant, then at the second and so on
         velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
+        forces : N, one for each element; with them the accelerations are those of the equation of
+            motion, as `sample_forces` finds them
 
         Returns
         -------
@@ -184,15 +186,20 @@ class Integrator(March):
         """
         count = len(times)
         for out in (displacements, velocities, accelerations):
-            if out is not None and len(out) < count * self.n:
-                raise ValueError(f"{count * self.n} numbers do not fit into an array of {len(out)}")
+            self._check_room(out, count * self.n)
+        self._check_room(forces, count * len(self.sample_f))
         self.want_v, self.want_a = velocities is not None, accelerations is not None
+        self.want_f = forces is not None
         self.instants, self.out_q = times, displacements
-        self.out_v, self.out_a = velocities, accelerations
+        self.out_v, self.out_a, self.out_f = velocities, accelerations, forces
         self.filled = 0
         status = self._run_all(count)
-        self.instants = self.out_q = self.out_v = self.out_a = None
+        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         return status
+
+    def _check_room(self, out, numbers):
+        if out is not None and len(out) < numbers:
+            raise ValueError(f"{numbers} numbers do not fit into an array of {len(out)}")
 
     def _run_all(self, count):
         status = _PAUSED
@@ -209,19 +216,23 @@ class Integrator(March):
             if status != 0:
                 return status
             at = self.filled * self.n
-            if not (self.want_v or self.want_a):
+            if not (self.want_v or self.want_a or self.want_f):
                 self.dense.read_values(t, self.out_q, at)
                 self.filled += 1
                 continue
-            self.dense.read(t)
+            self.sample(t)
+            if self.want_f:
+                self.sample_forces(t)
+                for i in range(self.net.elements):
+                    self.out_f[self.filled * self.net.elements + i] = self.sample_f[i]
             for i in range(self.n):
-                self.out_q[at + i] = self.dense.q[i]
+                self.out_q[at + i] = self.sample_q[i]
             if self.want_v:
                 for i in range(self.n):
-                    self.out_v[at + i] = self.dense.v[i]
+                    self.out_v[at + i] = self.sample_v[i]
             if self.want_a:
                 for i in range(self.n):
-                    self.out_a[at + i] = self.dense.a[i]
+                    self.out_a[at + i] = self.sample_a[i]
             self.filled += 1
         return 0
 

@@ -1,0 +1,72 @@
+"""Outputs of runs made in one call against those of runs stepped from instant to instant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pytest
+
+from suspension.batch import outputs_at_end, outputs_over_time, run_many
+from suspension.session import simulate
+from suspension.variables import MODELS, ParameterError
+
+TIMES = [0.004 * k for k in range(101)]
+STOPS = {
+    "bump_stop.gap": 0.02, "bump_stop.stiffness": 3e5, "rebound_stop.gap": 0.02,
+    "rebound_stop.stiffness": 3e5, "friction": 60.0, "damper.rebound_limit": 600.0,
+    "damper.limit_slope": 200.0, "road.start": 0.01,
+}  # fmt: skip
+BOTH = {f"{axle}.{name}": x for axle in ("front", "rear") for name, x in STOPS.items()}
+CARS: list[tuple[str, Mapping[str, object]]] = [
+    ("OneDof", {}),
+    ("QuarterCar", {}),
+    ("QuarterCar", STOPS),
+    ("HalfCarRigidTyres", {}),
+    ("HalfCar", {"road.height": 0.08}),
+    ("HalfCar", {name: x for name, x in BOTH.items() if "road" not in name}),
+    ("Elastoplastic", {}),
+]
+
+
+@pytest.mark.parametrize(("model", "given"), CARS)
+def test_every_output_is_what_stepping_gives_to_the_bit(
+    model: str, given: Mapping[str, object]
+) -> None:
+    over, ends = outputs_over_time(model), outputs_at_end(model)
+    assert len(over) == len(set(over))
+    (run,) = run_many(model, [given], TIMES, over, at_end=ends, workers=1)
+    assert run.ok
+    wanted = simulate(model, given, TIMES, {*over, *ends})
+    for name in over:
+        assert list(run.columns[name]) == wanted[name], name
+    for name in ends:
+        assert run.at_end[name] == wanted[name][-1], name
+    if "lift_off_count" in ends:
+        assert run.at_end["lift_off_count"] >= 1
+
+
+@pytest.mark.parametrize("model", ["OneDof", "QuarterCar", "HalfCarRigidTyres", "HalfCar"])
+def test_what_is_left_out_adds_up_or_is_the_solvers(model: str) -> None:
+    declared = {v.name for v in MODELS[model] if v.causality == "output"}
+    left_out = declared - {*outputs_over_time(model)}
+    assert {name.split("_", 1)[-1] if name[:4] in ("fron", "rear") else name for name in left_out} <= {
+        "energy_residual", "stable_step", "step_count", "ok", "airborne_time",
+    }  # fmt: skip
+    assert set(outputs_over_time(model)) <= declared
+
+
+def test_a_run_that_fails_has_its_columns_up_to_there_and_no_end() -> None:
+    bad = {"spring.cubic": -1e9, "road.height": 0.3}
+    (run,) = run_many(
+        "QuarterCar", [bad], TIMES, ["contact_force", "airborne"], at_end=["step_count"]
+    )
+    assert 0 < len(run.columns["contact_force"]) == len(run.columns["airborne"]) < len(TIMES)
+    assert not run.at_end
+    assert not run.ok
+
+
+def test_what_only_the_end_tells_is_refused_over_time() -> None:
+    with pytest.raises(ParameterError, match="a batch of QuarterCar has no output"):
+        run_many("QuarterCar", [{}], TIMES, ["step_count"])
+    with pytest.raises(ParameterError, match="a batch of QuarterCar has no output"):
+        run_many("QuarterCar", [{}], TIMES, [], at_end=["body_displacement"])
