@@ -12,6 +12,7 @@ from phaseplane.figures.style import BLUE, DARK, LIGHT, Palette, new_figure
 
 Quantities = Mapping[str, tuple[str, Sequence[float]]]
 _MOST = 6
+_LEVELS = 14
 
 
 def sweep(
@@ -76,9 +77,12 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
         good = np.isfinite(z)
         px, py, pz = (np.asarray(v, float)[good] for v in (x, y, z))
         if len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2 and np.ptp(pz) > 0.0:
-            filled = axes.tricontourf(px, py, pz, levels=14, cmap="viridis")
-            axes.tricontour(px, py, pz, levels=14, colors=palette.paper, linewidths=0.4)
-            bar = figure.colorbar(filled, ax=axes)
+            counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each whole number
+            levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
+            filled = axes.tricontourf(px, py, pz, levels=levels, cmap="viridis")
+            axes.tricontour(px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4)
+            ticks = np.arange(pz.min(), pz.max() + 0.5) if counts else None
+            bar = figure.colorbar(filled, ax=axes, ticks=ticks)
         else:
             dots = axes.scatter(px, py, c=pz, cmap="viridis")
             bar = figure.colorbar(dots, ax=axes)
