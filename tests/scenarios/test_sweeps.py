@@ -180,6 +180,22 @@ def test_rows_are_what_runs_by_hand_give() -> None:
     assert os.listdir("out") == ["sweep"]  # and no journal
 
 
+def test_runs_in_one_call_and_runs_that_are_stepped_give_the_same_rows(tmp_path: Path) -> None:
+    """The energy balance needs steps from row to row; what else is measured must not notice."""
+    names = (
+        "peak.contact_force", "rms.body_acceleration", "suspension_travel", "airborne_time",
+        "lift_offs", "step_count", "dynamic_load_coefficient", "natural_frequencies",
+    )  # fmt: skip
+    found = []
+    for k, measures in enumerate((names, (*names, "energy_residual"))):
+        text = GRID.replace('"peak.body_displacement", "lift_off_count"', str(list(measures))[1:-1])
+        rows, _ = sweep(load_plan(written(text)), tmp_path / f"journal{k}", workers=1)
+        assert not any(row.reason for row in rows)
+        found.append([row.values[: len(names)] for row in rows])
+    assert found[0] == found[1]
+    assert {values[names.index("lift_offs")] for values in found[0]} == {0, 1}
+
+
 def test_keys_of_the_scene_may_be_varied_too() -> None:
     text = (
         GRID.split("[vary]", maxsplit=1)[0]
