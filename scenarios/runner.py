@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import signal
 from contextlib import suppress
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -104,7 +105,7 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "model": scene.fmu.model,
         "fmu": str(scene.fmu.path) if scene.fmu.path else scene.fmu.model,
         "table": scene.show.table,
-        "versions": _versions(),
+        "versions": dict(_versions()),
         "hash": scene.hash,
         "duration": scene.duration,
         "output_interval": scene.communication_step,
@@ -133,6 +134,7 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
     }
 
 
+@cache
 def _versions() -> dict[str, str]:
     """What took part in a run."""
     found = {"python": platform.python_version()}

@@ -414,7 +414,7 @@ class Scene(Strict):
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the outputs kept: what is shown, and what is drawn."""
-        planes = {name for names in self.show.planes for name in names}
+        wanted = {*self.outputs, *(name for names in self.show.planes for name in names)}
         drawn = (
             name.endswith(_DRAWN) and bool(self.show.figures or self.show.recording)
             for name in self.fmu.outputs()
@@ -422,7 +422,7 @@ class Scene(Strict):
         return tuple(
             name
             for name, needed in zip(self.fmu.outputs(), drawn, strict=True)
-            if needed or name in self.outputs or name in planes
+            if needed or name in wanted
         )
 
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     Column = npt.NDArray[np.float64]
 
 _MOST_IN_CHUNK = 200
+_MOTION_IN_CHUNK = 400.0  # s: an interrupt waits for the chunks that are under way
 _CHECKED = 3  # runs that are made both ways, where the FMU is driven
 
 
@@ -88,7 +89,8 @@ def sweep(
     rows = _kept_rows(plan, journal)
     left = [run for run in range(len(plan.points)) if run not in rows]
     count = workers or os.cpu_count() or 1
-    size = max(1, min(_MOST_IN_CHUNK, ceil(len(left) / (8 * count))))
+    most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))
+    size = max(1, min(most, ceil(len(left) / (8 * count))))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
     with _kept(plan, journal) as keep, _executor(count, dask) as executor:
         futures = [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
