@@ -32,12 +32,12 @@ def guid(fmu: Path) -> str:
 def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The same FMU, packed from sources in which the kernel and a model differ."""
     sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
-    integrator, models = sources / "kernel" / "integrator.py", sources / "models.py"
-    shorter_steps = integrator.read_text().replace("_SAFE_PHASE = 2.5", "_SAFE_PHASE = 0.25")
+    march, models = sources / "kernel" / "march.py", sources / "models.py"
+    shorter_steps = march.read_text().replace("_SAFE_PHASE = 2.5", "_SAFE_PHASE = 0.25")
     heavier = models.read_text().replace('float(p["sprung_mass"])', '2.0 * float(p["sprung_mass"])')
-    assert shorter_steps != integrator.read_text()
+    assert shorter_steps != march.read_text()
     assert heavier != models.read_text()
-    integrator.write_text(shorter_steps)
+    march.write_text(shorter_steps)
     models.write_text(heavier)
     monkeypatch.setattr(packing, "SUSPENSION", sources)
     return build(["QuarterCar"], tmp_path)[0]
