@@ -265,6 +265,7 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
         raise ParameterError(
             f"hardening = {float(p['hardening']):g}: must be below spring.rate = {rate:g} N/m"
         )
+    _check_start(p, rate, yield_force, float(p["hardening"]))
     course = force_course(p, "force.table") or roads.constant()
     return System(
         coordinates=("",),
@@ -278,8 +279,25 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
         ),
         signals={"force": roads.constant(), "force_table": course},
         loads=(Load((1.0,), "force"), Load((1.0,), "force_table")),
-        scales=(yield_force / rate,),
+        scales=((yield_force + course.scale) / rate,),
     )  # fmt: skip
+
+
+def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:
+    """Refuse a set at which the spring would start beyond its yield force: it could not have come so."""
+    displacement, permanent_set = (
+        float(p[f"initial.{name}"]) for name in ("displacement", "permanent_set")
+    )
+    # between the lines of flow, -+ yield force (1 - hardening / rate) + hardening u
+    room = yield_force * (1.0 - hardening / rate)
+    middle = displacement * (1.0 - hardening / rate)
+    if abs(rate * (displacement - permanent_set) - hardening * displacement) > room * (1.0 + 1e-12):
+        low, high = middle - room / rate, middle + room / rate
+        raise ParameterError(
+            f"initial.permanent_set = {permanent_set:g}: must be from {low:g} to {high:g} m where "
+            f"initial.displacement = {displacement:g}, or the spring would start beyond its yield "
+            "force; give both"
+        )
 
 
 _BUILDERS = {

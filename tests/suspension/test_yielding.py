@@ -14,6 +14,8 @@ from scipy.integrate import solve_ivp
 from suspension import characteristics, roads
 from suspension.engine import Integrator
 from suspension.models import Element, Load, System
+from suspension.session import simulate
+from suspension.variables import ParameterError
 
 # CP75's loads, which reproduce what H83 says of its example 40: N at 0, 0.1, ..., 0.8 s
 LOADS = [0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0]
@@ -221,3 +223,20 @@ def test_mirrored_loads_give_the_mirrored_motion() -> None:
 def test_what_cannot_yield_is_refused(given_: dict[str, object], complaint: str) -> None:
     with pytest.raises(ValueError, match=complaint):
         Element("frame", (1.0,), **{"spring": characteristics.linear(5000.0), **given_})  # type: ignore[arg-type]
+
+
+def test_a_start_beyond_the_yield_force_is_refused_and_any_set_may_be_started_from() -> None:
+    with pytest.raises(ParameterError, match=r"must be from -0\.0012 to 0\.0012 m where"):
+        simulate("Elastoplastic", {"initial.permanent_set": 0.01}, [0.0], ["displacement"])
+    start = {"initial.permanent_set": 0.01, "initial.displacement": 0.01}
+    found = simulate("Elastoplastic", start, [0.0, 0.1], ["displacement", "permanent_set"])
+    plain = simulate("Elastoplastic", {}, [0.0, 0.1], ["displacement"])
+    assert found["permanent_set"] == [0.01, 0.01]
+    assert found["displacement"][1] - 0.01 == pytest.approx(plain["displacement"][1], rel=1e-9)
+
+
+def test_a_frame_that_yields_at_almost_nothing_moves_as_a_mass_under_its_load() -> None:
+    """No damping: m u'' = f(t), whose double integral is known."""
+    soft = {"yield_force": 1e-9, "damper.rate": 0.0, "force.table": "0:8, 1:8"}
+    (_, moved) = simulate("Elastoplastic", soft, [0.0, 0.5], ["displacement"])["displacement"]
+    assert moved == pytest.approx(8.0 / 100.0 * 0.5**2 / 2.0, rel=1e-6)
