@@ -4,7 +4,7 @@ from libc.math cimport sqrt
 from .march cimport March
 from .stepper cimport Stepper
 
-cdef int _PAUSED, _SPRING, _CONTACT, _KINDS
+cdef int _PAUSED, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(March):
@@ -14,9 +14,11 @@ cdef class Integrator(March):
 
     @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
     cpdef take_over(self, Integrator earlier, list pairs)
-    @cython.locals(status=int)
+    @cython.locals(status=int, begun="long long", start=double)
     cpdef int advance(self, double until, bint stop=*)
-    @cython.locals(status=int)
+    @cython.locals(taken="long long")
+    cdef bint _is_hopeless(self, long long begun, double start, double until)
+    @cython.locals(status=int, begun="long long", start=double)
     cdef int _run_all(self, Py_ssize_t count) except -1
     @cython.locals(status=int, i=int, at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t count) noexcept nogil

@@ -21,9 +21,13 @@ FAILURES = {
     6: "the fixed step is longer than the largest stable one (stable_step)",
     7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
     8: "switches follow one another while no time passes",
+    9: "it would take far too many steps: a motion is too fast for so long a time",
 }
 
 _PAUSED = 1  # as in march
+_TOO_MANY = 9
+_ENOUGH_STEPS = 100000  # from which it is judged how many are still to come
+_MOST_STEPS = 30000000  # still to come in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
 
 
@@ -159,11 +163,21 @@ class Integrator(March):
         0, or the key of `FAILURES` that says why the run cannot go on.
         """
         status = _PAUSED
+        begun, start = self.step_count, self.time
         while status == _PAUSED:
             with cython.nogil:
                 status = self._advance(until, stop)
             self._log_events()
+            if status == _PAUSED and self._is_hopeless(begun, start, until):
+                return _TOO_MANY
         return status
+
+    def _is_hopeless(self, begun, start, until):
+        """Whether the steps to come would be far too many, at the pace since `start`."""
+        taken = self.step_count - begun
+        if taken < _ENOUGH_STEPS:
+            return False
+        return taken * (until - self.time) > _MOST_STEPS * (self.time - start)
 
     def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
@@ -203,10 +217,13 @@ class Integrator(March):
 
     def _run_all(self, count):
         status = _PAUSED
+        begun, start = self.step_count, self.time
         while status == _PAUSED:
             with cython.nogil:
                 status = self._run(count)
             self._log_events()
+            if status == _PAUSED and self._is_hopeless(begun, start, self.instants[count - 1]):
+                return _TOO_MANY
         return status
 
     def _run(self, count):
