@@ -91,6 +91,10 @@ def run_scene(
             drawing_time = perf_counter() - started
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
+        except InputError:
+            if scene.show.figures_construction:
+                raise
+            # a recording alone does without, as of any model that has no construction
     with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
         results = run(scene, progress=progress, watch=watch, realtime=realtime)

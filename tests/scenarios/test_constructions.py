@@ -17,6 +17,7 @@ from scenarios.cli import main
 from scenarios.constructions import constructed, laid_over, rate_of, told_of
 from scenarios.equations import check_equation, function_of, solve
 from scenarios.errors import DrawingError, InputError
+from scenarios.job import run_scene
 from scenarios.planes import of_system, planes_of
 from scenarios.schema import load_scene
 from suspension.characteristics import linear
@@ -334,3 +335,12 @@ def test_rules_that_cannot_be_drawn():
     told = next(line for line in lost.stdout.splitlines() if line.startswith("delta"))
     assert "leaves the sheet after 0.0" in told
     assert "integrator: equilibrium" in lost.stdout
+
+
+def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Path) -> None:
+    """Dry friction has none; figures that need one are refused before anything is run."""
+    settings = ["show.figures=[]", "show.recording=trail", "duration=0.1"]
+    summary, _ = run_scene("leaf_spring", settings, tmp_path / "out")
+    assert "construction.rrd" in summary["files"]
+    with pytest.raises(InputError, match="dry friction, for which there is no construction"):
+        run_scene("leaf_spring", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
