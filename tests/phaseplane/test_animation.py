@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from itertools import pairwise
 from pathlib import Path
 
@@ -56,5 +57,15 @@ def test_mp4_without_ffmpeg_is_refused(drawing, tmp_path, monkeypatch) -> None:
 
 @pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="there is no ffmpeg")
 def test_mp4(drawing: Drawing, tmp_path: Path) -> None:
-    path = animation(drawing, tmp_path / "a.mp4")
+    path = animation(drawing, tmp_path / "a.mp4", rate=10)
     assert path.read_bytes()[4:8] == b"ftyp"
+    subprocess.run(
+        [FFMpegWriter.bin_path(), "-v", "error", "-i", path, tmp_path / "%02d.png"], check=True
+    )
+    pictures = []
+    for file in sorted(tmp_path.glob("*.png")):
+        with Image.open(file) as picture:
+            pictures.append(np.asarray(picture.convert("L"), float))
+    differ = [bool(np.abs(a - b).max() > 100.0) for a, b in pairwise(pictures)]
+    assert differ == 5 * [True] + 12 * [False]  # a picture for each of six steps, then the end
+    assert pictures[0].mean() > 200.0  # light

@@ -332,7 +332,7 @@ def test_build_packs_what_runs() -> None:
         assert words in refused.stderr
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="has no SIGTERM to handle")
+@pytest.mark.skipif(sys.platform == "win32", reason="not on this platform: no SIGTERM")
 def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()

@@ -302,7 +302,8 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")  # of the cluster's own libraries
 def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed  # noqa: PLC0415  (its warnings are let pass above)
+
     plan = load_plan(written(GRID))
     alone, _ = sweep(plan, tmp_path / "a", workers=1)
     with distributed.LocalCluster(

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
@@ -42,8 +42,7 @@ def scale(characteristic: law.Characteristic) -> float:
 @given(LAWS, st.floats(-2.0, 2.0))
 def test_tangent_is_the_slope_of_the_force(characteristic: law.Characteristic, x: float) -> None:
     h = 1e-6
-    if any(abs(x - corner) < 2 * h for corner in characteristic.corners):
-        return
+    assume(all(abs(x - corner) >= 2 * h for corner in characteristic.corners))
     slope = (characteristic.force(x + h) - characteristic.force(x - h)) / (2 * h)
     assert slope == pytest.approx(characteristic.tangent(x), abs=1e-8 * scale(characteristic) / h)
 

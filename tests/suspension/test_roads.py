@@ -10,7 +10,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
@@ -59,8 +59,7 @@ PARTS = st.sampled_from([road for road in (*SMOOTH, *ABRUPT) if road.segments[-1
 @given(ROADS, st.floats(-0.05, 0.6))
 def test_derivatives_are_those_of_the_value(road: roads.Signal, t: float) -> None:
     h = 1e-5
-    if any(abs(t - joint) < 2 * h for joint in road.joints):
-        return
+    assume(all(abs(t - joint) >= 2 * h for joint in road.joints))
     below, here, above = (road.derivatives(t + k * h) for k in (-1, 0, 1))
     for order in range(3):
         slope = (above[order] - below[order]) / (2 * h)
@@ -141,8 +140,7 @@ def test_bump_and_obstacle_join_with_equal_slope() -> None:
 def test_the_rear_axle_meets_the_same_road_later(
     road: roads.Signal, t: float, delay: float
 ) -> None:
-    if any(abs(t - joint) < 1e-9 for joint in road.joints):
-        return
+    assume(all(abs(t - joint) >= 1e-9 for joint in road.joints))
     assert road.delayed(delay).derivatives(t + delay) == pytest.approx(
         road.derivatives(t), rel=1e-7, abs=1e-6
     )

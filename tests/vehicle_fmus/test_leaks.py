@@ -76,7 +76,7 @@ def growth(folder: str) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+@pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: reads /proc")
 def test_a_thousand_cycles(folders: dict[str, str], tmp_path: Path) -> None:
     (tmp_path / "empty.py").write_text(_EMPTY_SLAVE)
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py", "--handle-state"]
