@@ -20,6 +20,9 @@ cdef class Elements(Laws):
     cdef double[::1] row_d, row_v, row_f, row_k, row_c
     cdef double force0, force1, force2
 
+    @cython.locals(s=int, e=int, k=int)
+    cdef void forget_branches(self) noexcept nogil
+    cdef read_element(self, int e, element)
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
     cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)

@@ -34,7 +34,7 @@ class Elements(Laws):
 
     Parameters
     ----------
-    system : `systems.System`; read once, not kept
+    system : `systems.System`
 
     Raises
     ------
@@ -45,8 +45,10 @@ class Elements(Laws):
         Laws.__init__(self, system)
         self.n = len(system.mass)
         self._read_rows(system)
-        self._read_limits(system.elements)
         elements = self.elements
+        self.yields, self.modulated = integers([0] * elements), integers([0] * elements)
+        self.friction, self.limit, self.free_length, self.free_energy = vectors(4, elements)
+        self.initial_set, self.spring_rate = vectors(2, elements)
         self.branch, self.departing = (
             integers([0] * _KINDS * elements),
             integers([0] * _KINDS * elements),
@@ -74,24 +76,31 @@ class Elements(Laws):
         self.row_direction = doubles(x for row in rows for x in row[0])
         self.row_signal = integers(row[1] for row in rows)
         self.element_row = integers(element_row)
-
-    def _read_limits(self, elements):
-        """What modulates, limits, yields and rubs."""
-        rubbing = [
-            row for row, element in zip(self.element_row, elements, strict=True) if element.friction
-        ]
+        rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
         if len(set(rubbing)) < len(rubbing):
             raise ValueError("two elements with friction act along one direction; make them one")
-        self.modulated = integers(element.is_modulated for element in elements)
-        self.friction = doubles(element.friction for element in elements)
-        self.limit = doubles(element.limit for element in elements)
-        self.free_length = doubles(element.free_length for element in elements)
-        self.free_energy = doubles(
-            element.spring.potential(element.free_length) for element in elements
-        )
-        self.yields = integers(element.yield_force < 1e300 for element in elements)
-        self.initial_set = doubles(element.permanent_set for element in elements)
-        self.spring_rate = doubles(element.spring.tangent(0.0) for element in elements)
+
+    def forget_branches(self):
+        """As before anything has moved: no branch chosen, nothing lifted off, slipped or kept."""
+        for s in range(self.signals):
+            self.signal_now[s] = self.kept_signal[s] = 0
+        for e in range(self.elements):
+            self.limited_count[e] = 0
+            self.kept_set[e] = 0.0
+        for k in range(_KINDS * self.elements):
+            self.branch[k] = self.departing[k] = self.kept_branch[k] = 0
+        self.stuck = 0
+        self.exchange = 0.0
+
+    def read_element(self, e, element):
+        """Enter the laws of element e, and what modulates, limits, yields and rubs."""
+        self.read_laws(e, element)
+        spring, free_length = element.spring, element.free_length
+        self.modulated[e] = element.is_modulated
+        self.friction[e], self.limit[e] = element.friction, element.limit
+        self.free_length[e], self.free_energy[e] = free_length, spring.potential(free_length)
+        self.yields[e], self.initial_set[e] = element.yield_force < 1e300, element.permanent_set
+        self.spring_rate[e] = spring.tangent(0.0)
 
     # -- rows ----------------------------------------------------------------------------------------
 

@@ -22,6 +22,8 @@ cdef class Integrator(March):
     cdef int _run_all(self, Py_ssize_t count) except -1
     @cython.locals(status=int, i=int, at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t count) noexcept nogil
+    @cython.locals(k=int, i=int, what="int[::1]")
+    cdef _log_events(self)
     @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
     cpdef void sample_forces(self, double t) noexcept nogil

@@ -126,6 +126,7 @@ class Integrator(March):
         jumps : whether a change of the value is such a jump
         """
         before = self._energy()
+        self.net.signals_read[signal] = None
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
             # a damper at rest stands on its corner: the road's new velocity says on which side it acts
@@ -255,8 +256,9 @@ class Integrator(March):
 
     def _log_events(self):
         for k in range(self.event_count):
-            what = self.event_what[4 * k : 4 * k + 4]
-            self.log.append((self.event_time[k], *what))
+            what = self.event_what
+            i = 4 * k
+            self.log.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
         self.event_count = self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
@@ -408,6 +410,7 @@ class Integrator(March):
         self.event_count = 0
         self.log = []
         d.known = 0
+        net.signals_read = [None] * net.signals
         # tangents follow from the state; accelerations and multipliers are kept to the bit
         net.list_stuck()
         derived = [s.a, s.j, s.multiplier, s.multiplier_rate]

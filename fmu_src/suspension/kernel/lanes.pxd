@@ -17,6 +17,8 @@ cdef class Lanes:
     cdef double[8] error_q, error_v
 
     @cython.locals(i=int)
+    cdef void enter_mass(self, double[::1] mass) noexcept nogil
+    @cython.locals(i=int)
     cdef void enter(self, double[::1] stiffness, double[::1] damping) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
     @cython.locals(new=bint, pair=int, s0=double, s1=double)

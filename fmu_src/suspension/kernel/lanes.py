@@ -81,11 +81,17 @@ class Lanes:
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
         self.step = -1.0
-        for i in range(n * n):
+        self.enter_mass(mass)
+
+    def enter_mass(self, mass):
+        """Take over a mass matrix, by rows, and find its inverse."""
+        for i in range(self.n * self.n):
             self.mass[i] = mass[i]
-        self._invert_pair(0, 0.0, 0.0, n)
-        for i in range(n * n):
+            self.stiffness[i] = self.damping[i] = 0.0
+        self._invert_pair(0, 0.0, 0.0, self.n)
+        for i in range(self.n * self.n):
             self.flexibility[i] = self.inverse[2 * i]  # M^-1
+        self.step = -1.0
 
     def enter(self, stiffness, damping):
         """Take over the tangents of a branch, K and B by rows."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate, repeat
+
 import cython
 
 from .arrays import doubles, integers
@@ -20,25 +22,31 @@ class Laws(Signals):
 
     Parameters
     ----------
-    system : `systems.System`; read once, not kept
+    system : `systems.System`
     """
 
     def __init__(self, system):
         Signals.__init__(self, system.signals)
-        first, count, pieces = [], [], []
-        for element in system.elements:
-            for law in (element.spring, element.damper, element.modulation):
-                first.append(len(pieces) // _PIECE)
-                if law is element.spring and element.yield_force < 1e300:
-                    pieces += _flow_pieces(element)
-                    count.append(3)
-                    continue
-                count.append(len(law.pieces))
-                for piece, potential in zip(law.pieces, law.potentials, strict=True):
-                    pieces += (piece.start, piece.origin, *piece.coefficients)
-                    pieces += (piece.saturation, piece.scale, potential)
-        self.first, self.count = integers(first), integers(count)
-        self.piece = doubles(pieces)
+        count = [pieces for element in system.elements for pieces in pieces_of(element)]
+        self.count = integers(count)
+        self.first = integers(accumulate(count, initial=0))
+        self.piece = doubles([0.0] * _PIECE * sum(count))
+
+    def read_laws(self, e, element):
+        """Enter the pieces of the laws of element e, as many as there were.
+
+        Of its spring with what is stored up to them; the force of a damper over its rate stores nothing.
+        """
+        at = self.first[_LAWS * e] * _PIECE
+        if element.yield_force < 1e300:
+            numbers = _flow_pieces(element)
+        else:
+            numbers = _numbers(element.spring, element.spring.potentials)
+        for law in (element.damper, element.modulation):
+            numbers += _numbers(law, repeat(0.0))
+        for x in numbers:
+            self.piece[at] = x
+            at += 1
 
     def law(self, p, x):
         """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""
@@ -117,6 +125,21 @@ def log_cosh(u):
         w = sinh(x)
         return 0.5 * log1p(w * w)
     return x + log1p(exp(-2.0 * x)) - _LOG_2
+
+
+def pieces_of(element):
+    """How many pieces the laws of an element have: its spring, its damper, what modulates it."""
+    spring = len(element.spring.pieces) if element.yield_force > 1e300 else 3
+    return spring, len(element.damper.pieces), len(element.modulation.pieces)
+
+
+def _numbers(law, potentials):
+    """The pieces of a law, one after the other."""
+    numbers = []
+    for piece, potential in zip(law.pieces, potentials, strict=False):
+        numbers += (piece.start, piece.origin, *piece.coefficients)
+        numbers += (piece.saturation, piece.scale, potential)
+    return numbers
 
 
 def _flow_pieces(element):

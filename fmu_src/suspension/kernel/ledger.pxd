@@ -13,6 +13,8 @@ cdef class Ledger:
     cdef double[::1] power, work, scratch, point, weight
     cdef double initial_energy, stored, supplied, residual_start, residual_end
 
+    @cython.locals(i=int)
+    cdef void start(self) noexcept nogil
     @cython.locals(i=int, k=int, h=double, t=double)
     cdef void book(self) noexcept nogil
     @cython.locals(i=int, balance=double)

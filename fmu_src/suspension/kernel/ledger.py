@@ -47,10 +47,15 @@ class Ledger:
             )
         )
         self.initial_energy = 0.0
-        self.supplied = (
-            0.0  # what roads and loads have moved in and out, every joule counted as one
-        )
+        self.start()
+
+    def start(self):
+        """Nothing has been done yet."""
+        # what roads and loads have moved in and out, every joule counted as one
+        self.supplied = 0.0
         self.residual_start = self.residual_end = 0.0
+        for i in range(self.net.works):
+            self.work[i] = 0.0
 
     def book(self):
         """Enter the works of the last step, with the branches of that step."""

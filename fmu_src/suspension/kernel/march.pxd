@@ -40,6 +40,10 @@ cdef class March:
     cdef int stalled, event_count, since_pause
     cdef double landed
 
+    @cython.locals(e=int)
+    cdef _start(self, double time, double reach)
+    @cython.locals(i=int)
+    cdef _begin(self)
     cdef void _enter_branches(self) noexcept nogil
     @cython.locals(status=int, before=double)
     cdef int _advance(self, double until, bint stop) noexcept nogil

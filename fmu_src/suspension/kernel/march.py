@@ -53,8 +53,8 @@ class March:
     ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
-        if method == "exact" and (why := not_straight(system)):
-            raise ValueError(f"method 'exact' cannot take this system: {why}")
+        if method == "exact":
+            _refuse_curved(system)
         if not theta >= _LEAST_THETA:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
         if method == "exact":
@@ -81,7 +81,6 @@ class March:
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
-        self.in_step = True  # whether the branches are still those of the last step
         self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
         self.contact_element = integers(
             e for e, element in enumerate(system.elements) if element.limit < 1e300
@@ -89,13 +88,47 @@ class March:
         self.contacts = len(self.contact_element)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.event_count = self.stalled = self.filled = self.since_pause = 0
         self.log = []  # switches so far: (time, element, kind, from, to)
-        self.time = self.grid_start = start
+        self._start(start, max(system.scales))
+
+    def restart(self, system, start):
+        """Begin anew with a system that differs from the one before in its numbers alone.
+
+        All is then as in a new integrator of that system with the same method, step and tolerance.
+
+        Returns
+        -------
+        Whether the system fits; otherwise nothing is done, and it needs an integrator of its own.
+
+        Raises
+        ------
+        ValueError : as for a new integrator.
+        """
+        if not self.net.fits(system):
+            return False
+        if self.stepper.method == METHODS["exact"]:
+            _refuse_curved(system)
+        self.net.read(system)
+        self.log = []
+        self._start(start, max(system.scales))
+        return True
+
+    def _start(self, time, reach):
+        """Stand still in equilibrium, before anything has happened."""
+        self.event_count = self.stalled = self.filled = self.since_pause = 0
+        self.time = self.grid_start = time
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
-        self.stepper.reach = self.first_reach = max(system.scales)
-        self.net.enter_segments(start, vectors(1, n)[0])  # what lies before the start gives no jump
+        self.in_step = True  # whether the branches are still those of the last step
+        self.first_reach = reach
+        for e in range(self.net.elements):
+            self.step_limited[e] = 0
+            self.limited_time[e] = 0.0
+        self.net.forget()
+        self.net.enter_segments(time, self.stepper.v)  # what lies before the start gives no jump
+        self.stepper.start(reach)
+        self.watch.start()
+        self.ledger.start()
         self._begin()
 
     def _begin(self):
@@ -318,3 +351,9 @@ class March:
         if self.in_step:
             self.net.keep_branches()
             self.in_step = False
+
+
+def _refuse_curved(system):
+    why = not_straight(system)
+    if why:
+        raise ValueError(f"method 'exact' cannot take this system: {why}")

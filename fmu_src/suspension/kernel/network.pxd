@@ -11,6 +11,14 @@ cdef class Network(Elements):
     cdef int[::1] load_signal
     # what the last evaluation left
     cdef double[::1] scratch, multiplier, multiplier_rate, spread, reaction, coupling
+    # what has been read
+    cdef list load_names, signal_sizes, element_shapes, elements_read, signals_read
+
+    cdef bint fits(self, system) except -1
+    @cython.locals(n=int, i=int, s=int, e=int, m=int, numbers=list)
+    cdef read(self, system)
+    @cython.locals(e=int)
+    cdef void forget(self) noexcept nogil
 
     @cython.locals(s=int, jumped=int, jump=double)
     cdef int enter_segments(self, double t, double[::1] v) noexcept nogil

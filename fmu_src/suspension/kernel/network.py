@@ -11,6 +11,7 @@ import cython
 
 from .arrays import doubles, integers, vectors
 from .elements import KINDS, Elements
+from .laws import pieces_of
 
 if not cython.compiled:
     from .linear import decompose, solve
@@ -26,7 +27,7 @@ class Network(Elements):
 
     Parameters
     ----------
-    system : `systems.System`; read once, not kept
+    system : `systems.System`
 
     Raises
     ------
@@ -38,7 +39,7 @@ class Network(Elements):
         n, elements = self.n, self.elements
         names = list(system.signals)
         self.loads = len(system.loads)
-        self.load_direction = doubles([x for load in system.loads for x in load.direction] or [0.0])
+        self.load_direction = doubles([0.0] * max(self.loads * n, 1))
         self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
         self.multiplier, self.multiplier_rate = vectors(2, elements)
         self.spread, self.reaction = doubles([0.0] * elements * n), doubles([0.0] * elements)
@@ -46,12 +47,60 @@ class Network(Elements):
         self.zero, self.scratch = vectors(2, n)
         # works: dissipated by each element, brought in by each row's road, by each load
         self.works = elements + self.rows + self.loads
-        self.mass = doubles(x for row in system.mass for x in row)
-        if len(self.mass) != n * n:
+        self.mass, self.mass_factor = vectors(2, n * n)
+        self.load_names = [load.signal for load in system.loads]
+        self.signal_sizes = _sizes(system)
+        self.element_shapes = list(map(_shape, system.elements))
+        self.elements_read, self.signals_read = [None] * elements, [None] * self.signals
+        self.read(system)
+
+    def fits(self, system):
+        """Whether a system differs from the one read in its numbers alone."""
+        return (
+            len(system.mass) == self.n
+            and len(system.elements) == self.elements
+            and [load.signal for load in system.loads] == self.load_names
+            and _sizes(system) == self.signal_sizes
+            and all(
+                element is before or _shape(element) == shape
+                for element, before, shape in zip(
+                    system.elements, self.elements_read, self.element_shapes, strict=True
+                )
+            )
+        )
+
+    def read(self, system):
+        """Enter the numbers of a system that fits; what is the very object read before stays.
+
+        Raises
+        ------
+        ValueError : a mass matrix that is not positive definite, or not of that size.
+        """
+        n = self.n
+        numbers = [x for row in system.mass for x in row]
+        if len(numbers) != n * n:
             raise ValueError("mass matrix and directions must have one entry per coordinate")
-        self.mass_factor = doubles(self.mass)
+        for i in range(n * n):
+            self.mass[i] = self.mass_factor[i] = numbers[i]
         if decompose(self.mass_factor, 0, n) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
+        for s, signal in enumerate(system.signals.values()):
+            if signal is not self.signals_read[s]:
+                self.read_signal(s, signal)
+                self.signals_read[s] = signal
+        for e, element in enumerate(system.elements):
+            if element is not self.elements_read[e]:
+                self.read_element(e, element)
+                self.elements_read[e] = element
+        for m, load in enumerate(system.loads):
+            for i in range(n):
+                self.load_direction[m * n + i] = load.direction[i]
+
+    def forget(self):
+        """As before anything has moved: nothing lifted off, slipped or flowed."""
+        self.forget_branches()
+        for e in range(self.elements):
+            self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
     def enter_segments(self, t, v):
         """Let every signal go on to the segment that holds from t on; never backwards.
@@ -274,3 +323,19 @@ class Network(Elements):
         for e in range(self.elements):
             energy += self.element_energy(e, self.row_d[self.element_row[e]])
         return energy
+
+
+def _sizes(system):
+    """What signals there are, and how many segments they have."""
+    return [(name, len(signal.segments)) for name, signal in system.signals.items()]
+
+
+def _shape(element):
+    """What of an element is no number: two of one shape take the same room and act on the same rows."""
+    return (
+        element.direction,
+        element.road,
+        pieces_of(element),
+        element.limit < 1e300,
+        element.friction > 0.0,
+    )

@@ -9,6 +9,9 @@ cdef class Signals:
     cdef double[::1] segment, road
     cdef int[::1] signal_first, signal_count, signal_now
 
+    @cython.locals(at=int, numbers=tuple)
+    cdef read_signal(self, int s, signal)
+
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
+
 import cython
 
 from .arrays import doubles, integers
@@ -18,21 +20,26 @@ class Signals:
 
     Parameters
     ----------
-    signals : `signals.Signal` by name; read once, not kept
+    signals : `signals.Signal` by name
     """
 
     def __init__(self, signals):
-        first, count, segments = [], [], []
-        for signal in signals.values():
-            first.append(len(segments) // _SEGMENT)
-            count.append(len(signal.segments))
-            for s in signal.segments:
-                segments += (s.start, s.origin, *s.coefficients, s.amplitude, *s.phase)
-        self.signals = len(first)
-        self.signal_first, self.signal_count = integers(first or [0]), integers(count or [0])
+        count = [len(signal.segments) for signal in signals.values()]
+        self.signals = len(count)
+        self.signal_count = integers(count or [0])
+        self.signal_first = integers(accumulate(count, initial=0))
         self.signal_now = integers([0] * max(self.signals, 1))
-        self.segment = doubles(segments or [0.0])
+        self.segment = doubles([0.0] * _SEGMENT * max(sum(count), 1))
         self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
+
+    def read_signal(self, s, signal):
+        """Enter the segments of signal s, as many as there were."""
+        at = self.signal_first[s] * _SEGMENT
+        for segment in signal.segments:
+            numbers = (segment.start, segment.origin, *segment.coefficients, segment.amplitude)
+            for x in (*numbers, *segment.phase):
+                self.segment[at] = x
+                at += 1
 
     def enter_segment(self, s, t):
         """Let signal s go on to the segment that holds from t on; the jump of its value there."""

@@ -25,6 +25,8 @@ cdef class Stepper:
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
 
+    @cython.locals(i=int)
+    cdef void start(self, double reach) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
     @cython.locals(k=int, at=int, omega=double, decay=double)
     cdef void _scale_velocities(self) noexcept nogil

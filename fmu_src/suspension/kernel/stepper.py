@@ -123,6 +123,15 @@ class Stepper:
             else None
         )
 
+    def start(self, reach):
+        """Stand still in the equilibrium of the system that the network has read; `reach` in m."""
+        self.reach = reach
+        for i in range(self.n):
+            self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
+            self.softest[i] = 1e300
+        if self.side_by_side:
+            self.lanes.enter_mass(self.net.mass)
+
     def refresh(self, t):
         """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
         self.stamp += 1

@@ -14,6 +14,7 @@ cdef class Watch:
     cdef double limit, omega, beyond_since, beyond_step
     cdef double[::1] matrix
 
+    cdef void start(self) noexcept nogil
     @cython.locals(omega=double)
     cdef double fit(self, double time, double h) noexcept nogil
     @cython.locals(largest=double)

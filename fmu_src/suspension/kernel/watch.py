@@ -39,9 +39,13 @@ class Watch:
         self.policy, self.limit = POLICIES[policy], _BELOW * limit
         self.stamp = -1
         self.omega = 0.0
+        self.matrix = doubles([0.0] * self.n * self.n)
+        self.start()
+
+    def start(self):
+        """No step has been too long yet."""
         self.beyond_since = -1e300  # when a step was first found too long, s
         self.beyond_step = 0.0  # what would have been stable then, s
-        self.matrix = doubles([0.0] * self.n * self.n)
 
     def fit(self, time, h):
         """The step to take in place of h: h itself, an equal part of it, or 0 if it is refused."""

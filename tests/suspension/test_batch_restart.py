@@ -1,0 +1,163 @@
+"""An integrator that begins anew with other numbers is, to the bit, a new one."""
+
+from __future__ import annotations
+
+from array import array
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from suspension.engine import Integrator
+from suspension.models import build
+from suspension.systems import System
+from suspension.variables import METHODS, MODELS
+
+TIMES = array("d", [0.004 * k for k in range(51)])
+# What there is of a car besides its defaults; which of these act is its shape.
+FEATURES: list[dict[str, float]] = [
+    {},
+    {"damper.rebound_limit": 300.0, "damper.bump_limit": 250.0, "damper.limit_slope": 100.0},
+    {"bump_stop.stiffness": 2e5, "bump_stop.gap": 0.02, "rebound_stop.stiffness": 3e5,
+     "rebound_stop.gap": 0.03},
+    {"friction": 80.0, "damper.saturation_force": 900.0},
+    {"spring.preload": 2500.0},
+]  # fmt: skip
+SHAPES = ("flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole")
+VARIED = (
+    "sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
+    "tyre.stiffness", "tyre.damping", "speed", "road.height", "road.length", "road.start", "mass",
+    "damper.rate", "yield_force", "hardening", "initial.displacement", "cg_to_front",
+    "pitch_radius_of_gyration",
+)  # fmt: skip
+START = {"road.start": 0.01, "hardening": 200.0, "initial.displacement": 1e-4}
+
+
+@st.composite
+def runs(draw: st.DrawFn, model: str) -> tuple[dict[str, Any], list[System], float]:
+    """Options of an integrator, systems that differ in their numbers alone, and where they start."""
+    parameters = {v.name: v for v in MODELS[model] if v.causality == "parameter"}
+    shared: dict[str, Any] = {"solver.method": draw(st.sampled_from(METHODS))}
+    curved = shared["solver.method"] != "exact"
+    shape = draw(st.sampled_from(SHAPES))
+    if "road.shape" in parameters:
+        shared |= {"road.shape": shape, "road.duration": 0.1, "road.ramp_length": 0.1}
+    if "lift_off" in parameters:
+        shared["lift_off"] = draw(st.booleans())
+    numbers = {}
+    for feature in draw(st.lists(st.sampled_from(FEATURES), max_size=3)):
+        if curved or "friction" not in feature:
+            numbers.update(feature)
+    if curved and draw(st.booleans()):
+        numbers["spring.cubic"] = 1e5
+    axles = ("front.", "rear.") if "front.spring.rate" in parameters else ("",)
+    names = {axle + name: x for axle in axles for name, x in numbers.items()}
+    for name in VARIED:
+        for full in (name, *(axle + name for axle in axles)):
+            if full in parameters:
+                names[full] = START.get(name, parameters[full].start)
+    names = {name: x for name, x in names.items() if name in parameters}
+    factor = st.floats(0.7, 1.4)
+    systems = [
+        build(model, {**shared, **{name: x * draw(factor) for name, x in names.items()}})
+        for _ in range(draw(st.integers(2, 4)))
+    ]
+    step = draw(st.sampled_from([0.0, 0.0, 1e-3, 0.05]))
+    options = {
+        "method": shared["solver.method"],
+        "step": step if shared["solver.method"] != "exact" else 0.0,
+        "tolerance": draw(st.sampled_from([1e-3, 1e-6])),
+        "energy": draw(st.booleans()),
+        "landing": draw(st.booleans()) or step == 0.0,
+    }
+    return options, systems, draw(st.sampled_from([0.0, 0.0, 0.02]))
+
+
+def told(integrator: Any, system: System) -> tuple[object, ...]:
+    """A run over all instants, and everything that is known of it."""
+    rows, n = len(TIMES), len(system.mass)
+    filled = [array("d", bytes(8 * n * rows)) for _ in range(3)]
+    forces = array("d", bytes(8 * len(system.elements) * rows))
+    status = integrator.run(array("d", [integrator.time + t for t in TIMES]), *filled, forces)
+    elements = range(len(system.elements))
+    return (
+        status, integrator.filled, *(bytes(part) for part in (*filled, forces)), integrator.log,
+        integrator.snapshot(), repr(integrator.energies()), repr(integrator.residual_end),
+        integrator.beyond_stable(), repr(integrator.stable_step()), integrator.step_count,
+        [repr(integrator.limited_time_at(e, integrator.time)) for e in elements],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("model", list(MODELS))
+def test_it_is_a_new_one_to_the_bit(model: str) -> None:
+    @settings(max_examples=40, deadline=None)
+    @given(runs(model), st.randoms(use_true_random=False))
+    def check(drawn: tuple[dict[str, Any], list[System], float], random: Any) -> None:
+        options, systems, start = drawn
+        used = Integrator(systems[0], start=start, **options)
+        for system in (*systems, *random.sample(systems, len(systems))):
+            if random.random() < 0.7:
+                told(used, system)  # whatever it has gone through before
+            fresh = Integrator(system, start=start, **options)
+            assert used.restart(system, start)
+            assert used.snapshot() == fresh.snapshot()
+            assert told(used, system) == told(fresh, system)
+
+    check()
+
+
+def test_what_comes_from_outside_is_forgotten() -> None:
+    system = build("QuarterCar", {"road.shape": "input"})
+    fresh, used, other = (Integrator(system) for _ in range(3))
+    other.set_signal(0, (0.01, 0.5, 0.0, 0.0))
+    other.advance(0.1)
+    for meddle in (
+        lambda: used.set_signal(0, (0.01, 0.5, 0.0, 0.0)),
+        lambda: used.set_state((0.1, 0.0), (1.0, 0.0)),
+        lambda: used.restore(other.snapshot()),
+    ):
+        meddle()
+        used.advance(0.3)
+        assert used.restart(system, 0.0)
+        assert used.snapshot() == fresh.snapshot()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"bump_stop.stiffness": 1e5},
+        {"lift_off": False},
+        {"damper.rebound_limit": 300.0},
+        {"road.shape": "obstacle"},
+        {"body_force.table": "0:0, 1:10"},
+    ],
+)
+def test_what_has_another_shape_needs_another_one(other: dict[str, object]) -> None:
+    used = Integrator(build("QuarterCar", {}))
+    used.advance(0.1)
+    before = used.snapshot()
+    assert not used.restart(build("QuarterCar", other), 0.0)
+    assert used.snapshot() == before
+    assert not used.restart(build("OneDof", {}), 0.0)
+
+
+def test_it_refuses_what_a_new_one_refuses() -> None:
+    straight, curved = (build("QuarterCar", {"spring.cubic": cubic}) for cubic in (0.0, 1e5))
+    used = Integrator(straight, "exact")
+    with pytest.raises(ValueError, match="curved"):
+        used.restart(curved, 0.0)
+    assert used.restart(straight, 0.0)
+    assert used.snapshot() == Integrator(straight, "exact").snapshot()
+
+
+def test_no_number_of_an_end_that_came_before_is_left() -> None:
+    """After a motion that diverged nothing of it is left, not even what is no number."""
+    fine, wild = (
+        build("QuarterCar", {"spring.cubic": cubic, "road.height": height})
+        for cubic, height in ((1e4, 0.05), (-1e9, 0.3))
+    )
+    used, fresh = Integrator(wild), Integrator(fine)
+    assert told(used, wild)[0] == 2
+    assert used.restart(fine, 0.0)
+    assert told(used, fine) == told(fresh, fine)
