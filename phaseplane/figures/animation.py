@@ -13,7 +13,7 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.sheet import trail
 from phaseplane.figures.canvas import Sheet, step_strips, time_words
 from phaseplane.figures.planes import BODY_CURVES, view_of
-from phaseplane.figures.style import palette, role_style, written_whole
+from phaseplane.figures.style import palette_for, role_style, written_whole
 
 MOVING = (".gif", ".mp4")
 _MOST = 150  # pictures
@@ -47,7 +47,7 @@ def animation(
     """
     writer = _writer(Path(path).suffix.lower(), rate)
     shown = drawing.frames[:: -(-len(drawing.frames) // _MOST)]
-    sheet = Sheet(drawing, view_of(drawing, shown, turn=False), palette(dark))
+    sheet = Sheet(drawing, view_of(drawing, shown, turn=False), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(BODY_CURVES)
     for plane in drawing.planes:

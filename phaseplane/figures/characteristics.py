@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, DARK, GREEN, LIGHT, ORANGE, Palette, new_figure
+from phaseplane.figures.style import BLUE, GREEN, ORANGE, Palette, dress, new_figure, palette_for
 from suspension import characteristics as law
 from suspension.characteristics import Characteristic
 from suspension.session import simulate
@@ -51,7 +51,7 @@ def characteristics_sheet(*, dark: bool = False) -> Figure:
     ----------
     dark : on a dark ground
     """
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     panels = list(_panels())
     rows = -(-len(panels) // _COLUMNS)
     figure = new_figure(2.8 * _COLUMNS, 2.5 * rows, palette)
@@ -63,7 +63,7 @@ def characteristics_sheet(*, dark: bool = False) -> Figure:
 
 def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
     deflection = panel.argument == "deflection"
-    axes.set_facecolor(palette.paper)
+    dress(axes, palette, 7.0)
     axes.axhline(0.0, color=palette.faint, linewidth=0.7)
     axes.axvline(0.0, color=palette.faint, linewidth=0.7)
     factor = 1e3 if deflection else 1.0
@@ -74,11 +74,7 @@ def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
     axes.set_title(panel.title, fontsize=9, color=palette.ink)
     axes.set_xlabel("deflection, mm" if deflection else "rate, m/s", fontsize=8, color=palette.ink)
     axes.set_ylabel("force, kN", fontsize=8, color=palette.ink)
-    axes.tick_params(labelsize=7, colors=palette.ink)
-    axes.grid(color=palette.grid, linewidth=0.6)
     axes.margins(x=0.0)
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)
     if len(panel.lines) > 1:
         axes.legend(
             fontsize=7, labelcolor=palette.ink, facecolor=palette.paper, edgecolor=palette.grid,

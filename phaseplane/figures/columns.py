@@ -8,7 +8,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, DARK, LIGHT, ORANGE, Palette, new_figure
+from phaseplane.figures.style import BLUE, ORANGE, Palette, dress, new_figure, palette_for
 
 
 def columns(
@@ -33,7 +33,7 @@ def columns(
     ------
     ValueError : no columns.
     """
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     figure, panels = _panels(list(values), units, palette, title)
     for axes, column in zip(panels, values.values(), strict=True):
         axes.plot(time, column, color=BLUE, linewidth=1.2)
@@ -62,7 +62,7 @@ def comparison(
     ------
     ValueError : no columns.
     """
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     figure, panels = _panels(list(values), units, palette, "")
     for axes, pair in zip(panels, values.values(), strict=True):
         for time, column, label, colour, style in zip(
@@ -88,12 +88,8 @@ def _panels(
         unit = units.get(name, "")
         words = name.replace("_", " ").replace(" ", "\n", 1)
         axes.set_ylabel(f"{words}\n[{unit}]" if unit not in ("", "1") else words, fontsize=8.5)
-        axes.set_facecolor(palette.paper)
-        axes.grid(color=palette.grid, linewidth=0.6)
-        axes.tick_params(colors=palette.ink, labelsize=8.0)
+        dress(axes, palette, 8.0)
         axes.yaxis.label.set_color(palette.ink)
-        for spine in axes.spines.values():
-            spine.set_color(palette.faint)
     panels[-1].set_xlabel("time [s]", color=palette.ink)
     if title:
         figure.suptitle(title, color=palette.ink, fontsize=11.0)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import DARK, LIGHT, SERIES, Palette, new_figure
+from phaseplane.figures.style import SERIES, Palette, dress, new_figure, palette_for
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +82,7 @@ def time_histories(
     ValueError : no `time`, fewer than two instants, columns of unequal length, nothing to draw.
     """
     table, shown = _checked(columns)
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     figure = new_figure(9.0, 0.9 + 2.2 * len(shown), palette)
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     times = 1e3 * table["time"]
@@ -164,7 +164,7 @@ def _panel(
     *,
     points: bool,
 ) -> None:
-    axes.set_facecolor(palette.paper)
+    dress(axes, palette, 8.5)
     for name, words in quantity.columns:
         if name not in table:
             continue
@@ -183,11 +183,7 @@ def _panel(
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
     axes.set_ylabel(f"{quantity.name} [{quantity.unit}]", color=palette.ink)
-    axes.grid(color=palette.grid, linewidth=0.6)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=palette.ink, labelsize=8.5)
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(
         handles[::-1],

@@ -10,7 +10,7 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.constructions.sheet import reach, trail
 from phaseplane.figures.canvas import Sheet, graduation_of, is_main, time_words
 from phaseplane.figures.lettering import Box
-from phaseplane.figures.style import DARK, LIGHT
+from phaseplane.figures.style import palette_for
 
 _NAME = 0.16  # of a sheet's height: what the name of an axis takes up
 BODY_CURVES = ("auxiliary", "line", "shortcut")
@@ -50,7 +50,7 @@ def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.
     """
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real
-    sheet = Sheet(drawing, Box(view.centre + room, view.half + room), DARK if dark else LIGHT)
+    sheet = Sheet(drawing, Box(view.centre + room, view.half + room), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(BODY_CURVES)
     sheet.trails()
@@ -89,7 +89,7 @@ def construction_sheet(
     if not wanted:
         raise ValueError(f"none of the frames is there; the drawing has {len(drawing.frames)}")
     chosen = [drawing.frames[i] for i in wanted]
-    sheet = Sheet(drawing, view_of(drawing, chosen, turn=True), DARK if dark else LIGHT)
+    sheet = Sheet(drawing, view_of(drawing, chosen, turn=True), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(None)
     for one in chosen:

@@ -21,8 +21,9 @@ from phaseplane.figures.style import (
     RED,
     TEAL,
     Palette,
+    dress,
     new_figure,
-    palette,
+    palette_for,
 )
 from phaseplane.portrait import Portrait
 
@@ -60,7 +61,7 @@ def portrait(
     title : written above
     dark : on a dark ground
     """
-    colours = palette(dark)
+    colours = palette_for(dark)
     figure = new_figure(9.0, 6.6, colours)
     axes = figure.add_axes((0.1, 0.17, 0.86, 0.73))
     _dress(axes, shown, labels, colours)
@@ -93,16 +94,13 @@ def portrait(
 
 def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palette) -> None:
     window = shown.window
-    axes.set_facecolor(colours.paper)
+    dress(axes, colours, 8.5, grid=False)
     axes.set_xlim(window.left, window.right)
     axes.set_ylim(window.bottom, window.top)
     axes.set_xlabel(labels[0], color=colours.ink)
     axes.set_ylabel(labels[1], color=colours.ink)
     axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
     axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
-    axes.tick_params(colors=colours.ink, labelsize=8.5)
-    for spine in axes.spines.values():
-        spine.set_color(colours.faint)
 
 
 def _field(axes: Axes, shown: Portrait, colours: Palette) -> None:

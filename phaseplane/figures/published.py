@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
-from phaseplane.constructions.primitives import Curve, Drawing, Plane
+from phaseplane.constructions.primitives import Curve, Drawing, Frame, Plane
 from phaseplane.figures import dimensions
 from phaseplane.figures.canvas import Sheet
 from phaseplane.figures.histories import time_histories
@@ -19,7 +21,7 @@ from phaseplane.figures.planes import (
     step_words,
     telling_frame,
 )
-from phaseplane.figures.style import palette
+from phaseplane.figures.style import palette_for
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
@@ -42,11 +44,8 @@ def figure7(
     chosen = frame_at(drawing, frame)
     if chosen.scheme != CONTACT:
         raise ValueError(f"figure 7 shows a wheel on the road; in step {chosen.step} it is off")
-    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
-    _distances(sheet, _ELASTIC)
-    points = chosen.points
-    dimensions.below(sheet, points["A2*"], points["B2"], r"$b\,h_2/c_2$", 2.4)
-    sheet.letters(chosen)
+    lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
+    sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
     sheet.finish(title, f"Elastic coupling: {step_words(chosen).lower()}")
     return sheet.figure
 
@@ -72,13 +71,8 @@ def figure10(
     chosen = telling_frame(drawing, FLIGHT) if frame is None else frame_at(drawing, frame)
     if chosen.scheme != FLIGHT:
         raise ValueError(f"figure 10 shows the wheel off the road; in step {chosen.step} it is not")
-    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
-    _distances(sheet, _ELASTIC)
-    points = chosen.points
-    dimensions.below(sheet, points["Q2"], points["B0"], r"$b\,x_{2st}$", 2.4)
-    dimensions.below(sheet, points["A1*"], points["D1"], r"$a\,Mg/c_1$", 2.4)
-    sheet.events()
-    sheet.letters(chosen)
+    lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
+    sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
     sheet.finish(title, f"The wheel off the road: {step_words(chosen).lower()}")
     return sheet.figure
 
@@ -100,14 +94,10 @@ def figure12(
         drawing, "H1", "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
     )
     chosen = frame_at(drawing, frame)
-    sheet = step_sheet(drawing, chosen, dark=dark, beside=0.12)
     one, two = (plane.displacement.scale for plane in drawing.planes)
-    _distances(sheet, _INERTIAL if one == two else ("", ""))
-    points = chosen.points
-    for n in "12":
-        text = rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$"
-        dimensions.below(sheet, points[f"D{n}"], points[f"H{n}"], text, 2.4)
-    sheet.letters(chosen)
+    formulas = _INERTIAL if one == two else ("", "")
+    lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
+    sheet = _dimensioned(drawing, chosen, formulas, lengths, dark)
     sheet.finish(title, f"Inertial coupling: {step_words(chosen).lower()}")
     return sheet.figure
 
@@ -136,7 +126,7 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     )
     names = ("P2", "Q2", "A2", "A2*", "B0")
     points = [frame.points[name] for frame in shown for name in names]
-    sheet = Sheet(only, around([*motion_points(only), *points]), palette(dark))
+    sheet = Sheet(only, around([*motion_points(only), *points]), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(("auxiliary",))
     sheet.trails()
@@ -202,6 +192,30 @@ def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool)
     return time_histories(
         columns, title=f"{title}\n{words}" if title else words, dark=dark, points=True
     )
+
+
+def _dimensioned(
+    drawing: Drawing,
+    frame: Frame,
+    formulas: tuple[str, str],
+    lengths: Sequence[tuple[str, str, str]],
+    dark: bool,
+) -> Sheet:
+    """One step, lettered, with lines I and II and lengths on the axes dimensioned.
+
+    Parameters
+    ----------
+    formulas : distances of lines I and II from the y1 axis
+    lengths : from which point, to which, and what that is
+    """
+    sheet = step_sheet(drawing, frame, dark=dark, beside=0.12)
+    _distances(sheet, formulas)
+    for start, end, words in lengths:
+        dimensions.below(sheet, frame.points[start], frame.points[end], words, 2.4)
+    if frame.scheme == FLIGHT:
+        sheet.events()
+    sheet.letters(frame)
+    return sheet
 
 
 def _distances(sheet: Sheet, formulas: tuple[str, str]) -> None:

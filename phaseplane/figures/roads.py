@@ -9,7 +9,16 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from scipy.signal import welch
 
-from phaseplane.figures.style import BLUE, DARK, GREEN, LIGHT, ORANGE, RED, VIOLET, new_figure
+from phaseplane.figures.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    VIOLET,
+    dress,
+    new_figure,
+    palette_for,
+)
 from suspension.roads import REFERENCE_FREQUENCY, class_roughness, random_profile
 
 _COLOURS = (BLUE, GREEN, ORANGE, RED, VIOLET)
@@ -54,16 +63,12 @@ def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool 
     seeds : how many roads each spectrum is the mean of
     dark : on a dark ground
     """
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     figure = new_figure(9.5, 4.4, palette)
     seen, spectra = figure.subplots(1, 2, width_ratios=(1.15, 1.0))
     lines = np.array([_BAND[0], 4.0])
     for axes in (seen, spectra):
-        axes.set_facecolor(palette.paper)
-        axes.grid(color=palette.grid, linewidth=0.6)
-        axes.tick_params(colors=palette.ink, labelsize=8)
-        for spine in axes.spines.values():
-            spine.set_color(palette.faint)
+        dress(axes, palette, 8.0)
     for road_class in "ABCDEFGH":
         drawn = road_class in classes
         middle = class_line(road_class, lines)
@@ -86,7 +91,8 @@ def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool 
     seen.set_xlabel("distance in m", fontsize=9, color=palette.ink)
     seen.set_ylabel("elevation in cm", fontsize=9, color=palette.ink)
     seen.set_xlim(0.0, 100.0)
-    seen.legend(fontsize=8, loc="best", framealpha=0.9)
+    seen.legend(fontsize=8, loc="best", framealpha=0.9, facecolor=palette.paper,
+                edgecolor=palette.grid, labelcolor=palette.ink)  # fmt: skip
     seen.set_title("Random roads of ISO 8608", fontsize=10, color=palette.ink)
     spectra.set_xlabel("spatial frequency in cycles/m", fontsize=9, color=palette.ink)
     spectra.set_ylabel(r"spectral density $G_d$ in m$^3$", fontsize=9, color=palette.ink)

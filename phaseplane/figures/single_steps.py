@@ -11,7 +11,7 @@ from phaseplane.figures import dimensions
 from phaseplane.figures.canvas import Sheet, arc_vertices, time_words
 from phaseplane.figures.lettering import typeset
 from phaseplane.figures.planes import around, frame_at, motion_points, name_room
-from phaseplane.figures.style import palette
+from phaseplane.figures.style import palette_for
 
 Named = tuple[str, str, str]
 """A point's name in the frame, its letter and its role; {n} is the plane's number, {d} its foot."""
@@ -101,7 +101,7 @@ def figure8(
     points = motion_points(drawing)
     points += [z for plane in drawing.planes for z in _points(one, plane, _STEP)]
     view = around(points + name_room(drawing, points))
-    sheet = Sheet(drawing, view, palette(dark))
+    sheet = Sheet(drawing, view, palette_for(dark))
     sheet.axes_of_planes()
     sheet.trails()
     letters = []
@@ -157,7 +157,7 @@ def _close_up(
 ) -> Sheet:
     """A sheet with the step alone, its y axis, its integral curve and its normal."""
     points = _points(frame, plane, named)
-    sheet = Sheet(drawing, around(points, 0.12), palette(dark))
+    sheet = Sheet(drawing, around(points, 0.12), palette_for(dark))
     sheet.y_axis(plane)
     p, d, *_ = points
     sheet.lines("normal", [[d, p]])

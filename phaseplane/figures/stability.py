@@ -17,10 +17,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from phaseplane.figures.style import (
     BLUE,
-    DARK,
     GREEN,
     GREY,
-    LIGHT,
     OCHRE,
     ORANGE,
     PINK,
@@ -28,7 +26,9 @@ from phaseplane.figures.style import (
     TEAL,
     VIOLET,
     Palette,
+    dress,
     new_figure,
+    palette_for,
 )
 
 Values = npt.NDArray[np.float64]
@@ -82,7 +82,7 @@ def stability_sheet(
     """
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     figure = new_figure(12.0, 9.6, palette)
     top = figure.add_gridspec(1, 2, left=0.06, right=0.985, top=0.955, bottom=0.57, wspace=0.42)
     low = figure.add_gridspec(1, 3, left=0.06, right=0.915, top=0.44, bottom=0.07, wspace=0.3)
@@ -102,12 +102,8 @@ def stability_sheet(
 
 
 def _style(axes: Axes, palette: Palette, title: str) -> None:
-    axes.set_facecolor(palette.paper)
+    dress(axes, palette, 8.0)
     axes.set_title(title, fontsize=9.5, color=palette.ink)
-    axes.tick_params(colors=palette.ink, labelsize=8)
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)
-    axes.grid(visible=True, color=palette.grid, linewidth=0.6)
     axes.set_axisbelow(True)
 
 

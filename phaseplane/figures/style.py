@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 from matplotlib import rc_context
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, withStroke
@@ -75,7 +76,7 @@ SERIES = {
 }
 
 
-def palette(dark: bool) -> Palette:
+def palette_for(dark: bool) -> Palette:
     """The dark palette or the light one."""
     return DARK if dark else LIGHT
 
@@ -83,6 +84,16 @@ def palette(dark: bool) -> Palette:
 def role_style(role: str) -> RoleStyle:
     """The style of a role; one that the table does not know is drawn as construction lines are."""
     return ROLES.get(role, _UNKNOWN)
+
+
+def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
+    """Ground, ticks, frame and grid of plain axes in the colours of the palette."""
+    axes.set_facecolor(palette.paper)
+    axes.tick_params(colors=palette.ink, labelsize=label_size, which="both")
+    for spine in axes.spines.values():
+        spine.set_color(palette.faint)
+    if grid:
+        axes.grid(color=palette.grid, linewidth=0.6)
 
 
 def new_figure(width: float, height: float, palette: Palette) -> Figure:

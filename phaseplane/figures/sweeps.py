@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, DARK, LIGHT, Palette, new_figure
+from phaseplane.figures.style import BLUE, Palette, dress, new_figure, palette_for
 
 Quantities = Mapping[str, tuple[str, Sequence[float]]]
 _MOST = 6
@@ -33,7 +33,7 @@ def sweep(
     """
     if not varied or not measured:
         raise ValueError("a sweep is drawn of at least one parameter and one measure")
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     shown = dict(list(measured.items())[:_MOST])
     draw = {1: _lines, 2: _maps}.get(len(varied), _matrix)
     figure = draw(varied, shown, palette)
@@ -128,11 +128,7 @@ def _words(name: str, unit: str, *, broken: bool = True) -> str:
 
 
 def _plain(axes: Axes, palette: Palette) -> None:
-    axes.set_facecolor(palette.paper)
-    axes.grid(color=palette.grid, linewidth=0.6)
+    dress(axes, palette, 8.0)
     axes.set_axisbelow(True)
-    axes.tick_params(colors=palette.ink, labelsize=8.0)
     for label in (axes.xaxis.label, axes.yaxis.label):
         label.set_color(palette.ink)
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)

@@ -14,10 +14,8 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
 from phaseplane.figures.style import (
     BLUE,
-    DARK,
     GREEN,
     GREY,
-    LIGHT,
     OCHRE,
     ORANGE,
     PINK,
@@ -25,7 +23,9 @@ from phaseplane.figures.style import (
     TEAL,
     VIOLET,
     Palette,
+    dress,
     new_figure,
+    palette_for,
 )
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # errors: of the axis, of what failed
@@ -78,7 +78,7 @@ def work_precision(
     """
     if not panels:
         raise ValueError("there is nothing to draw: no panels")
-    palette = DARK if dark else LIGHT
+    palette = palette_for(dark)
     columns = min(len(panels), 3)
     rows = ceil(len(panels) / columns)
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
@@ -134,7 +134,7 @@ def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
 
 
 def _style(axes: Axes, palette: Palette) -> None:
-    axes.set_facecolor(palette.paper)
+    dress(axes, palette, 7.0)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(_SMALLEST, _FAILED * 10.0)
@@ -148,10 +148,6 @@ def _style(axes: Axes, palette: Palette) -> None:
     axes.xaxis.set_minor_locator(FixedLocator([10.0**k for k in range(-13, 1, 2)]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda seconds, _: _time(seconds)))
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.grid(color=palette.grid, lw=0.6)
-    axes.tick_params(labelsize=7, colors=palette.ink, which="both")
-    for spine in axes.spines.values():
-        spine.set_color(palette.faint)
 
 
 def _time(seconds: float) -> str:

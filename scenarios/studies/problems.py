@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
@@ -110,59 +110,6 @@ def _blow_off() -> str:
     return ", ".join(f"{rate!r}:{force!r}" for rate, force in points)
 
 
-def lift_off() -> Problem:
-    title = "quarter car of AP57 section 8, blow-off damper, lift-off"
-    return of_model("lift_off", title, "non-smooth", "QuarterCar", {"damper.table": _blow_off()})
-
-
-def half_car() -> Problem:
-    axle = {
-        "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 150.0,
-        "bump_stop.gap": 0.03, "bump_stop.stiffness": 2e5,
-        "rebound_stop.gap": 0.04, "rebound_stop.stiffness": 2e5,
-    }  # fmt: skip
-    parameters: dict[str, Value] = {
-        f"{end}.{name}": value for end in ("front", "rear") for name, value in axle.items()
-    }
-    parameters |= {"road.height": 0.07, "pitch_radius_of_gyration": 1.1}
-    title = "half car of four degrees of freedom, blow-off dampers, end stops, lift-off"
-    return of_model("half_car", title, "non-smooth", "HalfCar", parameters)
-
-
-def rigid_tyres() -> Problem:
-    title = "half car on rigid tyres, coupled by its inertia, over an obstacle"
-    parameters: dict[str, Value] = {
-        "road.shape": "obstacle", "road.length": 3.0, "speed": 15.0, "pitch_radius_of_gyration": 1.1,
-    }  # fmt: skip
-    return of_model("rigid_tyres", title, "non-smooth", "HalfCarRigidTyres", parameters)
-
-
-def end_stops() -> Problem:
-    title = "one degree of freedom between end stops, on a sine road"
-    parameters: dict[str, Value] = {
-        "road.shape": "sine", "road.height": 0.04, "road.length": 12.0, "speed": 15.0,
-        "damper.bump_rate": 300.0, "damper.rebound_rate": 600.0,
-        "bump_stop.gap": 0.03, "bump_stop.stiffness": 1e5,
-        "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e5,
-    }  # fmt: skip
-    return of_model("end_stops", title, "non-smooth", "OneDof", parameters)
-
-
-def yielding() -> Problem:
-    return of_model(
-        "yielding", "elastoplastic frame of H83 example 40", "non-smooth", "Elastoplastic", {}
-    )
-
-
-def friction() -> Problem:
-    title = "quarter car on leaf springs with dry friction that sticks, lift-off"
-    parameters: dict[str, Value] = {
-        "spring.rate": 20e3, "damper.rebound_rate": 300.0, "damper.bump_rate": 300.0,
-        "friction": 400.0, "road.length": 1.5, "speed": 15.0,
-    }  # fmt: skip
-    return of_model("friction", title, "non-smooth", "QuarterCar", parameters)
-
-
 def full_car() -> Problem:
     """Seven degrees of freedom over a bump under the left wheels alone."""
     mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0
@@ -195,42 +142,6 @@ def full_car() -> Problem:
     return Problem(
         "full_car", "full car of seven degrees of freedom, lift-off", "non-smooth", system, 2.0, 400
     )
-
-
-def linear() -> Problem:
-    title = "linear quarter car on a sine road"
-    parameters: dict[str, Value] = {
-        "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
-        "road.shape": "sine", "road.height": 0.02, "road.length": 5.0,
-    }  # fmt: skip
-    return of_model("linear", title, "smooth", "QuarterCar", parameters)
-
-
-def hardening() -> Problem:
-    title = "quarter car on a cubic spring and a sine road"
-    parameters: dict[str, Value] = {
-        "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
-        "spring.cubic": 5e6, "road.shape": "sine", "road.height": 0.03, "road.length": 8.0,
-    }  # fmt: skip
-    return of_model("hardening", title, "smooth", "QuarterCar", parameters)
-
-
-def saturating() -> Problem:
-    title = "quarter car on a damper that saturates, sine road"
-    parameters: dict[str, Value] = {
-        "lift_off": False, "damper.saturation_force": 400.0, "damper.rebound_rate": 2000.0,
-        "damper.bump_rate": 2000.0, "road.shape": "sine", "road.height": 0.03, "road.length": 8.0,
-    }  # fmt: skip
-    return of_model("saturating", title, "smooth", "QuarterCar", parameters)
-
-
-def hard_stop() -> Problem:
-    title = "quarter car against end stops of 10 MN/m"
-    parameters: dict[str, Value] = {
-        "bump_stop.gap": 0.02, "bump_stop.stiffness": 1e7,
-        "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e7,
-    }  # fmt: skip
-    return of_model("hard_stop", title, "stiff", "QuarterCar", parameters)
 
 
 def car_axis() -> Problem:
@@ -266,12 +177,92 @@ def car_axis() -> Problem:
     )
 
 
+_AXLE: dict[str, Value] = {
+    "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 150.0,
+    "bump_stop.gap": 0.03, "bump_stop.stiffness": 2e5,
+    "rebound_stop.gap": 0.04, "rebound_stop.stiffness": 2e5,
+}  # fmt: skip
+# A linear quarter car that stays on the road: smooth, with what else is given.
+_SMOOTH: dict[str, Value] = {
+    "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
+    "road.shape": "sine",
+}  # fmt: skip
+
+
+def _of_models(
+    **told: tuple[str, Kind, str, Mapping[str, Value]],
+) -> dict[str, Callable[[], Problem]]:
+    """Problems of the models by name: title, kind, model and parameters."""
+    return {name: partial(of_model, name, *one) for name, one in told.items()}
+
+
 PROBLEMS: dict[str, Callable[[], Problem]] = {
-    make.__name__: make
-    for make in (
-        lift_off, half_car, rigid_tyres, end_stops, yielding, friction, full_car, linear, hardening,
-        saturating, hard_stop, car_axis,
-    )
+    **_of_models(
+        lift_off=(
+            "quarter car of AP57 section 8, blow-off damper, lift-off", "non-smooth",
+            "QuarterCar", {"damper.table": _blow_off()},
+        ),
+        half_car=(
+            "half car of four degrees of freedom, blow-off dampers, end stops, lift-off",
+            "non-smooth", "HalfCar",
+            {
+                **{f"{end}.{k}": v for end in ("front", "rear") for k, v in _AXLE.items()},
+                "road.height": 0.07, "pitch_radius_of_gyration": 1.1,
+            },
+        ),
+        rigid_tyres=(
+            "half car on rigid tyres, coupled by its inertia, over an obstacle", "non-smooth",
+            "HalfCarRigidTyres",
+            {
+                "road.shape": "obstacle", "road.length": 3.0, "speed": 15.0,
+                "pitch_radius_of_gyration": 1.1,
+            },
+        ),
+        end_stops=(
+            "one degree of freedom between end stops, on a sine road", "non-smooth", "OneDof",
+            {
+                "road.shape": "sine", "road.height": 0.04, "road.length": 12.0, "speed": 15.0,
+                "damper.bump_rate": 300.0, "damper.rebound_rate": 600.0,
+                "bump_stop.gap": 0.03, "bump_stop.stiffness": 1e5,
+                "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e5,
+            },
+        ),
+        yielding=("elastoplastic frame of H83 example 40", "non-smooth", "Elastoplastic", {}),
+        friction=(
+            "quarter car on leaf springs with dry friction that sticks, lift-off", "non-smooth",
+            "QuarterCar",
+            {
+                "spring.rate": 20e3, "damper.rebound_rate": 300.0, "damper.bump_rate": 300.0,
+                "friction": 400.0, "road.length": 1.5, "speed": 15.0,
+            },
+        ),
+    ),
+    "full_car": full_car,
+    **_of_models(
+        linear=(
+            "linear quarter car on a sine road", "smooth", "QuarterCar",
+            {**_SMOOTH, "road.height": 0.02, "road.length": 5.0},
+        ),
+        hardening=(
+            "quarter car on a cubic spring and a sine road", "smooth", "QuarterCar",
+            {**_SMOOTH, "spring.cubic": 5e6, "road.height": 0.03, "road.length": 8.0},
+        ),
+        saturating=(
+            "quarter car on a damper that saturates, sine road", "smooth", "QuarterCar",
+            {
+                **_SMOOTH, "damper.saturation_force": 400.0, "damper.rebound_rate": 2000.0,
+                "damper.bump_rate": 2000.0, "road.height": 0.03, "road.length": 8.0,
+            },
+        ),
+        hard_stop=(
+            "quarter car against end stops of 10 MN/m", "stiff", "QuarterCar",
+            {
+                "bump_stop.gap": 0.02, "bump_stop.stiffness": 1e7,
+                "rebound_stop.gap": 0.03, "rebound_stop.stiffness": 1e7,
+            },
+        ),
+    ),
+    "car_axis": car_axis,
 }  # fmt: skip
 
 
