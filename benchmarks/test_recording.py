@@ -23,8 +23,8 @@ from phaseplane.recording.sheet import arcs, points, vertices
 from phaseplane.recording.sinks import encoded
 from phaseplane.recording.words import stage_texts, step_text
 from scenarios.live import shown_live
+from scenarios.loading import load_scene
 from scenarios.runner import run
-from scenarios.schema import load_scene
 
 pytestmark = pytest.mark.slow
 

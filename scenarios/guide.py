@@ -13,7 +13,7 @@ from suspension.variables import MODELS, Variable
 from .expectations import During, Reference
 from .fmus import find_fmu
 from .measures import catalogue
-from .schema import Construction, Show
+from .sections import Construction, Show
 
 _TOP = {
     "extends": ("", "another case or scene file, over which this one is laid"),

@@ -67,10 +67,10 @@ def run_scene(
     """
     from .constructions import constructed, drifting, told_of  # noqa: PLC0415
     from .live import shown_live  # noqa: PLC0415
+    from .loading import load_scene  # noqa: PLC0415
     from .pictures import draw_all  # noqa: PLC0415
     from .planes import CONSTRUCTED  # noqa: PLC0415
     from .runner import run  # noqa: PLC0415
-    from .schema import load_scene  # noqa: PLC0415
 
     _check_targets(save, None)
     scene = load_scene(reference, overrides)
@@ -283,9 +283,10 @@ def replay(
     """
     from .constructions import constructed, laid_over, told_of  # noqa: PLC0415
     from .live import show_in  # noqa: PLC0415
+    from .loading import construction_settings, load_scene  # noqa: PLC0415
     from .pictures import RULES_SHOWN, draw, record  # noqa: PLC0415
     from .replays import content, of_results, readings  # noqa: PLC0415
-    from .schema import CONSTRUCTION_FIGURES, construction_settings, load_scene  # noqa: PLC0415
+    from .sections import CONSTRUCTION_FIGURES  # noqa: PLC0415
 
     _check_targets(recording, figure)
     try:

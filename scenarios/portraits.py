@@ -57,7 +57,7 @@ def portrait(
 
     from phaseplane.portrait import Window, good_window, whole_portrait  # noqa: PLC0415
 
-    from .schema import load_scene  # noqa: PLC0415
+    from .loading import load_scene  # noqa: PLC0415
 
     if figure is not None:
         check_picture(figure)

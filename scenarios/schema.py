@@ -2,64 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
 from suspension.models import build
 from suspension.units import nearest
 from suspension.variables import ParameterError, Value, refuse_unknown
 
 from .equations import EQUATION, check_equation
-from .errors import InputError, SceneError, one_line, shown
+from .errors import InputError, shown
 from .expectations import Bounds, During, Reference, bounds_from
-from .fields import (
-    Factor,
-    Metres,
-    Seconds,
-    Strict,
-    choices,
-    list_of,
-    one_of,
-    pair,
-    pairs_of_names,
-    tuple_from,
-)
+from .fields import Seconds, Strict, tuple_from
 from .fmus import Fmu, find_fmu
-from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
 from .measured import with_files
 from .measures import at_end, catalogue, default_measures
-from .results import TABLE
-from .tables import check_ending, read_table
+from .sections import Construction, Show
+from .tables import read_table
 
-Figure = Literal[
-    "time_histories", "phase_planes", "construction_sheet",
-    # those of AP57, drawn anew
-    "figure4a", "figure4b", "figure7", "figure8", "figure9", "figure10", "figure12", "figure13",
-    "figure14", "figure15", "figure16",
-]  # fmt: skip
-Detail = Literal["trail", "steps", "stages"]
-View = Literal["planes", "vehicle", "histories", "energies", "words"]
-Rule = Literal[
-    "tangent", "mean_normal", "auto_mean_normal", "osculating_circle", "midpoint_circle",
-    "mean_arc_circle", "velocity", "delta",
-]  # fmt: skip
-FIGURES: tuple[Figure, ...] = get_args(Figure)
-CONSTRUCTION_FIGURES = tuple(name for name in FIGURES if name != "time_histories")
-RULES: tuple[Rule, ...] = get_args(Rule)
-VIEWS: tuple[View, ...] = get_args(View)
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
 _SHOWN = (
     "displacement", "velocity", "acceleration", "deflection", "_deflection_rate", "elevation",
@@ -69,104 +33,8 @@ _SHOWN = (
 _DRAWN = (
     "displacement", "velocity", "acceleration", "deflection", "elevation", "airborne",
 )  # fmt: skip
-_EXPECTED_APART = ("during", "reference")  # in the file within [expect]
 _MOST_ROWS = 5_000_000
 _MOST_STEPS = 100_000
-
-
-class Show(Strict):
-    """What is shown; nothing else is computed, read or written."""
-
-    outputs: list[str] | Literal["all"] | None = None
-    """names of outputs, or "all"; the motion, the road and the contact force if left out"""
-    output_interval: Seconds = 1e-3
-    """time from row to row"""
-    measures: tuple[str, ...] | None = None
-    """names of measures; those one looks at first if left out"""
-    figures: Annotated[
-        tuple[str, ...], BeforeValidator(list_of(FIGURES)), choices(FIGURES, many=True)
-    ] = ()
-    """which pictures are drawn"""
-    dark: bool = False
-    """whether pictures have a dark ground"""
-    recording: Detail | Literal[False] = False
-    """detail of the recording, or false for none"""
-    views: Annotated[
-        tuple[str, ...], BeforeValidator(list_of(VIEWS)), choices(VIEWS, many=True)
-    ] = VIEWS
-    """what the recording shows"""
-    planes: Annotated[tuple[tuple[str, str], ...], BeforeValidator(pairs_of_names)] = ()
-    """pairs of outputs, displacement and rate, whose phase planes the recording shows"""
-    table: str = TABLE
-    """name of the file of the results; its ending says in which form: .csv, .parquet, .h5, .mat"""
-
-    @field_validator("table")
-    @classmethod
-    def _form(cls, value: str) -> str:
-        if Path(value).name != value:
-            raise ValueError("must be the name of a file, without folders")
-        check_ending(Path(value))
-        return value
-
-    @field_validator("outputs", mode="before")
-    @classmethod
-    def _names(cls, value: object) -> object:
-        if value == "all" or (
-            isinstance(value, list) and all(isinstance(name, str) for name in value)
-        ):
-            return value
-        raise ValueError('must be a list of outputs, or "all"')
-
-    @field_validator("measures", mode="before")
-    @classmethod
-    def _measures(cls, value: object) -> object:
-        if value is None or (
-            isinstance(value, list | tuple) and all(isinstance(name, str) for name in value)
-        ):
-            return value if value is None else tuple(dict.fromkeys(value))
-        raise ValueError("must be a list of measures")
-
-    @field_validator("recording", mode="before")
-    @classmethod
-    def _detail(cls, value: object) -> object:
-        if value is True:
-            return "stages"
-        if value is False or value in get_args(Detail):
-            return value
-        raise ValueError(f"must be true, false or one of {', '.join(get_args(Detail))}")
-
-    @property
-    def draws(self) -> bool:
-        """Whether anything shown needs the graphical construction, or would show it if there is."""
-        return self.records_construction or self.figures_construction
-
-    @property
-    def records_construction(self) -> bool:
-        """Whether the recording shows the graphical construction, where there is one."""
-        wanted = {"planes", "words"} & set(self.views)
-        return bool(self.recording and wanted and not self.planes)
-
-    @property
-    def figures_construction(self) -> bool:
-        """Whether a figure needs the graphical construction."""
-        return any(name in CONSTRUCTION_FIGURES for name in self.figures)
-
-
-class Construction(Strict):
-    """How the graphical construction is made."""
-
-    rule: Annotated[str, BeforeValidator(one_of(RULES)), choices(RULES)] = "delta"
-    """how a step is made"""
-    step: Seconds = 2.5e-3
-    """time of a step"""
-    duration: Seconds | None = None
-    """how long it goes on; as long as the scene if left out"""
-    plane_distance: Metres = 0.25
-    """distance of the planes' axes on the sheet of paper"""
-    plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] | None = None
-    """paper over displacement in the planes of struts and of wheels; if left out, its own"""
-    shortcut: bool = False
-    """whether AP57's shortcut for touchdown, x2 = x2st, is drawn as well"""
 
 
 class Scene(Strict):
@@ -426,61 +294,6 @@ class Scene(Strict):
         )
 
 
-def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
-    """Read a scene.
-
-    Parameters
-    ----------
-    reference : name of a case, path of a scene file, or path of an `.fmu` file that is to be run as it
-        is, for as long as it says itself
-    overrides : `key=value` texts, laid over the file
-
-    Raises
-    ------
-    SceneError : one line that names file, key, value and what is allowed.
-    """
-    path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
-    layers = fmu_layers(path, overrides) if path.suffix == ".fmu" else read_layers(path, overrides)
-    content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
-    expected = content.get("expect")
-    if isinstance(expected, dict):
-        content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}
-        content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
-        content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
-    try:
-        context = {"folder": layers.folders.get("fmu"), "folders": layers.folders}
-        return Scene.model_validate(content, context=context)
-    except ValidationError as error:
-        raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
-
-
-def construction_settings(kept: Mapping[str, Any], overrides: Sequence[str] = ()) -> dict[str, Any]:
-    """The construction settings of a run, with `construction.key=value` texts laid over them.
-
-    Raises
-    ------
-    SceneError : a key that is none of the construction's, or a value that is not allowed.
-    """
-    layers = Layers()
-    layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
-    for text in overrides:
-        key, value = parse_override(text)
-        if not key.startswith("construction."):
-            raise SceneError(
-                one_line(
-                    f"--set {text}: of results only construction.* can be set: "
-                    f"{', '.join(Construction.model_fields)}"
-                )
-            )
-        layers.put({key: value}, "--set", Path())
-    try:
-        return Construction.model_validate(layers.tables()["construction"]).model_dump()
-    except ValidationError as error:
-        told = error.errors(include_url=False)[0]
-        told["loc"] = ("construction", *told["loc"])
-        raise SceneError(_told(told, layers, "results")) from None
-
-
 def _table(value: object) -> dict[str, Any]:
     if not isinstance(value, dict):
         raise ValueError("must be a table")
@@ -490,41 +303,3 @@ def _table(value: object) -> dict[str, Any]:
 def _at(key: str, message: str) -> PydanticCustomError:
     """An error that tells itself which key it is about."""
     return PydanticCustomError("told", "{message}", {"message": message, "key": key})
-
-
-def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
-    """A validation error as one line."""
-    parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
-    if parts[:1] and parts[0] in _EXPECTED_APART:
-        parts.insert(0, "expect")
-    key = ".".join(parts)
-    if error["type"] == "told":
-        key = str(error["ctx"]["key"])
-        places = [place for place in (".".join([*parts[:1], key]).strip("."), key) if place]
-        origin = next((layers.origins[p] for p in places if p in layers.origins), "")
-        return one_line(f"{origin or layers.origin(places[0], reference)}: {error['msg']}")
-    where = layers.origin(key, reference)
-    if error["type"] == "missing":
-        return one_line(f"{where}: {shown(key)} is missing; a scene needs fmu and duration")
-    if error["type"] == "extra_forbidden":
-        names = _fields(parts[:-1])
-        return one_line(
-            f"{where}: unknown key {shown(key)}{nearest(parts[-1], names)}; "
-            f"allowed in [{'.'.join(parts[:-1])}]: {', '.join(names)}"
-        )
-    message = error["msg"].removeprefix("Value error, ")
-    if error["type"] == "model_type":
-        message = "must be a table"
-    elif message.startswith("Input should be"):
-        message = f"must be{message.removeprefix('Input should be')}"
-    return one_line(f"{where}: {key} = {shown(error['input'])}: {message}")
-
-
-def _fields(sections: Sequence[str]) -> list[str]:
-    """The keys a section of the scene may have."""
-    models: dict[str, type[BaseModel]] = {
-        "show": Show, "construction": Construction, "expect.during": During,
-        "expect.reference": Reference,
-    }  # fmt: skip
-    model = models.get(".".join(sections))
-    return [field.alias or name for name, field in model.model_fields.items()] if model else []

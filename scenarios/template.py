@@ -9,7 +9,7 @@ from suspension.variables import Variable
 
 from .errors import InputError, one_line
 from .fmus import find_fmu
-from .schema import FIGURES
+from .sections import FIGURES
 
 _USUAL = ("sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
           "tyre.stiffness", "mass", "damping", "yield_force", "road.shape", "road.height",

@@ -24,8 +24,8 @@ def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bo
     """Find the smallest model that serves SCENE, by running them all."""
     from ..ladder import ladder as climb  # noqa: PLC0415
     from ..ladder import ladder_in_words  # noqa: PLC0415
+    from ..loading import load_scene  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
-    from ..schema import load_scene  # noqa: PLC0415
 
     told = climb(load_scene(scene, overrides), tolerance)
     click.echo(as_json(told) if as_data else ladder_in_words(told))

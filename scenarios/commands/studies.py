@@ -48,8 +48,8 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
 
     [default: ap57_figure13, the 60 points of the worked example]
     """
+    from ..loading import load_scene  # noqa: PLC0415
     from ..results import as_json  # noqa: PLC0415
-    from ..schema import load_scene  # noqa: PLC0415
     from ..studies import rules as study  # noqa: PLC0415
 
     loaded = load_scene(scene, overrides)

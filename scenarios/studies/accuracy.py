@@ -93,7 +93,7 @@ def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
 
 
 def _own() -> Iterator[Solver]:
-    from ..schema import RULES  # noqa: PLC0415
+    from ..sections import RULES  # noqa: PLC0415
 
     def tolerant(method: str) -> Callable[[Workbench, float], Run]:
         return lambda bench, value: own.in_process(bench, method=method, tolerance=value)

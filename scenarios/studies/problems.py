@@ -274,7 +274,7 @@ def find_problem(name: str) -> Problem:
     InputError : neither, or a scene whose FMU is not one of this project's models.
     """
     from ..layers import case_names  # noqa: PLC0415
-    from ..schema import load_scene  # noqa: PLC0415
+    from ..loading import load_scene  # noqa: PLC0415
 
     if name in PROBLEMS:
         return PROBLEMS[name]()

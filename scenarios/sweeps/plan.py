@@ -19,8 +19,9 @@ from suspension.variables import Value, Variable
 from ..errors import InputError, SceneError, one_line, shown
 from ..fields import Strict, choices, one_of, tuple_from
 from ..layers import CASES, KEYS
+from ..loading import load_scene
 from ..measures import catalogue
-from ..schema import Scene, load_scene
+from ..schema import Scene
 
 SWEEPS = CASES / "sweeps"
 METHODS = ("grid", "list", "latin_hypercube", "sobol")

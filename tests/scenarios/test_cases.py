@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from scenarios.layers import CASES, case_names
+from scenarios.loading import load_scene
 from scenarios.report import failures
 from scenarios.runner import run
-from scenarios.schema import load_scene
 
 QUICK = ("ap57_obstacle", "h83_example40", "stiff_stop", "light_wheel", "speed_bump_20", "kerb")
 BARE = ["show.figures=[]", "show.recording=false"]

@@ -14,7 +14,8 @@ from pydantic import BaseModel
 from scenarios.cli import main
 from scenarios.expectations import During, Reference
 from scenarios.guide import json_schema
-from scenarios.schema import Construction, Show, load_scene
+from scenarios.loading import load_scene
+from scenarios.sections import Construction, Show
 from scenarios.sweeps.plan import Range, SweepFile
 from scenarios.tables import write_table
 from suspension.variables import MODELS

@@ -18,8 +18,8 @@ from scenarios.constructions import constructed, laid_over, rate_of, told_of
 from scenarios.equations import check_equation, function_of, solve
 from scenarios.errors import DrawingError, InputError
 from scenarios.job import run_scene
+from scenarios.loading import load_scene
 from scenarios.planes import of_system, planes_of
-from scenarios.schema import load_scene
 from suspension.characteristics import linear
 from suspension.models import build
 from suspension.session import simulate

@@ -10,8 +10,9 @@ import pytest
 from scenarios.comparison import compared
 from scenarios.errors import SceneError
 from scenarios.expectations import During
+from scenarios.loading import load_scene
 from scenarios.runner import run
-from scenarios.schema import Scene, load_scene
+from scenarios.schema import Scene
 from scenarios.tables import write_table
 from suspension.variables import MODELS
 

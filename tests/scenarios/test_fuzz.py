@@ -17,7 +17,7 @@ import pytest
 
 from scenarios.errors import InputError
 from scenarios.layers import CASES
-from scenarios.schema import load_scene
+from scenarios.loading import load_scene
 from suspension.session import Session, SimulationError
 from suspension.variables import MODELS
 

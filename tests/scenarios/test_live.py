@@ -23,8 +23,8 @@ from phaseplane.recording import serving
 from scenarios.cli import main
 from scenarios.job import run_scene
 from scenarios.layers import case_names
+from scenarios.loading import load_scene
 from scenarios.replays import default_pairs, vehicle
-from scenarios.schema import load_scene
 
 ROOT = Path(__file__).parents[2]
 PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])

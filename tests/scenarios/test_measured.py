@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from scenarios.cli import main
 from scenarios.errors import SceneError
-from scenarios.schema import load_scene
+from scenarios.loading import load_scene
 from suspension.models import road_from
 from suspension.variables import checked_parameters
 

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from scenarios.cli import main
 from scenarios.pictures import RULES_SHOWN
-from scenarios.schema import CONSTRUCTION_FIGURES, RULES
+from scenarios.sections import CONSTRUCTION_FIGURES, RULES
 
 
 def test_a_replay_takes_the_rule_that_the_figure_shows(

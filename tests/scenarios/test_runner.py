@@ -14,8 +14,8 @@ import pytest
 
 from scenarios.driving import opened
 from scenarios.errors import InputError, RunError
+from scenarios.loading import load_scene
 from scenarios.runner import run, run_with
-from scenarios.schema import load_scene
 from suspension.session import simulate
 
 REFERENCE = Path(__file__).parents[1] / "reference"

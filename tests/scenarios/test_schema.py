@@ -11,15 +11,9 @@ from hypothesis import strategies as st
 
 from scenarios.errors import SceneError
 from scenarios.layers import CASES, KEYS, case_names, case_titles
-from scenarios.schema import (
-    FIGURES,
-    RULES,
-    Construction,
-    Detail,
-    Scene,
-    construction_settings,
-    load_scene,
-)
+from scenarios.loading import construction_settings, load_scene
+from scenarios.schema import Scene
+from scenarios.sections import FIGURES, RULES, Construction, Detail
 
 KGF = 9.80665  # N
 AP57 = (CASES / "ap57.toml").read_text(encoding="utf-8")
