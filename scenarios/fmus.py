@@ -72,12 +72,21 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
     if not reference.endswith(".fmu"):
         known = (*MODELS, EQUATION)
         raise InputError(
-            f"must be {' or '.join(known)}, or the path of an .fmu file" + nearest(reference, known)
+            f"must be one of {', '.join(known)}, or the path of an .fmu file"
+            + nearest(reference, known)
         )
     path = (folder or Path()) / reference
     if not path.is_file():
         raise InputError(f"no such file ({path})")
     return _described(path.resolve())
+
+
+def fmu_named(model: str) -> Fmu:
+    """As `find_fmu`, for a name from the command line, which the message repeats."""
+    try:
+        return find_fmu(model)
+    except InputError as error:
+        raise InputError(one_line(f"MODEL {shown(model)}: {error}")) from None
 
 
 def default_duration(path: Path) -> float | None:

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 from suspension.variables import MODELS, Variable
 
 from .expectations import During, Reference
-from .fmus import find_fmu
+from .fmus import fmu_named
 from .measures import catalogue
 from .sections import Construction, Show
 
@@ -67,7 +67,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     ------
     InputError : no such model.
     """
-    fmu = find_fmu(model or "QuarterCar")
+    fmu = fmu_named(model or "QuarterCar")
     known = catalogue(fmu.outputs())
     sections = {name: kind.model_json_schema() for name, (_, kind) in _SECTIONS.items()}
     bounds = {"type": ["integer", "object"], "properties": {"min": {}, "max": {}}}
@@ -142,7 +142,7 @@ def _keys(kind: type[BaseModel]) -> Iterator[str]:
 
 
 def _of_model(name: str) -> Iterator[str]:
-    fmu = find_fmu(name)
+    fmu = fmu_named(name)
     outputs = fmu.outputs()
     for heading, declared in (("parameters", fmu.parameters()), ("outputs", outputs)):
         yield f"{fmu.model}: {heading}"

@@ -8,7 +8,7 @@ from pathlib import Path
 from suspension.variables import Variable
 
 from .errors import InputError, one_line
-from .fmus import find_fmu
+from .fmus import fmu_named
 from .sections import FIGURES
 
 _USUAL = ("sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
@@ -39,7 +39,7 @@ def write_template(path: Path, model: str) -> None:
 
 
 def _lines(model: str) -> Iterator[str]:
-    fmu = find_fmu(model)
+    fmu = fmu_named(model)
     parameters = fmu.parameters()
     outputs = list(fmu.outputs())
     yield "# A scene: what is run, what is shown, what must hold. All keys: phaseplane schema"

@@ -225,6 +225,11 @@ def _shapes(system: System) -> Iterator[str]:
             yield f"{element.name}: its road {element.road!r} is not among the signals"
         if not element.limit > 0.0:
             yield f"{element.name}: limit = {element.limit:g} must be positive; without one, infinite"
+    for name, signal in system.signals.items():
+        for segment in signal.segments:
+            numbers = (segment.origin, *segment.coefficients, segment.amplitude, *segment.phase)
+            if not all(map(isfinite, numbers)):
+                yield f"signal {name}: from {segment.start:g} s on it is not finite, {segment}"
     for load in system.loads:
         if len(load.direction) != n:
             yield f"load {load.signal}: direction must have {n} numbers"

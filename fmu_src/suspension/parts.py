@@ -49,6 +49,7 @@ def blaming(name: str) -> Iterator[None]:
         raise ParameterError(f"{name}: {error}") from None
 
 
+_FASTEST = 100.0  # m/s, up to which a damper is looked at
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
 
@@ -87,12 +88,23 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     return law.moved(static, -preload)
 
 
+def _braking(law: Characteristic, name: str) -> Characteristic:
+    """Refuse a damper that somewhere pushes along, which would feed energy in."""
+    for rate in (*law.corners, -_FASTEST, _FASTEST):
+        if law.force(rate) * rate < 0.0:
+            raise ParameterError(
+                f"{name}: gives {law.force(rate):g} N at {rate:g} m/s, which feeds energy in; the "
+                "force must have the sign of the rate, also where the table goes on straight"
+            )
+    return law
+
+
 def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     """The damper of one axle: its table, or smooth up to a force, or straight with blow-off."""
     part = f"{of}damper"
     table = _table(p, part)
     if table is not None:
-        return _through_zero(table, f"{part}.table")
+        return _braking(_through_zero(table, f"{part}.table"), f"{part}.table")
     rebound, bump, most = (
         float(p[f"{part}.{name}"]) for name in ("rebound_rate", "bump_rate", "saturation_force")
     )

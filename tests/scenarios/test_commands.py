@@ -86,13 +86,14 @@ def test_compare_tells_the_largest_differences_first(tables: Path) -> None:
         (["compare", "a.csv", "c.csv"], "no results folder"),
         (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
         (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
-        (["schema", "QuaterCar"], "did you mean 'QuarterCar'?"),
+        (["schema", "QuaterCar"], "MODEL 'QuaterCar': must be one of OneDof, QuarterCar"),
+        (["schema", "QuaterCar", "--json"], "an .fmu file; did you mean 'QuarterCar'?"),
         (["schema", "QuarterCar", "--sweep"], "not both"),
         (["sweep", "speed_bunp"], "no sweep 'speed_bunp'; did you mean 'speed_bump'?"),
         (["sweep", "../speed_bump"], "no sweep '../speed_bump'"),
         (["new", "a.csv"], "is there already"),
         (["new", "no/such/folder.toml"], "No such file or directory"),
-        (["new", "x.toml", "--model", "Bicycle"], "must be OneDof or"),
+        (["new", "x.toml", "--model", "Bicycle"], "MODEL 'Bicycle': must be one of OneDof"),
     ],
 )
 @pytest.mark.usefixtures("tables")

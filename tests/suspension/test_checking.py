@@ -130,6 +130,10 @@ def with_strut(**changes: object) -> System:
         (strut(coordinates=("body", "body")), "same name"),
         (strut(elements=2 * strut().elements), "two elements have this name"),
         (strut(signals={}), "'road' is not among the signals"),
+        (
+            strut(signals={"road": roads.constant(nan)}),
+            "signal road: from -inf s on it is not finite",
+        ),
         (with_strut(direction=(1.0,)), "must have 2 finite numbers"),
         (with_strut(direction=(1.0, nan)), "must have 2 finite numbers"),
         (with_strut(limit=-1.0), "limit = -1 must be positive"),
