@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 _MOST_IN_CHUNK = 200
 _MOTION_IN_CHUNK = 400.0  # s: an interrupt waits for the chunks that are under way
+_PATIENCE = "10s"  # with a scheduler that does not answer
 _CHECKED = 3  # runs that are made both ways, where the FMU is driven
 
 
@@ -254,7 +255,7 @@ def _executor(count: int, dask: str) -> Iterator[Executor]:
         except ImportError:
             raise InputError("--dask needs Dask: pip install 'phaseplane[dask]'") from None
         try:
-            client = stack.enter_context(Client(dask, timeout="10s"))
+            client = stack.enter_context(Client(dask, timeout=_PATIENCE))
         except Exception as error:
             raise RunError(one_line(f"no Dask scheduler at {dask}: {error}")) from None
         yield client.get_executor()

@@ -18,6 +18,7 @@ from click.testing import CliRunner, Result
 from scenarios.cli import main
 from scenarios.errors import InputError
 from scenarios.linearised import linearised
+from scenarios.sweeps import running
 from scenarios.sweeps.plan import SWEEPS, load_plan, sweep_titles
 from scenarios.sweeps.running import Row, sweep
 from suspension.models import build
@@ -235,9 +236,10 @@ def test_the_fmu_agrees_with_the_process(fmu: Path) -> None:
     assert (refused.exit_code, "--through fmu" in refused.stderr) == (2, True)
 
 
-def test_parquet_and_refusals() -> None:
+def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     from pyarrow import parquet  # noqa: PLC0415
 
+    monkeypatch.setattr(running, "_PATIENCE", 0.3)
     made = phaseplane("sweep", str(written(GRID)), "--workers", "1", "--table", "rows.parquet")
     assert made.exit_code == 0
     assert parquet.read_table("out/sweep/rows.parquet").num_rows == 6
