@@ -56,6 +56,13 @@ def test_peaks_contact_and_counts() -> None:
     assert read("dynamic_load_coefficient") == [pytest.approx(sqrt(mean_square / 4) / 5.0)]
 
 
+def test_an_amplitude_is_that_of_the_second_half() -> None:
+    time = np.linspace(1.0, 3.0, 401)
+    column = np.where(time < 1.99, 7.0, 0.5 + 0.02 * np.cos(40.0 * pi * time))
+    found = read("amplitude.body_displacement", columns={"time": time, "body_displacement": column})
+    assert found == [pytest.approx(0.02)]
+
+
 def test_what_was_not_read_is_not_measured() -> None:
     few = {"time": COLUMNS["time"], "x": COLUMNS["body_displacement"]}
     assert read("first_lift_off", "lift_offs", "rms.body_velocity", columns=few) == [None] * 3

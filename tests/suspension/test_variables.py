@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import constants as si
 
 from suspension.models import build
 from suspension.units import UNITS, UnitError, to_si
@@ -37,10 +40,40 @@ def test_a_wrong_unit_names_what_is_allowed(quantity: str, unit: str) -> None:
         to_si(quantity, unit)
 
 
+NEWTON = {"kg": 1, "m": 1, "s": -2}
+SYMBOLS: dict[str, tuple[float, dict[str, int]]] = {
+    "1": (1.0, {}), "%": (0.01, {}), "rad": (1.0, {"rad": 1}), "mrad": (si.milli, {"rad": 1}),
+    "deg": (si.degree, {"rad": 1}), "m": (1.0, {"m": 1}), "mm": (si.milli, {"m": 1}),
+    "cm": (si.centi, {"m": 1}), "km": (si.kilo, {"m": 1}), "in": (si.inch, {"m": 1}),
+    "s": (1.0, {"s": 1}), "ms": (si.milli, {"s": 1}), "us": (si.micro, {"s": 1}),
+    "min": (si.minute, {"s": 1}), "h": (si.hour, {"s": 1}), "Hz": (1.0, {"s": -1}),
+    "kHz": (si.kilo, {"s": -1}), "kg": (1.0, {"kg": 1}), "g": (si.gram, {"kg": 1}),
+    "t": (si.metric_ton, {"kg": 1}), "N": (1.0, NEWTON), "kN": (si.kilo, NEWTON),
+    "kgf": (si.kgf, NEWTON), "J": (1.0, {"kg": 1, "m": 2, "s": -2}),
+    "kJ": (si.kilo, {"kg": 1, "m": 2, "s": -2}),
+}  # fmt: skip
+
+
+def worked_out(unit: str) -> tuple[float, dict[str, int]]:
+    """Size of a unit in SI and powers of the base units, from its name."""
+    size, powers = 1.0, Counter[str]()
+    above, *below = unit.split("/")
+    for sign, product in ((1, above), *((-1, part) for part in below)):
+        for factor in product.split("."):
+            symbol = factor if factor == "1" else factor.rstrip("23")
+            power = sign * int(factor[len(symbol) :] or 1)
+            size *= SYMBOLS[symbol][0] ** power
+            powers.update({base: power * n for base, n in SYMBOLS[symbol][1].items()})
+    return size, {base: n for base, n in powers.items() if n}
+
+
 @given(st.floats(-1e9, 1e9), st.sampled_from(sorted(UNITS)))
-def test_every_display_unit_is_a_multiple_of_its_unit(x: float, unit: str) -> None:
-    for name, size in UNITS[unit].display.items():
-        assert to_si(f"{x!r} {name}", unit) == pytest.approx(x * size)
+def test_every_unit_is_what_its_name_says(x: float, unit: str) -> None:
+    assert worked_out(unit) == (1.0, UNITS[unit].exponents)
+    for name in UNITS[unit].display:
+        size, powers = worked_out(name)
+        assert powers == UNITS[unit].exponents
+        assert to_si(f"{x!r} {name}", unit) == pytest.approx(x * size, rel=1e-14)
 
 
 @pytest.mark.parametrize(
