@@ -11,17 +11,20 @@ from array import array
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import pairwise, repeat
+from itertools import pairwise
 from math import isfinite
+from operator import itemgetter
+from typing import Any
 
 from .engine import FAILURES, Integrator
-from .models import build
+from .models import build, build_checked
+from .remembering import Remembering
 from .series import Series, at_the_end, over_time
 from .session import start_state
 from .systems import System
-from .variables import ParameterError, checked_parameters, refuse_unknown, variables
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
-_CHUNK = 16  # runs that a thread takes at a time
+_CHUNK = 64  # runs that a thread takes at a time
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +102,15 @@ def run_many(
     chunks = [parameter_sets[k : k + _CHUNK] for k in range(0, len(parameter_sets), _CHUNK)]
     found: list[Outcome] = []
     with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
-        for part in pool.map(_run_chunk, repeat(task), chunks):
+        benches: list[_Bench] = []  # those that no thread works at
+
+        def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
+            bench = benches.pop() if benches else _Bench(task)
+            outcomes = [bench.run(given) for given in sets]
+            benches.append(bench)
+            return outcomes
+
+        for part in pool.map(run_chunk, chunks):
             found += part
             if progress is not None:
                 progress(len(found) / len(parameter_sets))
@@ -141,33 +152,51 @@ class _Task:
     at_end: tuple[str, ...]
 
 
-def _run_chunk(task: _Task, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
-    return [_run(task, given) for given in sets]
+class _Bench:
+    """Where runs are made one after the other: a run begins with what the one before has left.
+
+    The system is made anew as far as parameters have changed, and the integrator begins anew with it
+    as long as it fits.
+    """
+
+    def __init__(self, task: _Task) -> None:
+        self._task = task
+        self._parameters = Remembering()
+        self._solver: tuple[Value, ...] = ()
+        self._integrator: Any = None
+
+    def run(self, given: Mapping[str, object]) -> Outcome:
+        """Make one run; what its parameters do not allow is its failure."""
+        task, p = self._task, self._parameters
+        try:
+            p.update(checked_parameters(task.model, given))
+            system = build_checked(task.model, p)
+            self._set_up(system)
+            state = start_state(system, p, task.times[0])
+            if state is not None:
+                self._integrator.set_state(*state)
+        except ValueError as error:  # a ParameterError among them
+            return Outcome({}, str(error))
+        status = self._series.run(system, self._integrator)
+        columns = self._series.columns()
+        if status != 0:
+            at, step = self._integrator.time, self._integrator.step_count
+            return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
+        return Outcome(columns, at_end=self._series.ends())
+
+    def _set_up(self, system: System) -> None:
+        task = self._task
+        solver = method, step, tolerance, theta, beyond = _solver(self._parameters)
+        if solver == self._solver and self._integrator.restart(system, task.times[0]):
+            return
+        self._integrator = Integrator(
+            system, method, step, tolerance, task.times[0],
+            energy=False, theta=theta, beyond_stable=beyond,
+        )  # fmt: skip
+        self._series = Series(system, task.times, task.outputs, task.at_end)
+        self._solver = solver
 
 
-def _run(task: _Task, given: Mapping[str, object]) -> Outcome:
-    try:
-        parameters = checked_parameters(task.model, given)
-        system = build(task.model, parameters)
-        integrator = Integrator(
-            system,
-            parameters["solver.method"],
-            parameters["solver.step"],
-            parameters["solver.tolerance"],
-            task.times[0],
-            energy=False,
-            theta=parameters["solver.theta"],
-            beyond_stable=parameters["solver.beyond_stable"],
-        )
-        state = start_state(system, parameters, task.times[0])
-        if state is not None:
-            integrator.set_state(*state)
-    except ValueError as error:  # a ParameterError among them
-        return Outcome({}, str(error))
-    series = Series(system, integrator, task.times, task.outputs)
-    status = series.run()
-    columns = {name: series.column(name) for name in task.outputs}
-    if status != 0:
-        reason = f"{FAILURES[status]} at {integrator.time:.6g} s, in step {integrator.step_count}"
-        return Outcome(columns, reason)
-    return Outcome(columns, at_end={name: series.at_end(name) for name in task.at_end})
+_solver = itemgetter(
+    "solver.method", "solver.step", "solver.tolerance", "solver.theta", "solver.beyond_stable"
+)

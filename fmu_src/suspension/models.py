@@ -17,6 +17,7 @@ from .parts import (
     tyre_element,
     tyre_stiffness,
 )
+from .remembering import remembered
 from .signals import Signal
 from .systems import Axle, Element, Load, Motion, System
 from .variables import ParameterError, Value, checked_parameters
@@ -47,9 +48,7 @@ _SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a d
 def _body_forces(p: Mapping[str, Value]) -> dict[str, Signal]:
     """The force on the body from outside, and that of its table, if there is one."""
     course = force_course(p, "body_force.table")
-    return {"body_force": roads.constant()} | (
-        {} if course is None else {"body_force_table": course}
-    )
+    return {"body_force": roads.LEVEL} | ({} if course is None else {"body_force_table": course})
 
 
 def one_dof(p: Mapping[str, Value]) -> System:
@@ -82,19 +81,28 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     ----------
     p : checked parameters of `QuarterCar`
     """
-    body, wheel = float(p["sprung_mass"]), float(p["unsprung_mass"])
-    load = (body + wheel) * float(p["gravity"])
+    body, wheel, load = float(p["sprung_mass"]), float(p["unsprung_mass"]), _load(p)
     road, forces = road_from(p), _body_forces(p)
     scale = road.scale or load / tyre_stiffness(p) or _SMALL
     return System(
         coordinates=("body", "wheel"),
         mass=((body, 0.0), (0.0, wheel)),
-        elements=(*suspension_elements(p, (1.0, -1.0)), tyre_element(p, (0.0, 1.0), load)),
+        elements=(*suspension_elements(p, (1.0, -1.0)), _tyre_of_quarter_car(p)),
         signals={"road": road, **forces},
         loads=tuple(Load((1.0, 0.0), name) for name in forces),
         scales=(scale, scale),
         axles=(Axle("", (1.0, -1.0), "road", "tyre", load),),
     )
+
+
+def _load(p: Mapping[str, Value]) -> float:
+    """Weight on the tyre of a quarter car, N."""
+    return (float(p["sprung_mass"]) + float(p["unsprung_mass"])) * float(p["gravity"])
+
+
+@remembered
+def _tyre_of_quarter_car(p: Mapping[str, Value]) -> Element:
+    return tyre_element(p, (0.0, 1.0), _load(p))
 
 
 def axle_masses(
@@ -146,16 +154,11 @@ class _Body:
                 f"cg_to_rear = {rear:g} m the body would move as if it had one mass only; "
                 f"take one of the order of {sqrt(front) * sqrt(rear):g} m"
             )
-        road = road_from(p)
         return cls(
             masses,
             (rear / wheelbase, front / wheelbase),
             wheelbase,
-            {
-                "front_road": road,
-                "rear_road": road.delayed(wheelbase / float(p["speed"])),
-                **_body_forces(p),
-            },
+            {**_roads(p), **_body_forces(p)},
         )
 
     def motions(self, wheels: int) -> tuple[Motion, ...]:
@@ -168,6 +171,32 @@ class _Body:
             ),
             Motion(("pitch_angle", "pitch_rate", "pitch_acceleration"), (slope, -slope, *rest)),
         )
+
+
+@remembered
+def _roads(p: Mapping[str, Value]) -> dict[str, Signal]:
+    """The road under both axles; the rear one meets it later."""
+    road, wheelbase = road_from(p), float(p["cg_to_front"]) + float(p["cg_to_rear"])
+    return {"front_road": road, "rear_road": road.delayed(wheelbase / float(p["speed"]))}
+
+
+def _loads(p: Mapping[str, Value]) -> tuple[float, float]:
+    """Weights on the tyres of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind."""
+    a, b, body = float(p["cg_to_front"]), float(p["cg_to_rear"]), float(p["sprung_mass"])
+    front, rear = (
+        (share / (a + b) * body + float(p[f"{axle}.unsprung_mass"])) * float(p["gravity"])
+        for axle, share in (("front", b), ("rear", a))
+    )
+    return front, rear
+
+
+@remembered
+def _tyres_of_half_car(p: Mapping[str, Value]) -> tuple[Element, Element]:
+    front_load, rear_load = _loads(p)
+    return (
+        tyre_element(p, (0.0, 0.0, 1.0, 0.0), front_load, "front"),
+        tyre_element(p, (0.0, 0.0, 0.0, 1.0), rear_load, "rear"),
+    )
 
 
 def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
@@ -213,10 +242,8 @@ def half_car(p: Mapping[str, Value]) -> System:
     body = _Body.of(p)
     front, rear, coupling = body.masses
     wheels = [float(p[f"{axle}.unsprung_mass"]) for axle in ("front", "rear")]
-    front_load, rear_load = (
-        (share * float(p["sprung_mass"]) + wheel) * float(p["gravity"])
-        for share, wheel in zip(body.shares, wheels, strict=True)
-    )
+    front_load, rear_load = _loads(p)
+    front_tyre, rear_tyre = _tyres_of_half_car(p)
     front_strut, rear_strut = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)
     scale = (
         body.signals["front_road"].scale
@@ -236,9 +263,9 @@ def half_car(p: Mapping[str, Value]) -> System:
         ),
         elements=(
             *suspension_elements(p, front_strut, "front"),
-            tyre_element(p, (0.0, 0.0, 1.0, 0.0), front_load, "front"),
+            front_tyre,
             *suspension_elements(p, rear_strut, "rear"),
-            tyre_element(p, (0.0, 0.0, 0.0, 1.0), rear_load, "rear"),
+            rear_tyre,
         ),
         signals=body.signals,
         loads=tuple(Load((*body.shares, 0.0, 0.0), name) for name in _body_forces(p)),
@@ -266,21 +293,29 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
             f"hardening = {float(p['hardening']):g}: must be below spring.rate = {rate:g} N/m"
         )
     _check_start(p, rate, yield_force, float(p["hardening"]))
-    course = force_course(p, "force.table") or roads.constant()
+    course = force_course(p, "force.table") or roads.LEVEL
     return System(
         coordinates=("",),
         mass=((float(p["mass"]),),),
-        elements=(
-            Element(
-                "spring", (1.0,), characteristics.linear(rate), yield_force=yield_force,
-                hardening=float(p["hardening"]), permanent_set=float(p["initial.permanent_set"]),
-            ),
-            Element("damper", (1.0,), damper=characteristics.linear(float(p["damper.rate"]))),
-        ),
-        signals={"force": roads.constant(), "force_table": course},
+        elements=(_spring_that_yields(p), _linear_damper(p)),
+        signals={"force": roads.LEVEL, "force_table": course},
         loads=(Load((1.0,), "force"), Load((1.0,), "force_table")),
         scales=((yield_force + course.scale) / rate,),
     )  # fmt: skip
+
+
+@remembered
+def _spring_that_yields(p: Mapping[str, Value]) -> Element:
+    return Element(
+        "spring", (1.0,), characteristics.linear(float(p["spring.rate"])),
+        yield_force=float(p["yield_force"]), hardening=float(p["hardening"]),
+        permanent_set=float(p["initial.permanent_set"]),
+    )  # fmt: skip
+
+
+@remembered
+def _linear_damper(p: Mapping[str, Value]) -> Element:
+    return Element("damper", (1.0,), damper=characteristics.linear(float(p["damper.rate"])))
 
 
 def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:
@@ -318,5 +353,12 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
     ------
     ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
     """
-    checked = checked_parameters(model, parameters)
-    return _BUILDERS[model](checked)
+    return build_checked(model, checked_parameters(model, parameters))
+
+
+def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
+    """The system of a model from all of its parameters, as `checked_parameters` gives them.
+
+    From parameters that are `Remembering`, only what has changed since is made anew.
+    """
+    return _BUILDERS[model](parameters)

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from . import characteristics, roads
 from .characteristics import Characteristic
+from .remembering import remembered
 from .signals import Signal, passing_time
-from .systems import Element
+from .systems import ALWAYS, Element
 from .units import nearest
 from .variable import ParameterError, Value
 
@@ -76,12 +77,11 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
 def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     """The spring of one axle, from static equilibrium."""
     part = f"{of}spring"
-    law = _table(p, part) or characteristics.cubic(
-        float(p[f"{part}.rate"]), float(p[f"{part}.cubic"])
-    )
+    table = _table(p, part)
+    law = table or characteristics.cubic(float(p[f"{part}.rate"]), float(p[f"{part}.cubic"]))
     preload = float(p[f"{part}.preload"])
     if preload == 0.0:
-        return _through_zero(law, f"{part}.table")
+        return law if table is None else _through_zero(table, f"{part}.table")
     static = law.argument(-preload)
     if not abs(static) < inf:
         raise ParameterError(f"{part}.preload = {preload:g}: the spring never bears {preload:g} N")
@@ -118,7 +118,7 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
 def _modulation(name: str, text: str) -> Characteristic:
     """The factor on a damper over deflection."""
     if not text:
-        return characteristics.constant(1.0)
+        return ALWAYS
     factors = points(name, text)
     if min(factor for _, factor in factors) < 0.0:
         raise ParameterError(f"{name} = {text!r}: a factor on a damper must not be negative")
@@ -138,25 +138,64 @@ def suspension_elements(
     axle : empty, or what the names of its parameters (`front.`) and elements (`front_`) begin with
     road : name of the signal under them if they stand on the road itself
     """
+    found = (make(p, direction, axle, road) for make in _SUSPENSION)
+    return tuple(element for element in found if element is not None)
+
+
+@remembered
+def _spring_element(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+) -> Element | None:
     of, prefix = _prefixes(axle)
-    modulation = _modulation(f"{of}damper.deflection_table", str(p[f"{of}damper.deflection_table"]))
-    stops = (
-        (name, make(float(p[f"{of}{name}.gap"]), float(p[f"{of}{name}.stiffness"])))
-        for name, make in (
-            ("bump_stop", characteristics.bump_stop),
-            ("rebound_stop", characteristics.rebound_stop),
-        )
+    spring = _spring(p, of)
+    return None if spring.is_zero else Element(f"{prefix}spring", direction, spring, road=road)
+
+
+@remembered
+def _damper_element(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+) -> Element | None:
+    of, prefix = _prefixes(axle)
+    table = f"{of}damper.deflection_table"
+    modulation, damper = _modulation(table, str(p[table])), _damper(p, of)
+    if damper.is_zero:
+        return None
+    return Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
+
+
+def _stop_element(name: str, make: Callable[[float, float], Characteristic]) -> _Make:
+    """An end stop, given its gap and stiffness."""
+
+    @remembered
+    def stop_element(
+        p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+    ) -> Element | None:
+        of, prefix = _prefixes(axle)
+        stop = make(float(p[f"{of}{name}.gap"]), float(p[f"{of}{name}.stiffness"]))
+        return None if stop.is_zero else Element(f"{prefix}{name}", direction, stop, road=road)
+
+    return stop_element
+
+
+@remembered
+def _friction_element(
+    p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+) -> Element | None:
+    of, prefix = _prefixes(axle)
+    friction = float(p[f"{of}friction"])
+    return (
+        Element(f"{prefix}friction", direction, road=road, friction=friction) if friction else None
     )
-    elements = (
-        Element(f"{prefix}spring", direction, spring=_spring(p, of), road=road),
-        Element(f"{prefix}damper", direction, damper=_damper(p, of), road=road,
-                modulation=modulation),
-        *(Element(f"{prefix}{name}", direction, spring=stop, road=road) for name, stop in stops),
-        Element(f"{prefix}friction", direction, road=road, friction=float(p[f"{of}friction"])),
-    )  # fmt: skip
-    return tuple(
-        e for e in elements if not (e.spring.is_zero and e.damper.is_zero and not e.friction)
-    )
+
+
+_Make = Callable[[Mapping[str, Value], tuple[float, ...], str, str], Element | None]
+_SUSPENSION: tuple[_Make, ...] = (
+    _spring_element,
+    _damper_element,
+    _stop_element("bump_stop", characteristics.bump_stop),
+    _stop_element("rebound_stop", characteristics.rebound_stop),
+    _friction_element,
+)
 
 
 def tyre_element(
@@ -176,12 +215,18 @@ def tyre_element(
         f"{prefix}tyre",
         direction,
         spring=_tyre(p, of),
-        damper=characteristics.linear(float(p[f"{of}tyre.damping"])),
+        damper=_tyre_damper(p, of),
         road=f"{prefix}road",
         limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
     )
 
 
+@remembered
+def _tyre_damper(p: Mapping[str, Value], of: str) -> Characteristic:
+    return characteristics.linear(float(p[f"{of}tyre.damping"]))
+
+
+@remembered
 def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
     part = f"{of}tyre"
     table = _table(p, part)
@@ -206,6 +251,7 @@ def _prefixes(axle: str) -> tuple[str, str]:
     return (f"{axle}.", f"{axle}_") if axle else ("", "")
 
 
+@remembered
 def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
     """The force over time that a table of `time:force` gives, N; None without one."""
     text = str(p[name])
@@ -215,11 +261,12 @@ def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
         return roads.table(points(name, text))
 
 
+@remembered
 def road_from(p: Mapping[str, Value]) -> Signal:
     """The road of `road.shape`; level where its signal comes from outside."""
     shape = str(p["road.shape"])
     if shape in ("input", "flat"):
-        return roads.constant()
+        return roads.LEVEL
     with blaming(f"road.shape = {shape!r}"):
         return _ROADS[shape](p)
 

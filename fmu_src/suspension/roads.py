@@ -18,9 +18,10 @@ from .profiles import (
     spline,
     table,
 )
-from .signals import Segment, Signal, constant, passing_time, straight_lines
+from .signals import LEVEL, Segment, Signal, constant, passing_time, straight_lines
 
 __all__ = [
+    "LEVEL",
     "REFERENCE_FREQUENCY",
     "Segment",
     "Signal",

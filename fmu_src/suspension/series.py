@@ -7,15 +7,18 @@ the elements and the road; contact follows from the instants at which it was los
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from operator import add, attrgetter, mul
 from typing import Any
 
 from .engine import KINDS
 from .outputs import SUSPENSION, Contact
-from .systems import Axle, System
+from .systems import System
 
+_OF_CONTACT = KINDS.index("contact")
 DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
 _ORDERS = ("displacement", "velocity", "acceleration")
 _CONTACT = {  # attributes of `Contact` by the outputs' names
@@ -27,20 +30,21 @@ Column = Sequence[float]
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """An output `offset + sum b x + road_factor u`.
+    """An output `sum b x + road_factor u + offset`.
 
     Parameters
     ----------
     kind : what x is: DISPLACEMENT, VELOCITY, ACCELERATION or FORCE
     direction : b by the index of the coordinate or element
     road : name of the signal u, or empty; of velocities its rate
+    axle : number of the axle whose static load is the offset; None for no offset
     """
 
     kind: int
     direction: Mapping[int, float]
     road: str = ""
     road_factor: float = -1.0
-    offset: float = 0.0
+    axle: int | None = None
 
 
 def lines(system: System) -> dict[str, Line]:
@@ -57,11 +61,12 @@ def _lines(system: System) -> Iterator[tuple[str, Line]]:
             yield name, Line(kind, _terms(motion.direction))
     for e, element in enumerate(system.elements):
         yield f"{element.name}_force", Line(FORCE, {e: 1.0})
-    for axle in system.axles:
-        yield from ((f"{axle.prefix}{name}", line) for name, line in _of_axle(axle, system))
+    for k, axle in enumerate(system.axles):
+        yield from ((f"{axle.prefix}{name}", line) for name, line in _of_axle(k, system))
 
 
-def _of_axle(axle: Axle, system: System) -> Iterator[tuple[str, Line]]:
+def _of_axle(k: int, system: System) -> Iterator[tuple[str, Line]]:
+    axle = system.axles[k]
     road = "" if axle.tyre else axle.road
     for kind, ending in ((DISPLACEMENT, ""), (VELOCITY, "_rate")):
         yield f"suspension_deflection{ending}", Line(kind, _terms(axle.suspension), road)
@@ -76,7 +81,7 @@ def _of_axle(axle: Axle, system: System) -> Iterator[tuple[str, Line]]:
         for kind, ending in ((DISPLACEMENT, ""), (VELOCITY, "_rate")):
             yield f"tyre_deflection{ending}", Line(kind, _terms(tyre.direction), tyre.road)
         yield "tyre_force", Line(FORCE, {e: 1.0})
-        yield "contact_force", Line(FORCE, {e: -1.0}, offset=axle.static_load)
+        yield "contact_force", Line(FORCE, {e: -1.0}, axle=k)
 
 
 def _terms(direction: Sequence[float]) -> dict[int, float]:
@@ -93,27 +98,31 @@ def at_the_end(system: System) -> list[str]:
     return ["step_count", *_of_tyres(system, ("airborne_time", *_CONTACT))]
 
 
-def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[Axle, str]]:
-    """What there is to be told of every tyre: its axle, and what."""
-    return {f"{a.prefix}{name}": (a, name) for a in system.axles if a.tyre for name in names}
+def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[int | None, str]]:
+    """What there is to be told of every tyre: the number of its element, and what."""
+    return {
+        f"{a.prefix}{name}": (system.element(a.tyre), name)
+        for a in system.axles if a.tyre for name in names
+    }  # fmt: skip
 
 
 class Series:
-    """The columns of a run.
+    """The columns of runs over the same instants.
 
     Parameters
     ----------
-    system : what is to be stepped
-    integrator : its integrator, at the start
+    system : what is to be stepped; further ones may differ from it in their numbers
     times : s, ascending
-    names : the outputs that are wanted
+    names : the outputs that are wanted over time
+    at_end : those that are wanted at the last instant
     """
 
     def __init__(
-        self, system: System, integrator: Any, times: array[float], names: Sequence[str]
+        self, system: System, times: array[float], names: Sequence[str], at_end: Sequence[str] = ()
     ) -> None:
-        self._system, self._integrator, self._times = system, integrator, times
-        self._lines = {name: line for name, line in _lines(system) if name in names}
+        self._system, self._times, self._names, self._at_end = system, times, names, at_end
+        self._find_lines()
+        self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
         kinds = {line.kind for line in self._lines.values()}
         if ACCELERATION in kinds:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
@@ -123,12 +132,31 @@ class Series:
             kind: array("d", bytes(8 * self._width[kind] * rows)) for kind in {*kinds, DISPLACEMENT}
         }
 
-    def run(self) -> int:
-        """Step over all instants; 0, or the key of `FAILURES` that says why it ended before."""
-        return int(self._integrator.run(self._times, *map(self._filled.get, range(4))))
+    def _find_lines(self) -> None:
+        self._lines = {name: line for name, line in _lines(self._system) if name in self._names}
 
-    def column(self, name: str) -> Column:
-        """An output at all instants that were reached."""
+    def run(self, system: System, integrator: Any) -> int:
+        """Step over all instants; 0, or the key of `FAILURES` that says why it ended before.
+
+        Parameters
+        ----------
+        integrator : of this system, at the start
+        """
+        moved, self._system = system.motions != self._system.motions, system
+        if moved:
+            self._find_lines()
+        self._integrator = integrator
+        return int(integrator.run(self._times, *map(self._filled.get, range(4))))
+
+    def columns(self) -> dict[str, Column]:
+        """The outputs over time at all instants that were reached."""
+        return {name: self._column(name) for name in self._names}
+
+    def ends(self) -> dict[str, float]:
+        """The outputs at the last instant, of those that add up over the run."""
+        return {name: self._end(name) for name in self._at_end}
+
+    def _column(self, name: str) -> Column:
         line = self._lines.get(name)
         if line is not None:
             return self._of_line(line)
@@ -138,42 +166,37 @@ class Series:
         rows, width = self._integrator.filled, self._width[line.kind]
         found = self._filled.get(line.kind, array("d"))
         terms = [(b, found[i : width * rows : width]) for i, b in line.direction.items()]
-        if not line.road and not line.offset and [b for b, _ in terms] == [1.0]:
+        if not line.road and line.axle is None and [b for b, _ in terms] == [1.0]:
             return terms[0][1]
         column = [0.0] * rows
         for b, x in terms:
-            column = list(map(add, column, map(mul, x, [b] * rows)))
+            column = list(map(add, column, map(mul, x, repeat(b))))
         if line.road:
             signal, factor = self._system.signals[line.road], line.road_factor
             column = [
                 c + factor * signal.derivatives(t)[line.kind]
                 for c, t in zip(column, self._times, strict=False)
             ]
-        return [line.offset + c for c in column] if line.offset else column
+        if line.axle is None:
+            return column
+        return list(map(add, column, repeat(self._system.axles[line.axle].static_load)))
 
     def _of_contact(self, name: str, times: array[float]) -> Column:
         """Contact as it stands at these instants, from the switches located."""
-        axle, what = _of_tyres(self._system, _CONTACT)[name]
-        tyre, read = self._system.element(axle.tyre), attrgetter(_CONTACT[what])
-        switches = [
-            (time, bool(after))
-            for time, element, kind, _, after in self._integrator.log
-            if element == tyre and KINDS[kind] == "contact"
-        ]
-        contact, column, k = Contact(), array("d"), 0
-        for t in times:
-            while k < len(switches) and switches[k][0] <= t:
-                contact.switch(*switches[k])
-                k += 1
-            column.append(read(contact))
-        return column
+        tyre, what = self._tyres[name]
+        read = attrgetter(_CONTACT[what])
+        contact, column = Contact(), array("d")
+        for instant, element, kind, _, after in self._integrator.log:
+            if element == tyre and kind == _OF_CONTACT:
+                before = array("d", [read(contact)])
+                column += before * (bisect_left(times, instant) - len(column))
+                contact.switch(instant, bool(after))
+        return column + array("d", [read(contact)]) * (len(times) - len(column))
 
-    def at_end(self, name: str) -> float:
-        """An output at the last instant, of those that add up over the run."""
+    def _end(self, name: str) -> float:
         if name == "step_count":
             return int(self._integrator.step_count)
-        axle, what = _of_tyres(self._system, ("airborne_time", *_CONTACT))[name]
+        tyre, what = self._tyres[name]
         if what in _CONTACT:
             return self._of_contact(name, self._times[-1:])[0]
-        tyre = self._system.element(axle.tyre)
         return float(self._integrator.limited_time_at(tyre, self._times[-1]))

@@ -182,6 +182,10 @@ def constant(value: float = 0.0) -> Signal:
     return Signal((Segment(-inf, 0.0, (value, 0.0, 0.0, 0.0)),), abs(value))
 
 
+LEVEL = constant()
+"""The flat road, the absent force."""
+
+
 def straight_lines(points: Sequence[tuple[float, float]], scale: float) -> Signal:
     """Straight lines through (instant, value) points, level before and after.
 

@@ -17,7 +17,7 @@ from .characteristics import Characteristic
 from .signals import Signal
 
 _NOTHING = characteristics.linear(0.0)
-_ALWAYS = characteristics.constant(1.0)
+ALWAYS = characteristics.constant(1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class Element:
     hardening: float = 0.0
     permanent_set: float = 0.0
     friction: float = 0.0
-    modulation: Characteristic = _ALWAYS
+    modulation: Characteristic = ALWAYS
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.friction < inf:
@@ -78,7 +78,7 @@ class Element:
     @property
     def is_modulated(self) -> bool:
         """Whether the damper depends on deflection."""
-        return self.modulation is not _ALWAYS and self.modulation != _ALWAYS
+        return self.modulation is not ALWAYS and self.modulation != ALWAYS
 
     @property
     def free_length(self) -> float:

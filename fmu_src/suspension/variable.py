@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from math import isfinite
 
@@ -71,7 +71,7 @@ class Variable:
             if value != int(value):
                 raise ParameterError(f"{self.name} = {value!r}: must be a whole number")
             return int(self._checked_range(value))
-        return self._checked_range(float(value))
+        return self._checked_range(float(value) + 0.0)  # never -0.0
 
     def _checked_text(self, value: object) -> str:
         if not isinstance(value, str):
@@ -127,9 +127,8 @@ def tunable(*declared: Variable) -> tuple[Variable, ...]:
     return tuple(replace(variable, tunable=True) for variable in declared)
 
 
-def refuse_unknown(given: Iterable[str], known: Iterable[str], complaint: str) -> None:
+def refuse_unknown(given: Iterable[str], known: Collection[str], complaint: str) -> None:
     """Refuse the first name that is not known, naming the nearest one that is."""
-    known = list(known)
     for name in given:
         if name not in known:
             raise ParameterError(f"{complaint} {name!r}{nearest(name, known)}")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from functools import cache
 
 from .declared import (
     BODY_FORCE_TABLE,
@@ -263,9 +264,17 @@ def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Val
     ------
     ParameterError : unknown name, wrong type, unit or range.
     """
-    declared = {v.name: v for v in variables(model) if v.causality == "parameter"}
+    declared = _parameters(model)
     refuse_unknown(given, declared, f"{model} has no parameter")
-    return {
-        name: variable.checked(given[name]) if name in given else variable.start
-        for name, variable in declared.items()
-    }
+    checked = {name: declared[name].checked(value) for name, value in given.items()}
+    return _defaults(model) | checked
+
+
+@cache
+def _parameters(model: str) -> dict[str, Variable]:
+    return {v.name: v for v in variables(model) if v.causality == "parameter"}
+
+
+@cache
+def _defaults(model: str) -> dict[str, Value]:
+    return {name: variable.start for name, variable in _parameters(model).items()}

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-import pytest
+import re
 
-from suspension.batch import run_many
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from suspension.batch import Outcome, outputs_over_time, run_many
+from suspension.models import build_checked
+from suspension.remembering import Remembering
 from suspension.session import simulate
-from suspension.variables import ParameterError
+from suspension.variables import MODELS, ParameterError, checked_parameters
 
 TIMES = [0.02 * k for k in range(26)]
 OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]
@@ -75,3 +81,101 @@ def test_bad_input_is_refused(
 ) -> None:
     with pytest.raises(ParameterError, match=reason):
         run_many(model, [{}], times, outputs)
+
+
+SHAPES = ["flat", "bump", "obstacle", "sine", "step", "ramp", "plank", "sequence", "table"]
+TEXTS: dict[str, list[object]] = {
+    "road.shape": list[object](SHAPES),
+    "road.sequence": ["bump 0.05 1, gap 0.5, plank 0.03 0.5", "step 0.01"],
+    "road.table": ["0:0, 1:0.05, 2:0", "0:0, 1:0.02"],
+    "solver.method": ["extrapolated", "extrapolated", "equilibrium", "tangent"],
+    "solver.tolerance": [1e-3, 1e-6],
+    "solver.step": [0.0, 0.0, 1e-3],
+    "damper.table": ["", "-1:-900, 0:0, 1:2000", "1:2, 3"],
+    "damper.deflection_table": ["", "-0.05:2, 0:1, 0.05:2"],
+    "spring.table": ["", "-0.1:-2000, 0:0, 0.1:1500"],
+    "body_force.table": ["", "0:0, 0.1:200, 0.2:0"],
+    "force.table": ["", "0:0, 0.1:5, 0.2:0"],
+}
+
+
+@st.composite
+def many(draw: st.DrawFn, model: str) -> list[dict[str, object]]:
+    """Sets that differ in a few parameters of any kind, some of them wrong."""
+    declared = [v for v in MODELS[model] if v.causality == "parameter"]
+    varied = draw(st.lists(st.sampled_from(declared), min_size=1, max_size=5, unique_by=id))
+    sets = []
+    for _ in range(draw(st.integers(2, 6))):
+        car: dict[str, object] = {}
+        for variable in varied:
+            stem = variable.name.removeprefix("front.").removeprefix("rear.")
+            if stem in TEXTS:
+                car[variable.name] = draw(st.sampled_from(TEXTS[stem]))
+            elif isinstance(variable.start, bool):
+                car[variable.name] = draw(st.booleans())
+            elif isinstance(variable.start, float):
+                size = variable.start or 100.0
+                car[variable.name] = size * draw(st.sampled_from([0.0, 0.5, 1.0, 1.7, -1.0]))
+        sets.append(car)
+    return sets
+
+
+def alone(model: str, car: dict[str, object], outputs: list[str]) -> tuple[object, ...]:
+    """What a batch of one run gives."""
+    (outcome,) = run_many(model, [car], TIMES[:6], outputs, at_end=["step_count"], workers=1)
+    return told(outcome)
+
+
+def told(outcome: Outcome) -> tuple[object, ...]:
+    columns = {name: [float(x).hex() for x in column] for name, column in outcome.columns.items()}
+    return columns, outcome.failure, dict(outcome.at_end)
+
+
+@pytest.mark.parametrize("model", list(MODELS))
+def test_no_run_shows_what_came_before_it(model: str) -> None:
+    """Whatever changes from run to run, each is to the bit what it is alone, failures among them."""
+    outputs = outputs_over_time(model)
+
+    @settings(max_examples=25, deadline=None)
+    @given(many(model))
+    def check(sets: list[dict[str, object]]) -> None:
+        found = run_many(model, sets, TIMES[:6], outputs, at_end=["step_count"], workers=1)
+        for car, outcome in zip(sets, found, strict=True):
+            assert told(outcome) == alone(model, car, outputs)
+
+    check()
+
+
+@pytest.mark.parametrize("model", list(MODELS))
+def test_a_system_is_made_of_nothing_that_has_changed(model: str) -> None:
+    @settings(max_examples=100, deadline=None)
+    @given(many(model))
+    def check(sets: list[dict[str, object]]) -> None:
+        parameters = Remembering()
+        for car in sets:
+            try:
+                checked = checked_parameters(model, car)
+            except ParameterError:
+                continue
+            parameters.update(checked)
+            try:
+                expected = build_checked(model, checked)
+            except ValueError as error:
+                with pytest.raises(type(error), match=re.escape(str(error))):
+                    build_checked(model, parameters)
+                continue
+            assert build_checked(model, parameters) == expected
+            assert repr(build_checked(model, parameters)) == repr(expected)
+
+    check()
+
+
+def test_what_has_not_changed_is_the_same_object() -> None:
+    parameters = Remembering()
+    parameters.update(checked_parameters("HalfCar", {}))
+    before = build_checked("HalfCar", parameters)
+    parameters.update(checked_parameters("HalfCar", {"front.damper.bump_rate": 123.0}))
+    after = build_checked("HalfCar", parameters)
+    same = [a is b for a, b in zip(before.elements, after.elements, strict=True)]
+    assert [e.name for e, s in zip(after.elements, same, strict=True) if not s] == ["front_damper"]
+    assert after.signals["rear_road"] is before.signals["rear_road"]

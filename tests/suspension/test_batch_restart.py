@@ -40,7 +40,7 @@ def runs(draw: st.DrawFn, model: str) -> tuple[dict[str, Any], list[System], flo
     parameters = {v.name: v for v in MODELS[model] if v.causality == "parameter"}
     shared: dict[str, Any] = {"solver.method": draw(st.sampled_from(METHODS))}
     curved = shared["solver.method"] != "exact"
-    shape = draw(st.sampled_from(SHAPES))
+    shape = draw(st.sampled_from([s for s in SHAPES if curved or s != "sweep"]))
     if "road.shape" in parameters:
         shared |= {"road.shape": shape, "road.duration": 0.1, "road.ramp_length": 0.1}
     if "lift_off" in parameters:

@@ -95,12 +95,15 @@ class Elements(Laws):
     def read_element(self, e, element):
         """Enter the laws of element e, and what modulates, limits, yields and rubs."""
         self.read_laws(e, element)
-        spring, free_length = element.spring, element.free_length
         self.modulated[e] = element.is_modulated
         self.friction[e], self.limit[e] = element.friction, element.limit
-        self.free_length[e], self.free_energy[e] = free_length, spring.potential(free_length)
-        self.yields[e], self.initial_set[e] = element.yield_force < 1e300, element.permanent_set
-        self.spring_rate[e] = spring.tangent(0.0)
+        if element.limit < 1e300:
+            self.free_length[e] = element.free_length
+            self.free_energy[e] = element.spring.potential(self.free_length[e])
+        self.yields[e] = element.yield_force < 1e300
+        if self.yields[e]:
+            self.initial_set[e] = element.permanent_set
+            self.spring_rate[e] = element.spring.tangent(0.0)
 
     # -- rows ----------------------------------------------------------------------------------------
 

@@ -9,7 +9,9 @@ cdef class Laws(Signals):
     cdef double[::1] piece
     cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
 
-    @cython.locals(at=int, numbers=list)
+    cdef list laws_read
+
+    @cython.locals(at=int, k=int, flows=bint, numbers=list)
     cdef read_laws(self, int e, element)
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil

@@ -31,22 +31,25 @@ class Laws(Signals):
         self.count = integers(count)
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
+        self.laws_read = [None] * len(count)
 
     def read_laws(self, e, element):
         """Enter the pieces of the laws of element e, as many as there were.
 
-        Of its spring with what is stored up to them; the force of a damper over its rate stores nothing.
+        A law that is the very object read before stays; of what yields the pieces have moved.
         """
-        at = self.first[_LAWS * e] * _PIECE
-        if element.yield_force < 1e300:
-            numbers = _flow_pieces(element)
-        else:
-            numbers = _numbers(element.spring, element.spring.potentials)
-        for law in (element.damper, element.modulation):
-            numbers += _numbers(law, repeat(0.0))
-        for x in numbers:
-            self.piece[at] = x
-            at += 1
+        for k, law in enumerate((element.spring, element.damper, element.modulation)):
+            flows = k == 0 and element.yield_force < 1e300
+            if law is self.laws_read[_LAWS * e + k] and not flows:
+                continue
+            at = self.first[_LAWS * e + k] * _PIECE
+            # of a spring with what is stored up to each piece; a force over a rate stores nothing
+            potentials = law.potentials if k == 0 else repeat(0.0)
+            numbers = _flow_pieces(element) if flows else _numbers(law, potentials)
+            for x in numbers:
+                self.piece[at] = x
+                at += 1
+            self.laws_read[_LAWS * e + k] = None if flows else law
 
     def law(self, p, x):
         """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""

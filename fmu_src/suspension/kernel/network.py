@@ -333,6 +333,7 @@ def _sizes(system):
 def _shape(element):
     """What of an element is no number: two of one shape take the same room and act on the same rows."""
     return (
+        element.name,
         element.direction,
         element.road,
         pieces_of(element),

@@ -1,0 +1,55 @@
+"""Parameters that remember what was made from them, for runs that differ in a few of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from functools import wraps
+from typing import Any, TypeVar, cast
+
+from .variable import Value
+
+Maker = TypeVar("Maker", bound=Callable[..., Any])
+
+
+class Remembering(dict[str, Value]):
+    """Parameters by name, and the parts made from them, each with what it has read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.whole = self
+        self.parts: dict[Hashable, tuple[Mapping[str, Value], Any]] = {}
+
+
+class _Reading(dict[str, Value]):
+    """Those of the parameters that have been read for one part."""
+
+    def __init__(self, whole: Remembering) -> None:
+        super().__init__()
+        self.whole = whole
+
+    def __missing__(self, name: str) -> Value:
+        value = self[name] = self.whole[name]
+        return value
+
+
+def remembered(make: Maker) -> Maker:
+    """Let a function of parameters return what it made before, as long as all that it read is the same.
+
+    Only from parameters that are `Remembering`. It reads them by `p[name]`, or hands them on. What
+    else it is given must be one of a few things, for a part is kept for each of them.
+    """
+
+    @wraps(make)
+    def made(p: Mapping[str, Value], *how: Hashable) -> Any:
+        if not isinstance(p, Remembering | _Reading):
+            return make(p, *how)
+        whole, key = p.whole, (make, how)
+        kept = whole.parts.get(key)
+        if kept is None or not kept[0].items() <= whole.items():
+            reading = _Reading(whole)
+            kept = whole.parts[key] = (reading, make(reading, *how))
+        if p is not whole:
+            p.update(kept[0])  # what a part of a part has read, both have
+        return kept[1]
+
+    return cast("Maker", made)
