@@ -12,11 +12,11 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import isfinite
+from math import ceil, isfinite
 from operator import itemgetter
 from typing import Any
 
-from .engine import FAILURES, Integrator
+from .engine import FAILURES, Integrator, run_all
 from .models import build, build_checked
 from .remembering import Remembering
 from .series import Series, at_the_end, over_time
@@ -25,6 +25,7 @@ from .systems import System
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
 _CHUNK = 64  # runs that a thread takes at a time
+_GROUP = 8  # of them that it steps without Python's lock
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,14 +100,16 @@ def run_many(
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
     task = _Task(model, instants, tuple(outputs), tuple(at_end))
-    chunks = [parameter_sets[k : k + _CHUNK] for k in range(0, len(parameter_sets), _CHUNK)]
+    workers = workers or os.cpu_count() or 1
+    size = min(_CHUNK, ceil(len(parameter_sets) / (4 * workers)) or 1)
+    chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
     found: list[Outcome] = []
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+    with ThreadPoolExecutor(workers) as pool:
         benches: list[_Bench] = []  # those that no thread works at
 
         def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
-            bench = benches.pop() if benches else _Bench(task)
-            outcomes = [bench.run(given) for given in sets]
+            bench = benches.pop() if benches else _Bench(task, 1 if workers == 1 else _GROUP)
+            outcomes = bench.run(sets)
             benches.append(bench)
             return outcomes
 
@@ -152,49 +155,73 @@ class _Task:
     at_end: tuple[str, ...]
 
 
-class _Bench:
-    """Where runs are made one after the other: a run begins with what the one before has left.
+class _Place:
+    """An integrator and its columns, for one run after the other.
 
-    The system is made anew as far as parameters have changed, and the integrator begins anew with it
-    as long as it fits.
+    A run begins with what the one before has left: the integrator begins anew as long as the system fits.
     """
 
     def __init__(self, task: _Task) -> None:
         self._task = task
-        self._parameters = Remembering()
         self._solver: tuple[Value, ...] = ()
-        self._integrator: Any = None
+        self.integrator: Any = None
 
-    def run(self, given: Mapping[str, object]) -> Outcome:
-        """Make one run; what its parameters do not allow is its failure."""
-        task, p = self._task, self._parameters
-        try:
-            p.update(checked_parameters(task.model, given))
-            system = build_checked(task.model, p)
-            self._set_up(system)
-            state = start_state(system, p, task.times[0])
-            if state is not None:
-                self._integrator.set_state(*state)
-        except ValueError as error:  # a ParameterError among them
-            return Outcome({}, str(error))
-        status = self._series.run(system, self._integrator)
+    def begin(self, system: System, parameters: Mapping[str, Value]) -> None:
+        """Prepare a run; a ValueError says why it cannot be made."""
+        task, start = self._task, self._task.times[0]
+        solver = method, step, tolerance, theta, beyond = _solver(parameters)
+        if solver != self._solver or not self.integrator.restart(system, start):
+            self.integrator = Integrator(
+                system, method, step, tolerance, start,
+                energy=False, theta=theta, beyond_stable=beyond,
+            )  # fmt: skip
+            self._series = Series(system, task.times, task.outputs, task.at_end)
+            self._solver = solver
+        state = start_state(system, parameters, start)
+        if state is not None:
+            self.integrator.set_state(*state)
+        self._series.prepare(system, self.integrator)
+
+    def outcome(self, status: int) -> Outcome:
+        """What became of the run."""
         columns = self._series.columns()
         if status != 0:
-            at, step = self._integrator.time, self._integrator.step_count
+            at, step = self.integrator.time, self.integrator.step_count
             return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
         return Outcome(columns, at_end=self._series.ends())
 
-    def _set_up(self, system: System) -> None:
-        task = self._task
-        solver = method, step, tolerance, theta, beyond = _solver(self._parameters)
-        if solver == self._solver and self._integrator.restart(system, task.times[0]):
-            return
-        self._integrator = Integrator(
-            system, method, step, tolerance, task.times[0],
-            energy=False, theta=theta, beyond_stable=beyond,
-        )  # fmt: skip
-        self._series = Series(system, task.times, task.outputs, task.at_end)
-        self._solver = solver
+
+class _Bench:
+    """Where runs are made in groups: a system is made anew as far as parameters have changed.
+
+    The groups let several threads take turns seldom: all of a group are prepared, then all of them run
+    without Python's lock.
+    """
+
+    def __init__(self, task: _Task, group: int) -> None:
+        self._model = task.model
+        self._parameters = Remembering()
+        self._places = [_Place(task) for _ in range(group)]
+
+    def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
+        """Make a run for each set; what its parameters do not allow is its failure."""
+        size = len(self._places)
+        groups = (sets[k : k + size] for k in range(0, len(sets), size))
+        return [outcome for group in groups for outcome in self._run_group(group)]
+
+    def _run_group(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
+        begun = [self._begin(*each) for each in zip(self._places, sets, strict=False)]
+        places = [place for place in begun if isinstance(place, _Place)]
+        statuses = iter(run_all([place.integrator for place in places]))
+        return [one.outcome(next(statuses)) if isinstance(one, _Place) else one for one in begun]
+
+    def _begin(self, place: _Place, given: Mapping[str, object]) -> _Place | Outcome:
+        try:
+            self._parameters.update(checked_parameters(self._model, given))
+            place.begin(build_checked(self._model, self._parameters), self._parameters)
+        except ValueError as error:  # a ParameterError among them
+            return Outcome({}, str(error))
+        return place
 
 
 _solver = itemgetter(

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import contextmanager
 from itertools import pairwise
 from math import inf, isfinite
-from typing import TYPE_CHECKING
 
 from . import characteristics, roads
 from .characteristics import Characteristic
@@ -15,9 +13,6 @@ from .signals import Signal, passing_time
 from .systems import ALWAYS, Element
 from .units import nearest
 from .variable import ParameterError, Value
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 def points(name: str, text: str) -> list[tuple[float, float]]:
@@ -39,15 +34,20 @@ def points(name: str, text: str) -> list[tuple[float, float]]:
     return pairs
 
 
-@contextmanager
-def blaming(name: str) -> Iterator[None]:
+class blaming:  # noqa: N801  (a context, written as one)
     """Let what a parameter's value does not allow be said with its name."""
-    try:
-        yield
-    except ParameterError:
-        raise
-    except ValueError as error:
-        raise ParameterError(f"{name}: {error}") from None
+
+    __slots__ = ("_name",)
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, ValueError) and not isinstance(error, ParameterError):
+            raise ParameterError(f"{self._name}: {error}") from None
 
 
 _FASTEST = 100.0  # m/s, up to which a damper is looked at

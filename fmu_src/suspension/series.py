@@ -135,18 +135,13 @@ class Series:
     def _find_lines(self) -> None:
         self._lines = {name: line for name, line in _lines(self._system) if name in self._names}
 
-    def run(self, system: System, integrator: Any) -> int:
-        """Step over all instants; 0, or the key of `FAILURES` that says why it ended before.
-
-        Parameters
-        ----------
-        integrator : of this system, at the start
-        """
+    def prepare(self, system: System, integrator: Any) -> None:
+        """Let an integrator of this system, at the start, fill the columns when it runs."""
         moved, self._system = system.motions != self._system.motions, system
         if moved:
             self._find_lines()
         self._integrator = integrator
-        return int(integrator.run(self._times, *map(self._filled.get, range(4))))
+        integrator.prepare(self._times, *map(self._filled.get, range(4)))
 
     def columns(self) -> dict[str, Column]:
         """The outputs over time at all instants that were reached."""

@@ -183,13 +183,7 @@ class Integrator(March):
     def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
 
-        Parameters
-        ----------
-        times : s, ascending, none before the last step; an array of doubles, as all of them
-        displacements : m, one for each coordinate at the first instant, then at the second and so on
-        velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
-        forces : N, one for each element; with them the accelerations are those of the equation of
-            motion, as `sample_forces` finds them
+        What is wanted says `prepare`.
 
         Returns
         -------
@@ -199,36 +193,60 @@ class Integrator(March):
         ------
         ValueError : an array that is too short.
         """
-        count = len(times)
+        self.prepare(times, displacements, velocities, accelerations, forces)
+        return run_all([self])[0]
+
+    def prepare(self, times, displacements, velocities=None, accelerations=None, forces=None):
+        """Say what `run_all` is to fill.
+
+        Parameters
+        ----------
+        times : s, ascending, none before the last step; an array of doubles, as all of them
+        displacements : m, one for each coordinate at the first instant, then at the second and so on
+        velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
+        forces : N, one for each element; with them the accelerations are those of the equation of
+            motion, as `sample_forces` finds them
+
+        Raises
+        ------
+        ValueError : an array that is too short.
+        """
+        self.count = len(times)
         for out in (displacements, velocities, accelerations):
-            self._check_room(out, count * self.n)
-        self._check_room(forces, count * len(self.sample_f))
+            self._check_room(out, self.count * self.n)
+        self._check_room(forces, self.count * len(self.sample_f))
         self.want_v, self.want_a = velocities is not None, accelerations is not None
         self.want_f = forces is not None
         self.instants, self.out_q = times, displacements
         self.out_v, self.out_a, self.out_f = velocities, accelerations, forces
         self.filled = 0
-        status = self._run_all(count)
-        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
-        return status
 
     def _check_room(self, out, numbers):
         if out is not None and len(out) < numbers:
             raise ValueError(f"{numbers} numbers do not fit into an array of {len(out)}")
 
-    def _run_all(self, count):
-        status = _PAUSED
-        begun, start = self.step_count, self.time
-        while status == _PAUSED:
-            with cython.nogil:
-                status = self._run(count)
-            self._log_events()
-            if status == _PAUSED and self._is_hopeless(begun, start, self.instants[count - 1]):
-                return _TOO_MANY
-        return status
+    def _run_in_turn(self):
+        """The first part of the run, and that of all those that follow."""
+        self.begun, self.started = self.step_count, self.time
+        self.status = self._run()
+        if self.following is not None:
+            self.following._run_in_turn()
 
-    def _run(self, count):
-        while self.filled < count:
+    def _finish(self):
+        """The rest of the run, where it paused."""
+        self._log_events()
+        while self.status == _PAUSED:
+            if self._is_hopeless(self.begun, self.started, self.instants[self.count - 1]):
+                self.status = _TOO_MANY
+                break
+            with cython.nogil:
+                self.status = self._run()
+            self._log_events()
+        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
+        return self.status
+
+    def _run(self):
+        while self.filled < self.count:
             t = self.instants[self.filled]
             status = self._advance(t, False)
             if status != 0:
@@ -418,3 +436,27 @@ class Integrator(March):
         self._enter_branches()
         for part, content in zip(derived, kept, strict=True):
             memoryview(part).cast("B")[:] = content
+
+
+def run_all(integrators):
+    """Make the runs that integrators are prepared for, one after the other.
+
+    Meanwhile other threads of Python have their way: the lock is given back once for all runs.
+
+    Returns
+    -------
+    For each 0, or the key of `FAILURES` that says why its run could not go on.
+    """
+    following = None
+    for one in reversed(integrators):
+        one.following = following
+        following = one
+    first = following
+    if first is not None:
+        with cython.nogil:
+            first._run_in_turn()
+    statuses = []
+    for one in integrators:
+        one.following = None
+        statuses.append(one._finish())
+    return statuses
