@@ -190,3 +190,17 @@ def test_a_level_road_has_no_roughness_however_high() -> None:
     assert roughness_index(np.arange(0.0, 50.0, 0.1), np.full(500, 3.0)) == pytest.approx(
         0.0, abs=1e-12
     )
+
+
+def test_roughness_needs_a_speed_and_three_rows() -> None:
+    time = np.linspace(0.0, 4.0, 1001)
+    columns = {"time": time, "ground_elevation": 0.01 * np.sin(3.0 * time)}
+    known = catalogue(outputs("QuarterCar"))
+
+    def index(rows: int, **parameters: float) -> object:
+        few = {name: column[:rows] for name, column in columns.items()}
+        return take(known, ["roughness_index"], Run(few, parameters))["roughness_index"].value
+
+    whole = roughness_index(15.0 * time, columns["ground_elevation"])
+    assert index(1001, speed=15.0) == pytest.approx(whole)
+    assert [index(1001), index(2, speed=15.0)] == [None, None]

@@ -235,6 +235,30 @@ def test_a_start_beyond_the_yield_force_is_refused_and_any_set_may_be_started_fr
     assert found["displacement"][1] - 0.01 == pytest.approx(plain["displacement"][1], rel=1e-9)
 
 
+@pytest.mark.parametrize("displacement", [0.0, 0.004, -0.02])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_start_between_the_lines_of_flow_is_allowed_up_to_them(
+    displacement: float, sign: float
+) -> None:
+    """The spring force k (u - s) lies between -+ F (1 - h/k) + h u."""
+    rate, limit, slope = 5000.0, 6.0, 500.0
+    most = limit * (1.0 - slope / rate)
+    edge = displacement - (slope * displacement + sign * most) / rate
+    for inside in (True, False):
+        start = {
+            "hardening": slope,
+            "initial.displacement": displacement,
+            "initial.permanent_set": edge + sign * (1e-6 if inside else -1e-6),
+        }
+        if inside:
+            found = simulate("Elastoplastic", start, [0.0], ["permanent_set", "spring_force"])
+            assert found["permanent_set"] == [start["initial.permanent_set"]]
+            assert found["spring_force"][0] * sign < most + sign * slope * displacement
+        else:
+            with pytest.raises(ParameterError, match=r"initial\.permanent_set = .*give both"):
+                simulate("Elastoplastic", start, [0.0], ["displacement"])
+
+
 def test_a_frame_that_yields_at_almost_nothing_moves_as_a_mass_under_its_load() -> None:
     """No damping: m u'' = f(t), whose double integral is known."""
     soft = {"yield_force": 1e-9, "damper.rate": 0.0, "force.table": "0:8, 1:8"}
