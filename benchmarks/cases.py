@@ -7,22 +7,32 @@ from collections.abc import Callable
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from random import Random
 from types import ModuleType
 from typing import Any
 
 import hard_coded
 
-from scenarios.studies import own, peers
+from scenarios.studies import peers
 from scenarios.studies.accuracy import Solver, solvers
 from scenarios.studies.problems import PROBLEMS
 from scenarios.studies.reference import largest_error, truth
 from scenarios.studies.workbench import Prepared, UnableError, Workbench
 from suspension import engine
+from suspension.batch import run_many
 
 STEP, DURATION = 1e-3, 2.0
 STEPS = round(DURATION / STEP)
 PACKAGED = ("numbalsoda dop853", "numbalsoda lsoda", "heyoka")
 """Those peers that are not slower by an order of magnitude."""
+_BLOW_OFF = {
+    "damper.rebound_limit": 588.0, "damper.bump_limit": 294.0, "damper.limit_slope": 300.0,
+    "solver.tolerance": 1e-4,
+}  # fmt: skip
+_DRAWN = {
+    "sprung_mass": (200.0, 400.0), "damper.rebound_rate": (1500.0, 2500.0),
+    "speed": (10.0, 25.0), "road.height": (0.03, 0.06),
+}  # fmt: skip
 RACERS = ("extrapolated", *PACKAGED, "rk4, numba")
 
 
@@ -90,7 +100,13 @@ def lsoda_run(tolerance: float = 1e-4) -> Callable[[], object]:
     return peers.scipy_method("LSODA", Workbench(problem, truth(problem)), tolerance)
 
 
-def default_run(tolerance: float = 1e-4) -> Callable[[], object]:
-    """The same run by the default method."""
-    problem = PROBLEMS["lift_off"]()
-    return own.in_process(Workbench(problem, truth(problem)), tolerance=tolerance)
+def batch_of_runs(count: int, workers: int) -> Callable[[], object]:
+    """Quarter cars of 2 s at 1e-4 with lift-off and blow-off, no two alike, from parameters to columns."""
+    random = Random(1)
+    cars = [
+        {**_BLOW_OFF, **{name: random.uniform(*between) for name, between in _DRAWN.items()}}
+        for _ in range(count)
+    ]
+    times = [k * DURATION / 400 for k in range(401)]
+    outputs = ("body_displacement", "wheel_displacement")
+    return lambda: run_many("QuarterCar", cars, times, outputs, workers)

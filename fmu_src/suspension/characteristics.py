@@ -268,7 +268,7 @@ def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) 
     pieces = [Piece(-inf, x0, (f0, first, 0.0, 0.0))]
     for (x, f), (x_next, f_next) in pairwise(corners):
         # counted from the end nearer to zero: exact there, and no digits lost to far corners
-        origin, force = min((x, f), (x_next, f_next), key=lambda corner: abs(corner[0]))
+        origin, force = (x, f) if abs(x) <= abs(x_next) else (x_next, f_next)
         pieces.append(Piece(x, origin, (force, (f_next - f) / (x_next - x), 0.0, 0.0)))
     x_end, f_end = corners[-1]
     pieces.append(Piece(x_end, x_end, (f_end, last, 0.0, 0.0)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from functools import wraps
 from typing import Any, TypeVar, cast
 
@@ -21,10 +21,10 @@ class Remembering(dict[str, Value]):
 
 
 class _Reading(dict[str, Value]):
-    """Those of the parameters that have been read for one part."""
+    """Those of the parameters that have been read for one part, now or when it was made before."""
 
-    def __init__(self, whole: Remembering) -> None:
-        super().__init__()
+    def __init__(self, whole: Remembering, before: Iterable[str]) -> None:
+        super().__init__(zip(before, map(whole.__getitem__, before), strict=True))
         self.whole = whole
 
     def __missing__(self, name: str) -> Value:
@@ -46,7 +46,7 @@ def remembered(make: Maker) -> Maker:
         whole, key = p.whole, (make, how)
         kept = whole.parts.get(key)
         if kept is None or not kept[0].items() <= whole.items():
-            reading = _Reading(whole)
+            reading = _Reading(whole, kept[0] if kept else ())
             kept = whole.parts[key] = (reading, make(reading, *how))
         if p is not whole:
             p.update(kept[0])  # what a part of a part has read, both have

@@ -179,3 +179,19 @@ def test_what_has_not_changed_is_the_same_object() -> None:
     same = [a is b for a, b in zip(before.elements, after.elements, strict=True)]
     assert [e.name for e, s in zip(after.elements, same, strict=True) if not s] == ["front_damper"]
     assert after.signals["rear_road"] is before.signals["rear_road"]
+
+
+def test_side_by_side_is_one_after_the_other() -> None:
+    """In groups and threads, with runs among them that fail, diverge, or pause for many steps."""
+    cars: list[dict[str, object]] = [{"speed": 10.0 + 0.5 * k} for k in range(60)]
+    cars[3] = {"unsprung_mass": -1.0}
+    cars[5] = {"spring.cubic": -1e9, "road.height": 0.3}
+    cars[9] = cars[10] = {"solver.method": "equilibrium", "solver.step": 2e-5}
+    cars[20] = {"lift_off": False, "road.shape": "sine"}
+    single, threads = (
+        run_many("QuarterCar", cars, TIMES, OUTPUTS, workers, at_end=["step_count"])
+        for workers in (1, 3)
+    )
+    assert list(map(told, single)) == list(map(told, threads))
+    assert [k for k, outcome in enumerate(single) if not outcome.ok] == [3, 5]
+    assert single[9].at_end["step_count"] > 20_000
