@@ -101,7 +101,7 @@ def lsoda_run(tolerance: float = 1e-4) -> Callable[[], object]:
 
 
 def batch_of_runs(count: int, workers: int) -> Callable[[], object]:
-    """Quarter cars of 2 s at 1e-4 with lift-off and blow-off, no two alike, from parameters to columns."""
+    """Quarter cars of 2 s at 1e-4 with lift-off and blow-off, no two alike, up to their columns."""
     random = Random(1)
     cars = [
         {**_BLOW_OFF, **{name: random.uniform(*between) for name, between in _DRAWN.items()}}

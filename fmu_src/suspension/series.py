@@ -16,6 +16,7 @@ from typing import Any
 
 from .engine import KINDS
 from .outputs import SUSPENSION, Contact
+from .signals import Signal
 from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
@@ -121,6 +122,7 @@ class Series:
         self, system: System, times: array[float], names: Sequence[str], at_end: Sequence[str] = ()
     ) -> None:
         self._system, self._times, self._names, self._at_end = system, times, names, at_end
+        self._roads: dict[tuple[str, int], tuple[Signal, Column]] = {}
         self._find_lines()
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
         kinds = {line.kind for line in self._lines.values()}
@@ -167,14 +169,20 @@ class Series:
         for b, x in terms:
             column = list(map(add, column, map(mul, x, repeat(b))))
         if line.road:
-            signal, factor = self._system.signals[line.road], line.road_factor
-            column = [
-                c + factor * signal.derivatives(t)[line.kind]
-                for c, t in zip(column, self._times, strict=False)
-            ]
+            under = map(mul, repeat(line.road_factor), self._under(line.road, line.kind))
+            column = list(map(add, column, under))
         if line.axle is None:
             return column
         return list(map(add, column, repeat(self._system.axles[line.axle].static_load)))
+
+    def _under(self, road: str, order: int) -> Column:
+        """A road or its rate at all instants, found once for as long as it is the same road."""
+        signal = self._system.signals[road]
+        known, column = self._roads.get((road, order), (None, []))
+        if known is not signal:
+            column = [signal.derivatives(t)[order] for t in self._times]
+            self._roads[road, order] = signal, column
+        return column
 
     def _of_contact(self, name: str, times: array[float]) -> Column:
         """Contact as it stands at these instants, from the switches located."""
