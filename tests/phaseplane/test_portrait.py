@@ -13,6 +13,7 @@ from phaseplane.portrait import (
     direction_field,
     energy_levels,
     equilibria,
+    good_window,
     isocline,
     limit_cycles,
     nullcline,
@@ -20,6 +21,7 @@ from phaseplane.portrait import (
     periodic_motion,
     poincare_section,
     separatrices,
+    whole_portrait,
 )
 from suspension.models import build
 from suspension.variables import checked_parameters
@@ -195,3 +197,37 @@ def test_sections_of_the_models() -> None:
 def test_windows_are_checked(sides: tuple[float, float, float, float]) -> None:
     with pytest.raises(ValueError, match="left must lie below right"):
         Window(*sides)
+
+
+def test_a_window_is_as_high_as_motions_from_its_sides_get() -> None:
+    window = good_window(linear(9.0, 0.0), 0.2)
+    assert (window.left, window.bottom) == (-window.right, -window.top)
+    assert window.top == pytest.approx(3.0 * window.right, rel=1e-4)
+
+
+def test_isoclines_of_a_whole_portrait_have_slopes_of_the_windows_shape() -> None:
+    """Of x'' = -9 x straight lines, as f + s x' = 0 says; slopes in heights over widths."""
+    window = Window(-1.0, 1.0, -6.0, 6.0)
+    lines = whole_portrait(linear(9.0, 0.0), window).isoclines
+    for (line,), wanted in zip(lines, (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0), strict=True):
+        x, v = line[abs(line[:, 1]) > 1e-3].T
+        assert -9.0 * x / v == pytest.approx(6.0 * wanted, rel=1e-6)
+
+
+def test_a_repelling_cycle_is_the_attracting_one_backwards() -> None:
+    """Van der Pol's of both signs; a small distance from it grows by exp(-integral of df/dv)."""
+    window = Window(-3.0, 3.0, -4.0, 4.0)
+    (inwards,), (outwards,) = (
+        limit_cycles(PhaseSystem(lambda v, x, t, mu=mu: mu * (x * x - 1.0) * v + x), window)
+        for mu in (1.0, -1.0)
+    )
+    assert inwards.crossing == pytest.approx(outwards.crossing, rel=1e-8)
+    assert inwards.period == pytest.approx(outwards.period, rel=1e-8)
+    assert inwards.multiplier * outwards.multiplier == pytest.approx(1.0, rel=1e-2)
+    x, v = inwards.curve.T
+    along = np.hypot(np.diff(x), np.diff(v))  # by arcs, so that any spacing will do
+    speed = np.hypot(v, (x * x - 1.0) * v + x)
+    times = along * 0.5 * (1.0 / speed[1:] + 1.0 / speed[:-1])
+    growth = -np.sum(0.5 * (x[1:] ** 2 + x[:-1] ** 2 - 2.0) * times)
+    assert np.sum(times) == pytest.approx(inwards.period, rel=1e-2)
+    assert np.log(inwards.multiplier) == pytest.approx(growth, rel=2e-2)
