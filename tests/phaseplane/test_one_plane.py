@@ -126,6 +126,32 @@ def test_a_spring_that_bends_gives_a_family_of_curves_through_round_deflections(
         assert on_axis.real == pytest.approx(-2.0e6 * y**3 / RATE, abs=1e-12)
 
 
+def test_the_curves_reach_over_the_motion_in_round_steps():
+    for height in (0.01, 0.05, 0.3):
+        drawing = march(car(road=roads.bump(height, 4.0, 10.0)), step=0.01, duration=1.0)
+        y = column(drawing, "suspension_deflection")
+        labels = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]
+        values = [float(t.removeprefix("y = ").removesuffix(" cm")) / 100.0 for t in labels]
+        (step,) = {round(b - a, 9) for a, b in pairwise(values)}
+        assert f"{step:.0e}"[0] in "125"
+        assert f"{step:.3e}"[1:5] == ".000"
+        assert y.min() - step < values[0] <= y.min()
+        assert y.max() <= values[-1] < y.max() + step
+        assert 4 <= len(values) <= 8
+
+
+@given(y=st.floats(-0.1, 0.1), rate=st.floats(-2.0, 2.0))
+def test_between_two_drawn_curves_and_beyond_the_outer_ones_it_is_interpolated(y, rate):
+    levels = np.array([-0.03, 0.01, 0.04])
+    one = car(auxiliary_levels=tuple(levels), initial_deflection=y, initial_rate=rate)
+    phi = rate * (2000.0 if rate > 0.0 else 500.0)
+    low = 0 if y < levels[1] else 1
+    (a, b), (at_a, at_b) = levels[low : low + 2], 2.0e6 * levels[low : low + 2] ** 3
+    bend = at_a + (at_b - at_a) * (y - a) / (b - a)
+    found = one.points("contact", one.initial, Window(0.0, 0.01))["A"]
+    assert found.real == pytest.approx(-(phi + bend) / RATE, rel=1e-12, abs=1e-14)
+
+
 def test_the_turn_angle_stands_on_its_arm_and_gives_the_length_of_the_step():
     drawing = march(car(), step=0.005, duration=0.2)
     turned = 0

@@ -76,6 +76,17 @@ def test_the_pendulums_equilibria_and_separatrices() -> None:
         separatrices(PENDULUM, WIDE, found[1])
 
 
+def test_an_equilibrium_is_classified_on_either_side_of_its_own_corner() -> None:
+    """Slopes 1 below 0.3 and 4 above; rest lies beside that corner by rounding."""
+    bent = PhaseSystem(
+        lambda v, x, t: (x - 0.3 - 1e-13) * (1.0 if x < 0.3 else 4.0), corners=(-0.5, 0.3, 0.7)
+    )
+    (rest,) = equilibria(bent, Window(-0.93, 1.0, -1.0, 1.0))
+    assert rest.x == 0.3
+    stiffness = sorted({round(abs(pair[0]) ** 2, 6) for pair in rest.eigenvalues})
+    assert stiffness == [1.0, 4.0]
+
+
 def test_energy_levels_of_the_pendulum() -> None:
     energies, curves = energy_levels(PENDULUM, WIDE, [0.5, 2.0, 3.0])
     for energy, lines in zip(energies, curves, strict=True):
