@@ -104,15 +104,17 @@ def run_many(
     size = min(_CHUNK, ceil(len(parameter_sets) / (4 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
     found: list[Outcome] = []
-    with ThreadPoolExecutor(workers) as pool:
-        benches: list[_Bench] = []  # those that no thread works at
+    # those that no thread works at
+    benches = [_Bench(task, 1 if workers == 1 else _GROUP) for _ in range(workers)]
 
-        def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
-            bench = benches.pop() if benches else _Bench(task, 1 if workers == 1 else _GROUP)
-            outcomes = bench.run(sets)
+    def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
+        bench = benches.pop()
+        try:
+            return bench.run(sets)
+        finally:
             benches.append(bench)
-            return outcomes
 
+    with ThreadPoolExecutor(workers) as pool:
         for part in pool.map(run_chunk, chunks):
             found += part
             if progress is not None:
