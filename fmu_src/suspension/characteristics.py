@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import exp, inf, isfinite, log, log1p, sinh, tanh
+from typing import NamedTuple
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(NamedTuple):
     """One piece: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin.
 
     It is valid from `start` upwards; `scale` > 0.
@@ -140,8 +140,7 @@ class Characteristic:
         """The same law read from another origin, which lay at x and that force before."""
         return Characteristic(
             tuple(
-                replace(
-                    piece,
+                piece._replace(
                     start=piece.start - x,
                     origin=piece.origin - x,
                     coefficients=(piece.coefficients[0] - force, *piece.coefficients[1:]),
@@ -179,7 +178,7 @@ def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
 
 def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
     """The coefficients of the same cubic about another origin."""
-    cubic = replace(piece, saturation=0.0)
+    cubic = piece._replace(saturation=0.0)
     _, _, c2, c3 = piece.coefficients
     s = origin - piece.origin
     return (cubic.force(origin), cubic.tangent(origin), c2 + 3.0 * c3 * s, c3)
@@ -242,7 +241,7 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
     if bump_rate is None or bump_rate == rate:
         return Characteristic((rebound,))
     bump = Piece(-inf, 0.0, straight, force, force / bump_rate)
-    return Characteristic((bump, replace(rebound, start=0.0)))
+    return Characteristic((bump, rebound._replace(start=0.0)))
 
 
 def hat(points: Sequence[float], k: int) -> Characteristic:
@@ -281,7 +280,7 @@ def _without_straight_joints(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
     for piece in pieces:
         if kept and kept[-1].coefficients[1] == piece.coefficients[1]:
             near = min(kept[-1], piece, key=lambda one: abs(one.origin))
-            kept[-1] = replace(near, start=kept[-1].start)
+            kept[-1] = near._replace(start=kept[-1].start)
         else:
             kept.append(piece)
     return tuple(kept)

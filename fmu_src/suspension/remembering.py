@@ -40,10 +40,11 @@ def remembered(make: Maker) -> Maker:
     """
 
     @wraps(make)
-    def made(p: Mapping[str, Value], *how: Hashable) -> Any:
-        if not isinstance(p, Remembering | _Reading):
+    def made(p: Any, *how: Hashable) -> Any:
+        whole: Remembering | None = getattr(p, "whole", None)
+        if whole is None:
             return make(p, *how)
-        whole, key = p.whole, (make, how)
+        key = (make, how)
         kept = whole.parts.get(key)
         if kept is None or not kept[0].items() <= whole.items():
             reading = _Reading(whole, kept[0] if kept else ())

@@ -7,7 +7,6 @@ Everything a road or a load needs can be had from here.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import inf, pi
 
 from .profiles import (
@@ -309,4 +308,4 @@ def sequence(
 def _raised(segment: Segment, rise: float) -> Segment:
     """The same segment at another level."""
     c0, c1, c2, c3 = segment.coefficients
-    return replace(segment, coefficients=(c0 + rise, c1, c2, c3))
+    return segment._replace(coefficients=(c0 + rise, c1, c2, c3))

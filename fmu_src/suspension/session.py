@@ -10,7 +10,8 @@ from __future__ import annotations
 import json
 from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, astuple, dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import cache
 from math import inf, isfinite, nan
 from typing import Any
 
@@ -371,7 +372,7 @@ class Session:
                 "ahead": self._ahead,
                 "contacts": {axle: asdict(contact) for axle, contact in self.contacts.items()},
                 "signals": {
-                    name: [astuple(segment) for segment in signal.segments]
+                    name: [tuple(segment) for segment in signal.segments]
                     for name, signal in self._signals.items()
                 },
                 "integrator": self._integrator.snapshot().hex(),
@@ -419,11 +420,7 @@ def start_state(
     """
     levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
-        [
-            float(parameters[f"initial.{name}_{what}".replace("._", ".")])
-            for name in system.coordinates
-        ]
-        for what in ("displacement", "velocity")
+        [float(parameters[name]) for name in names] for names in _initial(system.coordinates)
     )
     if any(levels.values()):
         rest = static_equilibrium(system, levels)
@@ -431,6 +428,15 @@ def start_state(
     if not any(displacements) and not any(velocities):
         return None
     return displacements, velocities
+
+
+@cache
+def _initial(coordinates: tuple[str, ...]) -> list[list[str]]:
+    """Names of the parameters that displacements and velocities at the start have."""
+    return [
+        [f"initial.{name}_{what}".replace("._", ".") for name in coordinates]
+        for what in ("displacement", "velocity")
+    ]
 
 
 def simulate(

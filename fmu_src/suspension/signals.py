@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, inf, sin
+from typing import NamedTuple
 
 _GAUSS = (  # five nodes on (0, 1) and their weights
     (0.04691007703066802, 0.11846344252809454),
@@ -23,8 +24,7 @@ _GAUSS = (  # five nodes on (0, 1) and their weights
 _ROUNDING = 64.0 * 2.0**-52  # what a difference of two rounded sums may be, relative to the terms
 
 
-@dataclass(frozen=True, slots=True)
-class Segment:
+class Segment(NamedTuple):
     """From `start`: c0 + c1 s + c2 s^2 + c3 s^3 + amplitude cos(p0 + p1 s + p2 s^2); s = t - origin."""
 
     start: float
@@ -171,7 +171,7 @@ class Signal:
         return replace(
             self,
             segments=tuple(
-                replace(segment, start=segment.start + delay, origin=segment.origin + delay)
+                segment._replace(start=segment.start + delay, origin=segment.origin + delay)
                 for segment in self.segments
             ),
         )

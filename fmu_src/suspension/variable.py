@@ -65,7 +65,7 @@ class Variable:
                 value = to_si(value, self.unit or "1")
             except UnitError as error:
                 raise ParameterError(f"{self.name} = {value!r}: {error}") from None
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ParameterError(f"{self.name} = {value!r}: must be a number{self._in_unit()}")
         if isinstance(self.start, int):
             if value != int(value):

@@ -97,7 +97,7 @@ def test_an_object_of_another_kind() -> None:
 def test_pieces_that_do_not_join_or_ascend() -> None:
     torn = (Piece(-inf, 0.0, (0.0, 1e3, 0.0, 0.0)), Piece(0.1, 0.1, (90.0, 1e3, 0.0, 0.0)))
     assert "jumps by -10 N at the corner 0.1" in check_characteristic(Characteristic(torn))[0]
-    swapped = (torn[0], replace(torn[1], start=0.2), torn[1])
+    swapped = (torn[0], torn[1]._replace(start=0.2), torn[1])
     assert "must ascend" in check_characteristic(Characteristic(swapped))[0]
     assert "minus infinity" in check_characteristic(Characteristic(torn[1:]))[0]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import pairwise
 from math import cos, pi, sin, sqrt
 from pathlib import Path
@@ -108,7 +107,7 @@ def test_rounding_is_not_taken_for_a_jump(road: roads.Signal) -> None:
 
 def test_a_jump_far_below_the_elevation_is_still_one() -> None:
     (first, *rest) = roads.bump(0.05, 1.0, 20.0).segments
-    raised = replace(rest[-1], coefficients=(1e-12, 0.0, 0.0, 0.0))
+    raised = rest[-1]._replace(coefficients=(1e-12, 0.0, 0.0, 0.0))
     ((t, height),) = roads.Signal((first, *rest[:-1], raised)).jumps
     assert (t, height) == pytest.approx((0.05, 1e-12), rel=1e-4)
 
