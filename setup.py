@@ -18,7 +18,7 @@ STAGE = Path("build") / NAME
 FLAGS = [] if sys.platform == "win32" else ["-O3", "-g0", "-ffp-contract=off"]
 MODULES = (
     "linear", "bernstein", "signals", "laws", "elements", "network",
-    "exact", "lanes", "stepper", "switches", "dense", "ledger", "watch",
+    "exact", "lanes", "stepper", "switches", "cruise", "dense", "ledger", "watch",
     "march", "integrator",
 )  # fmt: skip
 

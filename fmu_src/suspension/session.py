@@ -311,7 +311,7 @@ class Session:
         return (elevation - before) / (self.time - then)
 
     def _note_switches(self) -> None:
-        log, self._integrator.log = self._integrator.log, []
+        log = self._integrator.take_log()
         for time, element, kind, before, after in log:
             name = self._system.elements[element].name
             self.events.append(Event(time, name, KINDS[kind], before, after))

@@ -168,9 +168,10 @@ class Integrator(March):
         while status == _PAUSED:
             with cython.nogil:
                 status = self._advance(until, stop)
-            self._log_events()
-            if status == _PAUSED and self._is_hopeless(begun, start, until):
-                return _TOO_MANY
+            if status == _PAUSED:
+                self._pause()
+                if self._is_hopeless(begun, start, until):
+                    return _TOO_MANY
         return status
 
     def _is_hopeless(self, begun, start, until):
@@ -234,14 +235,13 @@ class Integrator(March):
 
     def _finish(self):
         """The rest of the run, where it paused."""
-        self._log_events()
         while self.status == _PAUSED:
+            self._pause()
             if self._is_hopeless(self.begun, self.started, self.instants[self.count - 1]):
                 self.status = _TOO_MANY
                 break
             with cython.nogil:
                 self.status = self._run()
-            self._log_events()
         self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         return self.status
 
@@ -272,14 +272,31 @@ class Integrator(March):
             self.filled += 1
         return 0
 
+    def _pause(self):
+        """Between parts of a long run: switches make room, and an interrupt may end it."""
+        self._log_events()
+        self.since_pause = 0
+        if cython.compiled:
+            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
+
     def _log_events(self):
         for k in range(self.event_count):
             what = self.event_what
             i = 4 * k
-            self.log.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
-        self.event_count = self.since_pause = 0
-        if cython.compiled:
-            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
+            self.logged.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
+        self.event_count = 0
+
+    @property
+    def log(self):
+        """Switches so far: (time, element, kind, branch before, branch after)."""
+        self._log_events()
+        return self.logged
+
+    def take_log(self):
+        """The switches since it was last taken."""
+        taken = self.log
+        self.logged = []
+        return taken
 
     # -- reading results ---------------------------------------------------------------------------
 
@@ -426,7 +443,7 @@ class Integrator(March):
             view[:] = state[at : at + len(view)]
             at += len(view)
         self.event_count = 0
-        self.log = []
+        self.logged = []
         d.known = 0
         net.signals_read = [None] * net.signals
         # tangents follow from the state; accelerations and multipliers are kept to the bit

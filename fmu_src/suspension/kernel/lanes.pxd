@@ -21,7 +21,10 @@ cdef class Lanes:
     @cython.locals(i=int)
     cdef void enter(self, double[::1] stiffness, double[::1] damping) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
-    @cython.locals(new=bint, pair=int, s0=double, s1=double)
+    cdef int invert(self, double h) noexcept nogil
+    @cython.locals(pair=int, s0=double, s1=double)
+    cdef int _invert(self, double h, int n) noexcept nogil
+    @cython.locals(pair=int)
     cdef int _attempt(self, double h, int n) noexcept nogil
     @cython.locals(at=int, i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int,
                    x0=double, x1=double)

@@ -117,16 +117,13 @@ class Lanes:
         return self._attempt(h, self.n)
 
     def _attempt(self, h, n):
-        new = h != self.step
-        self.step = -1.0
+        if self._invert(h, n) != 0:
+            return _NOT_POSITIVE
         for pair in range(2):
             if 2 * pair < self.columns:
-                s0 = h / self.substeps[2 * pair]
-                s1 = h / self.substeps[2 * pair + 1]
-                if new and self._invert_pair(pair, s0, s1, n) != 0:
-                    return _NOT_POSITIVE
-                self._advance_pair(pair, s0, s1, n)
-        self.step = h
+                self._advance_pair(
+                    pair, h / self.substeps[2 * pair], h / self.substeps[2 * pair + 1], n
+                )
         if self._extrapolate(n) != 0:
             return _DIVERGED
         self._finish(n)
@@ -138,6 +135,23 @@ class Lanes:
             self._finish(2)
         else:
             self._finish(self.n)
+
+    def invert(self, h):
+        """Find the matrices of all columns for macro steps h; 1 if one is not positive definite."""
+        return self._invert(h, self.n)
+
+    def _invert(self, h, n):
+        if h == self.step:
+            return 0
+        self.step = -1.0
+        for pair in range(2):
+            if 2 * pair < self.columns:
+                s0 = h / self.substeps[2 * pair]
+                s1 = h / self.substeps[2 * pair + 1]
+                if self._invert_pair(pair, s0, s1, n) != 0:
+                    return 1
+        self.step = h
+        return 0
 
     def _invert_pair(self, pair, s0, s1, n):
         """(M + s/2 B + s^2/6 K)^-1 of two lanes, by Gauss and Jordan; 1 if not positive definite."""

@@ -1,5 +1,6 @@
 cimport cython
 from libc.math cimport fabs, pow, sqrt
+from .cruise cimport Cruise
 from .dense cimport Dense
 from .ledger cimport Ledger
 from .network cimport Network
@@ -18,9 +19,10 @@ cdef class March:
     cdef Switches switches
     cdef Watch watch
     cdef Dense dense
+    cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint controlled, landing, energy, in_step, entered
+    cdef bint cruises, controlled, landing, energy, in_step, entered
     cdef double fixed_step
     # its state
     cdef readonly double time
@@ -30,7 +32,7 @@ cdef class March:
     cdef double[::1] limited_time
     cdef int contacts
     cdef int[::1] step_limited, contact_element
-    cdef public list log
+    cdef list logged
     # results at the last sampled instant
     cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
     cdef readonly Py_ssize_t filled
@@ -52,11 +54,17 @@ cdef class March:
     @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int,
                    h=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil
+    @cython.locals(i=int)
+    cdef bint _has_diverged(self) noexcept nogil
+    @cython.locals(i=int, h=double, end=double)
+    cdef bint _cruise(self, double until, bint stop) noexcept nogil
+    @cython.locals(i=int, k=int, _step=int)
+    cdef void _count_limited(self, double h, int steps) noexcept nogil
     @cython.locals(before=double)
     cdef void _pass_joint(self) noexcept nogil
     @cython.locals(factor=double)
     cdef double _factor_for_error(self) noexcept nogil
-    @cython.locals(i=int, k=int)
+    @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil
     @cython.locals(_iteration=int, status=int, step=double, best=double, late=double, new=double)
     cdef int _land(self, double h) noexcept nogil

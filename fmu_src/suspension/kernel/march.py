@@ -9,6 +9,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
+from .cruise import Cruise
 from .dense import Dense
 from .exact import not_straight
 from .ledger import Ledger
@@ -73,11 +74,15 @@ class March:
         limit = 0.0 if method in UNLIMITED else LIMITS[columns]
         self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
         self.n = n = self.net.n
-        self.dense = Dense(n, method in ("equilibrium", "mean", "tangent"))
+        plain = method in ("equilibrium", "mean", "tangent")
+        self.dense = Dense(n, plain)
         self.ledger = Ledger(self.net, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
+        # the ledger wants to see each step
+        self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
+        self.cruise = Cruise(self.stepper, self.switches) if self.cruises else None
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
@@ -88,7 +93,7 @@ class March:
         self.contacts = len(self.contact_element)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.log = []  # switches so far: (time, element, kind, from, to)
+        self.logged = []  # switches so far: (time, element, kind, from, to); the last ones wait
         self._start(start, max(system.scales))
 
     def restart(self, system, start):
@@ -109,7 +114,7 @@ class March:
         if self.stepper.method == METHODS["exact"]:
             _refuse_curved(system)
         self.net.read(system)
-        self.log = []
+        self.logged = []
         self._start(start, max(system.scales))
         return True
 
@@ -157,6 +162,10 @@ class March:
         while self.time < until:
             if self.event_count > _EVENT_CAPACITY - 16 or self.since_pause >= _PAUSE:
                 return _PAUSED
+            if self.cruises and not self.entered and self._cruise(until, stop):
+                if self._has_diverged():
+                    return _DIVERGED
+                continue
             self.since_pause += 1
             before = self.time
             status = self._step(until if stop else 1e300)
@@ -247,12 +256,61 @@ class March:
             self.net.follow(self.time, self.stepper.q, self.stepper.v)
         if landed or to_end or not (self.landing and self.stepper.affine):
             self._enter_branches()
-        for i in range(self.n):
-            if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
-                return _DIVERGED
+        if self._has_diverged():
+            return _DIVERGED
         if self.energy and self.ledger.grows():
             return _ENERGY_GROWS
         return _REACHED
+
+    def _has_diverged(self):
+        for i in range(self.n):
+            if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
+                return 1
+        return 0
+
+    def _cruise(self, until, stop):
+        """Fixed steps in a linear branch, as many as come before a switch; whether there were any."""
+        h = self._proposed_step()
+        if h != self.fixed_step or not self.cruise.enter(h):
+            return 0
+        end = self.net.next_joint()
+        if stop and until < end:
+            end = until
+        self.cruise.begin(self.time)
+        self.cruise.go(self.grid_start, self.grid_index, until, end, _PAUSE - self.since_pause)
+        if self.cruise.taken == 0:
+            return 0
+        for i in range(self.n):
+            self.dense.qa[i] = self.cruise.q0[i]
+            self.dense.va[i] = self.cruise.v0[i]
+            self.dense.aa[i] = self.cruise.a0[i]
+            self.stepper.qb[i] = self.cruise.q[i]
+            self.stepper.vb[i] = self.cruise.v[i]
+        self.stepper.shift_end(self.cruise.time, 0.0)  # finds the jerk there
+        for i in range(self.n):
+            self.dense.qb[i] = self.stepper.q[i] = self.cruise.q[i]
+            self.dense.vb[i] = self.stepper.v[i] = self.cruise.v[i]
+            self.dense.ab[i] = self.stepper.a[i] = self.cruise.a[i]
+            self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
+        self.stepper.reach = self.cruise.reach
+        self._count_limited(h, self.cruise.taken)
+        self.in_step = True
+        self.dense.start, self.dense.end = self.cruise.start, self.cruise.time
+        self.dense.known = 0
+        self.time = self.cruise.time
+        self.step_count += self.cruise.taken
+        self.since_pause += self.cruise.taken
+        self.stalled = 0
+        return 1
+
+    def _count_limited(self, h, steps):
+        """How long elements have been at their limit, step by step."""
+        for k in range(self.contacts):
+            i = self.contact_element[k]
+            self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
+            if self.step_limited[i]:
+                for _step in range(steps):
+                    self.limited_time[i] += h
 
     def _pass_joint(self):
         """Signals enter their next segments; what a jump of a road does is work of that road."""
@@ -285,11 +343,7 @@ class March:
             self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
             self.stepper.drift[i] = self.stepper.drift_end[i]
             self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
-        for k in range(self.contacts):
-            i = self.contact_element[k]
-            self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
-            if self.step_limited[i]:
-                self.limited_time[i] += h
+        self._count_limited(h, 1)
         if self.entered:
             self.entered = 0
             for i in range(_KINDS * self.net.elements):

@@ -59,7 +59,8 @@ cdef class Stepper:
     cdef int _column(self, int column, double h) noexcept nogil
     @cython.locals(i=int, status=int)
     cdef int attempt(self, double t, double h) noexcept nogil
-    cdef bint _in_lanes(self) noexcept nogil
+    cdef bint in_lanes(self) noexcept nogil
+    cdef void loads_at_end(self, double t) noexcept nogil
     @cython.locals(i=int, a=double, j=double)
     cdef void shift_end(self, double t, double late) noexcept nogil
     @cython.locals(n=int, i=int, m=int, column=int, width=int, low=int, high=int,

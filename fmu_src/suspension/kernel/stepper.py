@@ -440,7 +440,7 @@ class Stepper:
         self._prepare_signals(h)
         if self.method == _WILSON:
             return self._reach_beyond(t, h)
-        if not self._in_lanes():
+        if not self.in_lanes():
             return self._one_by_one(t, h)
         status = self.lanes.attempt(h)
         self.error = 0.0
@@ -449,7 +449,8 @@ class Stepper:
             self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
         return status
 
-    def _in_lanes(self):
+    def in_lanes(self):
+        """Whether the present branch is linear and goes the faster way."""
         return self.affine and self.side_by_side and not self.net.stuck
 
     def shift_end(self, t, late):
@@ -458,13 +459,17 @@ class Stepper:
             a, j = self.ab[i], self.jb[i]
             self.qb[i] += late * (self.vb[i] + late * (a / 2.0 + late * j / 6.0))
             self.vb[i] += late * (a + late * j / 2.0)
-        if not self._in_lanes():
+        if not self.in_lanes():
             self._end_of_attempt(t)
             return
+        self.loads_at_end(t)
+        self.lanes.finish()
+
+    def loads_at_end(self, t):
+        """Loads of a linear branch at the end of a step, t."""
         if not self.loads_hold:
             self.net.all_signals(t)
             self._find_loads(self.fractions - 1)
-        self.lanes.finish()
 
     def _one_by_one(self, t, h):
         """Columns one after the other, by Aitken and Neville.
