@@ -101,8 +101,6 @@ class Cruise:
         """Start from the stepper's state at time t."""
         n = self.n
         self.time, self.taken, self.reach = t, 0, self.stepper.reach
-        if not self.stepper.loads_hold:
-            self.net.row_forces()  # whoever read forces meanwhile may have left other tangents
         self._read_roads(t)
         for i in range(n):
             self.q[i], self.v[i], self.a[i] = (

@@ -10,6 +10,9 @@ cdef class Elements(Laws):
     cdef readonly int n, rows, elements
     cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
     cdef int[::1] row_signal, element_row, yields, modulated
+    cdef bint always_affine
+    cdef int switchable  # how many kinds of branches of elements can change
+    cdef int[::1] switch_element, switch_kind
     # its branches
     cdef int[::1] branch, departing, limited_count, stuck_element, row_stuck
     cdef int stuck
@@ -18,11 +21,14 @@ cdef class Elements(Laws):
     cdef double[::1] kept_set
     # what the last evaluation left
     cdef double[::1] row_d, row_v, row_f, row_k, row_c
+    cdef double[::1] branch_f, branch_k, branch_c
     cdef double force0, force1, force2
 
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
     cdef read_element(self, int e, element)
+    @cython.locals(e=int, kind=int, p=int, first=int, several=bint)
+    cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
     cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
@@ -37,6 +43,8 @@ cdef class Elements(Laws):
     cdef double element_force(self, int e) noexcept nogil
     @cython.locals(r=int, e=int, ps=int, pd=int, pm=int, force=double, slope=double, factor=double)
     cdef void row_forces(self) noexcept nogil
+    @cython.locals(e=int, r=int, at=int, rest=double, c=double, factor=double)
+    cdef void linearise(self) noexcept nogil
     @cython.locals(ps=int, pd=int, pm=int, d=double, v=double, a=double, j=double, k=double, c=double,
                    damping0=double, damping1=double, damping2=double, m0=double, m1=double, m2=double)
     cdef void unlimited_force(self, int e, double[::1] row, int at) noexcept nogil
@@ -52,7 +60,9 @@ cdef class Elements(Laws):
     cdef void locate_branches(self, double t, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(e=int, r=int)
     cdef void list_stuck(self) noexcept nogil
-    @cython.locals(e=int, r=int, kind=int, mark=int, x=double)
+    @cython.locals(k=int)
+    cdef void clear_marks(self) noexcept nogil
+    @cython.locals(k=int, e=int, r=int, kind=int, mark=int, x=double)
     cdef void mark_bounds(self) noexcept nogil
     @cython.locals(s=int, e=int, k=int)
     cdef void keep_branches(self) noexcept nogil

@@ -60,6 +60,11 @@ class Elements(Laws):
         self.kept_branch = integers([0] * _KINDS * elements)
         self.kept_set, self.kept_signal = doubles([0.0] * elements), integers(self.signal_now)
         self.row_d, self.row_v, self.row_f, self.row_k, self.row_c = vectors(5, self.rows)
+        self.branch_f, self.branch_k, self.branch_c = vectors(3, self.rows)
+        self.switch_element, self.switch_kind = (
+            integers([0] * _KINDS * elements),
+            integers([0] * _KINDS * elements),
+        )
 
     def _read_rows(self, system):
         names = list(system.signals)
@@ -104,6 +109,32 @@ class Elements(Laws):
         if self.yields[e]:
             self.initial_set[e] = element.permanent_set
             self.spring_rate[e] = element.spring.tangent(0.0)
+
+    def list_switchable(self):
+        """The branches that there is another one to, and whether all forces are always linear."""
+        self.switchable = 0
+        self.always_affine = 1
+        for e in range(self.elements):
+            for kind in range(_KINDS):
+                if kind == _CONTACT:
+                    several = self.limit[e] < 1e300
+                elif kind == _FRICTION:
+                    several = self.friction[e] > 0.0
+                else:
+                    # where flow ends, the rate turns
+                    several = self.count[_LAWS * e + kind] > 1 or (
+                        kind == _DAMPER and self.yields[e] != 0
+                    )
+                if several:
+                    self.switch_element[self.switchable] = e
+                    self.switch_kind[self.switchable] = kind
+                    self.switchable += 1
+            first = self.first[_LAWS * e]
+            for p in range(first, self.first[_LAWS * (e + 1)]):
+                if not self.straight[p]:
+                    self.always_affine = 0
+            if self.modulated[e]:
+                self.always_affine = 0
 
     # -- rows ----------------------------------------------------------------------------------------
 
@@ -198,6 +229,35 @@ class Elements(Laws):
             if self.friction[e] > 0.0:
                 self.row_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
 
+    def linearise(self):
+        """Force at rest and tangents of every row while all pieces are straight: f + k d + c w."""
+        for r in range(self.rows):
+            self.branch_f[r] = 0.0
+            self.branch_k[r] = 0.0
+            self.branch_c[r] = 0.0
+        for e in range(self.elements):
+            r = self.element_row[e]
+            if self.branch[_KINDS * e + _CONTACT]:
+                self.branch_f[r] += self.limit[e]
+            else:
+                at = self.piece_now(e, _SPRING) * _PIECE
+                self.branch_f[r] += self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+                self.branch_k[r] += self.piece[at + 3]
+                at = self.piece_now(e, _DAMPER) * _PIECE
+                rest = self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+                c = self.piece[at + 3]
+                if self.modulated[e]:
+                    factor = self.law(self.piece_now(e, _MODULATION), 0.0)
+                    rest *= factor
+                    c *= factor
+                self.branch_f[r] += rest
+                self.branch_c[r] += c
+            if self.friction[e] > 0.0:
+                self.branch_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
+        for r in range(self.rows):
+            self.row_k[r] = self.branch_k[r]
+            self.row_c[r] = self.branch_c[r]
+
     def unlimited_force(self, e, row, at):
         """S(d) + D(v) m(d) of element e with two time derivatives, into force0, force1, force2."""
         ps = self.piece_now(e, _SPRING)
@@ -222,16 +282,18 @@ class Elements(Laws):
 
     def is_affine(self):
         """Whether every force is linear in deflection and rate while the branches stay."""
+        if self.always_affine:
+            return 1
         for e in range(self.elements):
             if self.branch[_KINDS * e + _CONTACT]:
                 continue
-            if not self.is_straight(self.piece_now(e, _SPRING)):
+            if not self.straight[self.piece_now(e, _SPRING)]:
                 return 0
-            if not self.is_straight(self.piece_now(e, _DAMPER)):
+            if not self.straight[self.piece_now(e, _DAMPER)]:
                 return 0
             if self.modulated[e]:
                 p = self.piece_now(e, _MODULATION)
-                if not self.is_straight(p) or self.piece[p * _PIECE + 3] != 0.0:
+                if not self.straight[p] or self.piece[p * _PIECE + 3] != 0.0:
                     return 0
         return 1
 
@@ -323,22 +385,28 @@ class Elements(Laws):
 
     def mark_bounds(self):
         """Note which variables stand exactly on a bound of their branch, as at rest."""
-        for e in range(self.elements):
+        for k in range(self.switchable):
+            e = self.switch_element[k]
+            kind = self.switch_kind[k]
             r = self.element_row[e]
-            for kind in range(_KINDS):
-                x = 1e300  # contact is never marked: where it starts it is inside
-                if kind in (_SPRING, _MODULATION):
-                    x = self.row_d[r]
-                elif kind == _DAMPER or (
-                    kind == _FRICTION and self.branch[_KINDS * e + _FRICTION] != 0
-                ):
-                    x = self.row_v[r]
-                mark = 0
-                if x < 1e300 and x == self.bound(e, kind, -1):
-                    mark = -1
-                elif x < 1e300 and x == self.bound(e, kind, 1):
-                    mark = 1
-                self.departing[_KINDS * e + kind] = mark
+            x = 1e300  # contact is never marked: where it starts it is inside
+            if kind in (_SPRING, _MODULATION):
+                x = self.row_d[r]
+            elif kind == _DAMPER or (
+                kind == _FRICTION and self.branch[_KINDS * e + _FRICTION] != 0
+            ):
+                x = self.row_v[r]
+            mark = 0
+            if x < 1e300 and x == self.bound(e, kind, -1):
+                mark = -1
+            elif x < 1e300 and x == self.bound(e, kind, 1):
+                mark = 1
+            self.departing[_KINDS * e + kind] = mark
+
+    def clear_marks(self):
+        """Nothing stands on its bound any more."""
+        for k in range(self.switchable):
+            self.departing[_KINDS * self.switch_element[k] + self.switch_kind[k]] = 0
 
     def keep_branches(self):
         """Remember the present branches, before they change at the end of a step."""

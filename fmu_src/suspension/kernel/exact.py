@@ -59,7 +59,6 @@ class Propagator:
         while not self._is_short():
             self.part *= 0.5
             doublings += 1
-        self.net.row_forces()  # whoever read forces meanwhile may have left other tangents
         self._find_rates(t)
         self._sum_series()
         for _k in range(doublings):
@@ -193,8 +192,8 @@ class Propagator:
             s = self.net.row_signal[r]
             if s >= 0:
                 p = (
-                    self.net.row_k[r] * self.net.road[4 * s]
-                    + self.net.row_c[r] * self.net.road[4 * s + 1]
+                    self.net.branch_k[r] * self.net.road[4 * s]
+                    + self.net.branch_c[r] * self.net.road[4 * s + 1]
                 )
                 for i in range(n):
                     self.column[i] += self.net.row_direction[r * n + i] * p

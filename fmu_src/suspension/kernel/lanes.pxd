@@ -7,19 +7,21 @@ cdef int _MOST, _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
 cdef class Lanes:
     cdef int n, columns, last
     cdef int[::1] substeps, load_at
-    cdef double[::1] loads, load_rate, q0, v0, a0, q1, v1, a1, j1
+    cdef double[::1] loads, load_rate, given_stiffness, given_damping
+    cdef double[::1] q0, v0, a0, j0, q1, v1, a1, j1
     cdef double step
     cdef double[4] weight, check
     cdef double[64] stiffness, damping, mass, flexibility
     cdef double[256] inverse
     cdef double[16] q, v, a, pq, pv, f
+    cdef double[8] at_q, at_v, at_a, at_j
     cdef double[32] end_q, end_v
     cdef double[8] error_q, error_v
 
     @cython.locals(i=int)
     cdef void enter_mass(self, double[::1] mass) noexcept nogil
-    @cython.locals(i=int)
-    cdef void enter(self, double[::1] stiffness, double[::1] damping) noexcept nogil
+    @cython.locals(n=int, i=int)
+    cdef void enter(self) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
     cdef int invert(self, double h) noexcept nogil
     @cython.locals(pair=int, s0=double, s1=double)
@@ -36,5 +38,7 @@ cdef class Lanes:
                    eq=double, ev=double, x=double)
     cdef int _extrapolate(self, int n) noexcept nogil
     cdef void finish(self) noexcept nogil
-    @cython.locals(i=int, j=int, x=double)
+    @cython.locals(i=int)
     cdef void _finish(self, int n) noexcept nogil
+    @cython.locals(i=int, j=int, x=double)
+    cdef void _solve_motion(self, int n) noexcept nogil

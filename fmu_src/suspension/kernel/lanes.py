@@ -47,11 +47,12 @@ class Lanes:
     loads : forces of roads and loads at those instants, one for each coordinate, N; the last are
         those at the end of the step
     load_rate : their rates at the end, N/s
-    start : displacements, velocities, accelerations that steps begin with
+    tangents : K and B by rows, of which `enter` takes what stands there
+    start : displacements, velocities, accelerations and jerks that steps begin with
     end : where displacements, velocities, accelerations and jerks at their end go
     """
 
-    def __init__(self, mass, sequence, fraction_index, loads, load_rate, start, end):
+    def __init__(self, mass, sequence, fraction_index, loads, load_rate, tangents, start, end):
         self.n = n = len(load_rate)
         self.columns = len(sequence)
         # a lane without a column of its own repeats the last
@@ -64,7 +65,8 @@ class Lanes:
             for k in range(_SUBSTEPS)
         )
         self.loads, self.load_rate, self.last = loads, load_rate, len(loads) - n
-        self.q0, self.v0, self.a0 = start
+        self.given_stiffness, self.given_damping = tangents
+        self.q0, self.v0, self.a0, self.j0 = start
         self.q1, self.v1, self.a1, self.j1 = end
         # sizes are literals, for they are those of C arrays
         self.weight, self.check = [0.0] * 4, [0.0] * 4
@@ -78,6 +80,7 @@ class Lanes:
         self.inverse = [0.0] * 256
         self.q, self.v, self.a = [0.0] * 16, [0.0] * 16, [0.0] * 16
         self.pq, self.pv, self.f = [0.0] * 16, [0.0] * 16, [0.0] * 16
+        self.at_q, self.at_v, self.at_a, self.at_j = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
         self.step = -1.0
@@ -93,12 +96,21 @@ class Lanes:
             self.flexibility[i] = self.inverse[2 * i]  # M^-1
         self.step = -1.0
 
-    def enter(self, stiffness, damping):
-        """Take over the tangents of a branch, K and B by rows."""
-        for i in range(self.n * self.n):
-            self.stiffness[i] = stiffness[i]
-            self.damping[i] = damping[i]
+    def enter(self):
+        """Take over the tangents of a branch, and find acceleration and jerk where it begins.
+
+        Nothing moves in `loads` but what stands at the end of a step: there its start is, too.
+        """
+        n = self.n
+        for i in range(n * n):
+            self.stiffness[i] = self.given_stiffness[i]
+            self.damping[i] = self.given_damping[i]
         self.step = -1.0
+        for i in range(n):
+            self.at_q[i], self.at_v[i] = self.q0[i], self.v0[i]
+        self._solve_motion(n)
+        for i in range(n):
+            self.a0[i], self.j0[i] = self.at_a[i], self.at_j[i]
 
     def attempt(self, h):
         """One macro step h: the state at its end, and by how much the last two columns differ.
@@ -133,6 +145,8 @@ class Lanes:
         """Acceleration and jerk at the end, by the equation of motion and its derivative."""
         if self.n == 2:
             self._finish(2)
+        elif self.n == 4:
+            self._finish(4)
         else:
             self._finish(self.n)
 
@@ -269,22 +283,30 @@ class Lanes:
 
     def _finish(self, n):
         for i in range(n):
+            self.at_q[i], self.at_v[i] = self.q1[i], self.v1[i]
+        self._solve_motion(n)
+        for i in range(n):
+            self.a1[i], self.j1[i] = self.at_a[i], self.at_j[i]
+
+    def _solve_motion(self, n):
+        """Acceleration and jerk at the state `at_q`, `at_v`, with the last of the loads."""
+        for i in range(n):
             x = self.loads[self.last + i]
             for j in range(n):
-                x -= self.damping[n * i + j] * self.v1[j] + self.stiffness[n * i + j] * self.q1[j]
+                x -= self.damping[n * i + j] * self.at_v[j] + self.stiffness[n * i + j] * self.at_q[j]
             self.f[i] = x
         for i in range(n):
             x = 0.0
             for j in range(n):
                 x += self.flexibility[n * i + j] * self.f[j]
-            self.a1[i] = x
+            self.at_a[i] = x
         for i in range(n):
             x = self.load_rate[i]
             for j in range(n):
-                x -= self.damping[n * i + j] * self.a1[j] + self.stiffness[n * i + j] * self.v1[j]
+                x -= self.damping[n * i + j] * self.at_a[j] + self.stiffness[n * i + j] * self.at_v[j]
             self.f[i] = x
         for i in range(n):
             x = 0.0
             for j in range(n):
                 x += self.flexibility[n * i + j] * self.f[j]
-            self.j1[i] = x
+            self.at_j[i] = x

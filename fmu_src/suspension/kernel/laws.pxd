@@ -8,10 +8,11 @@ cdef double _LOG_2
 cdef class Laws(Signals):
     cdef double[::1] piece
     cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
+    cdef int[::1] straight  # each piece, whether it is
 
     cdef list laws_read
 
-    @cython.locals(at=int, k=int, flows=bint, numbers=list)
+    @cython.locals(at=int, k=int, p=int, flows=bint, curved=bint, numbers=list)
     cdef read_laws(self, int e, element)
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
@@ -23,8 +24,6 @@ cdef class Laws(Signals):
     cdef double potential(self, int p, double x) noexcept nogil
     @cython.locals(k=int, first=int)
     cdef int piece_at(self, int law, double x) noexcept nogil
-    @cython.locals(at=int)
-    cdef int is_straight(self, int p) noexcept nogil
     @cython.locals(at=int)
     cdef double intercept(self, int p) noexcept nogil
 

@@ -31,6 +31,7 @@ class Laws(Signals):
         self.count = integers(count)
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
+        self.straight = integers([1] * sum(count))
         self.laws_read = [None] * len(count)
 
     def read_laws(self, e, element):
@@ -49,12 +50,18 @@ class Laws(Signals):
             for x in numbers:
                 self.piece[at] = x
                 at += 1
+            for p in range(self.first[_LAWS * e + k], at // _PIECE):
+                at = p * _PIECE
+                curved = self.piece[at + 4] != 0.0 or self.piece[at + 5] != 0.0
+                self.straight[p] = not (curved or self.piece[at + 6] != 0.0)
             self.laws_read[_LAWS * e + k] = None if flows else law
 
     def law(self, p, x):
         """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""
         at = p * _PIECE
         s = x - self.piece[at + 1]
+        if self.straight[p]:
+            return self.piece[at + 2] + s * self.piece[at + 3]
         force = self.piece[at + 2] + s * (
             self.piece[at + 3] + s * (self.piece[at + 4] + s * self.piece[at + 5])
         )
@@ -64,6 +71,8 @@ class Laws(Signals):
 
     def law_slope(self, p, x):
         at = p * _PIECE
+        if self.straight[p]:
+            return self.piece[at + 3]
         s = x - self.piece[at + 1]
         slope = self.piece[at + 3] + s * (2.0 * self.piece[at + 4] + 3.0 * s * self.piece[at + 5])
         if self.piece[at + 6] != 0.0:
@@ -102,12 +111,6 @@ class Laws(Signals):
         while k + 1 < self.count[law] and self.piece[(first + k + 1) * _PIECE] <= x:
             k += 1
         return k
-
-    def is_straight(self, p):
-        at = p * _PIECE
-        if self.piece[at + 4] != 0.0 or self.piece[at + 5] != 0.0 or self.piece[at + 6] != 0.0:
-            return 0
-        return 1
 
     def intercept(self, p):
         """Force of the straight piece p carried on to zero."""

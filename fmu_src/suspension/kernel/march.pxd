@@ -18,11 +18,11 @@ cdef class March:
     cdef Stepper stepper
     cdef Switches switches
     cdef Watch watch
-    cdef Dense dense
+    cdef Dense dense, whole
     cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint cruises, controlled, landing, energy, in_step, entered
+    cdef bint cruises, reads_switches, controlled, landing, energy, in_step, entered
     cdef double fixed_step
     # its state
     cdef readonly double time
@@ -68,6 +68,9 @@ cdef class March:
     cdef void _accept(self, double h, double t) noexcept nogil
     @cython.locals(_iteration=int, status=int, step=double, best=double, late=double, new=double)
     cdef int _land(self, double h) noexcept nogil
+    cdef int _end_at(self, double step) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, k=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
     cdef void _leave_step(self) noexcept nogil

@@ -80,6 +80,8 @@ class March:
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
+        self.whole = Dense(n, False)  # an attempt in which a switch is looked for
+        self.reads_switches = method == "extrapolated" and 2 <= columns <= 3
         # the ledger wants to see each step
         self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
         self.cruise = Cruise(self.stepper, self.switches) if self.cruises else None
@@ -346,8 +348,7 @@ class March:
         self._count_limited(h, 1)
         if self.entered:
             self.entered = 0
-            for i in range(_KINDS * self.net.elements):
-                self.net.departing[i] = 0
+            self.net.clear_marks()
         if self.net.stuck:
             self.stepper.keep_multipliers()
         self.in_step = True
@@ -360,9 +361,15 @@ class March:
             self.ledger.strike_balance(t, self.stepper.q, self.stepper.v)
 
     def _land(self, h):
-        """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor."""
+        """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor.
+
+        With two or three columns the state there is read off the septic through the ends of the
+        attempt, which is right to their order; with four the step is made again.
+        """
         step = self.switches.at * h
-        status = self.stepper.attempt(self.time, step)
+        if self.reads_switches:
+            self._keep_attempt(h)
+        status = self._end_at(step)
         best = 1e300
         for _iteration in range(8):
             if status != 0:
@@ -377,10 +384,26 @@ class March:
             if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(self.time + new, -late)
             else:
-                status = self.stepper.attempt(self.time, new)
+                status = self._end_at(new)
             step = new
         self.landed = step
         return status
+
+    def _end_at(self, step):
+        """An attempt that ends after `step`."""
+        if not self.reads_switches:
+            return self.stepper.attempt(self.time, step)
+        self.stepper.stop_within(self.time + step, self.whole)
+        return 0
+
+    def _keep_attempt(self, h):
+        for i in range(self.n):
+            self.whole.qa[i], self.whole.qb[i] = self.stepper.q[i], self.stepper.qb[i]
+            self.whole.va[i], self.whole.vb[i] = self.stepper.v[i], self.stepper.vb[i]
+            self.whole.aa[i], self.whole.ab[i] = self.stepper.a[i], self.stepper.ab[i]
+            self.whole.ja[i], self.whole.jb[i] = self.stepper.j[i], self.stepper.jb[i]
+        self.whole.start, self.whole.end = self.time, self.time + h
+        self.whole.known = 0
 
     def _switch(self, e, kind, side):
         """Element e enters the neighbouring branch, now; the event is noted."""

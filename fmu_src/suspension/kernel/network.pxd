@@ -1,4 +1,5 @@
 cimport cython
+from libc.math cimport sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
@@ -7,15 +8,15 @@ cdef int _KINDS, _CONTACT, _FRICTION, _SPRING, _DAMPER, _MODULATION, _LAWS, _PIE
 @cython.final
 cdef class Network(Elements):
     cdef readonly int loads, works
-    cdef double[::1] mass, mass_factor, load_direction, zero
+    cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
     # what the last evaluation left
-    cdef double[::1] scratch, multiplier, multiplier_rate, spread, reaction, coupling
+    cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling
     # what has been read
     cdef list load_names, signal_sizes, element_shapes, elements_read, signals_read
 
     cdef bint fits(self, system) except -1
-    @cython.locals(n=int, i=int, s=int, e=int, m=int, numbers=list)
+    @cython.locals(n=int, i=int, k=int, s=int, e=int, m=int, numbers=list)
     cdef read(self, system)
     @cython.locals(e=int)
     cdef void forget(self) noexcept nogil
@@ -30,7 +31,7 @@ cdef class Network(Elements):
     cdef void assemble(self, double[::1] stiffness, double[::1] damping) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, p=double)
     cdef void net_force(self, double[::1] out) noexcept nogil
-    @cython.locals(n=int, e=int, r=int, i=int, rest=double)
+    @cython.locals(n=int, r=int, i=int)
     cdef void constant_force(self, double[::1] out) noexcept nogil
     cdef void accelerate(self, double[::1] out) noexcept nogil
     @cython.locals(n=int, m=int, p=int, r=int, i=int, s=int, k=int, g=double)
@@ -40,7 +41,7 @@ cdef class Network(Elements):
     cdef void hold(self, double[::1] multiplier) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, dv=double, da=double, rate=double)
     cdef void jerk(self, double[::1] v, double[::1] a, double[::1] out) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, trace=double)
+    @cython.locals(n=int, i=int, j=int, k=int, x=double, trace=double)
     cdef double fastest_mode(self, double[::1] stiffness) noexcept nogil
     @cython.locals(e=int, p=int)
     cdef void read_forces(self, double t, double[::1] q, double[::1] v, double[::1] a,

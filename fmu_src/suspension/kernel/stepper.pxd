@@ -1,5 +1,6 @@
 cimport cython
 from libc.math cimport fabs, isfinite, sqrt
+from .dense cimport Dense
 from .exact cimport Propagator
 from .lanes cimport Lanes
 from .linear cimport decompose, solve
@@ -49,10 +50,16 @@ cdef class Stepper:
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
                    p=double, f=double)
     cdef void _excitation_increment(self, int fraction) noexcept nogil
-    @cython.locals(i=int, k=int, s=int, at=int, order=int)
+    @cython.locals(i=int, k=int)
+    cdef void _begin_in_lanes(self) noexcept nogil
+    @cython.locals(k=int)
     cdef void _prepare_signals(self, double h) noexcept nogil
+    @cython.locals(s=int, at=int, order=int)
+    cdef void _note_signals(self, int k) noexcept nogil
+    @cython.locals(i=int, width=int)
+    cdef void _repeat_signals(self, int k) noexcept nogil
     @cython.locals(i=int)
-    cdef void _find_loads(self, int k) noexcept nogil
+    cdef void _find_loads(self, int k, bint rates) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, f=double)
     cdef void _add_loads(self, double[::1] out, int at, int order) noexcept nogil
     @cython.locals(n=int, i=int, k=int, m=int, at=int, fraction=int, status=int, step=double)
@@ -60,6 +67,8 @@ cdef class Stepper:
     @cython.locals(i=int, status=int)
     cdef int attempt(self, double t, double h) noexcept nogil
     cdef bint in_lanes(self) noexcept nogil
+    @cython.locals(i=int)
+    cdef void stop_within(self, double t, Dense dense) noexcept nogil
     cdef void loads_at_end(self, double t) noexcept nogil
     @cython.locals(i=int, a=double, j=double)
     cdef void shift_end(self, double t, double late) noexcept nogil

@@ -102,7 +102,8 @@ class Stepper:
                 self.fraction_index,
                 self.load_table,
                 self.load_rate,
-                (self.q, self.v, self.a),
+                (self.stiffness, self.damping),
+                (self.q, self.v, self.a, self.j),
                 (self.qb, self.vb, self.ab, self.jb),
             )
             if self.side_by_side
@@ -136,21 +137,38 @@ class Stepper:
         """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
         self.stamp += 1
         self.affine = self.net.is_affine()
+        self.loads_hold = 0
         self.net.all_signals(t)
-        self.net.row_states(self.q, self.v)
-        self.net.row_forces()
-        self.net.assemble(self.stiffness, self.damping)
-        self.net.accelerate(self.a)
-        # in a linear branch p - sum b f = (constant + signals) - B v - K q
-        self.net.constant_force(self.constant)
-        self.net.jerk(self.v, self.a, self.j)
-        self.keep_multipliers()
+        if self.affine:
+            # p - sum b f = (constant + signals) - B v - K q
+            self.net.linearise()
+            self.net.constant_force(self.constant)
+        if self.in_lanes():
+            self.net.assemble(self.stiffness, self.damping)
+            self._begin_in_lanes()
+        else:
+            self.net.row_states(self.q, self.v)
+            self.net.row_forces()
+            self.net.assemble(self.stiffness, self.damping)
+            self.net.accelerate(self.a)
+            self.net.jerk(self.v, self.a, self.j)
+        if self.net.stuck:
+            self.keep_multipliers()
         self.omega_squared = self.net.fastest_mode(self.stiffness)
         self.quickest = sqrt(self.omega_squared)
         self._scale_velocities()
-        self.loads_hold = 0
-        if self.affine and self.side_by_side:
-            self.lanes.enter(self.stiffness, self.damping)
+
+    def _begin_in_lanes(self):
+        """Loads, acceleration and jerk where a linear branch begins, with the signals in `road`."""
+        self._find_loads(self.fractions - 1, 1)
+        self.lanes.enter()
+        if self.net.still():
+            self._note_signals(0)
+            for i in range(self.n):
+                self.load_table[i] = self.load_table[(self.fractions - 1) * self.n + i]
+            for k in range(1, self.fractions):
+                self._repeat_signals(k)
+            self.loads_hold = 1
 
     def _scale_velocities(self):
         """By what an error of velocity counts: the displacement and the acceleration it becomes.
@@ -367,26 +385,39 @@ class Stepper:
         """Signals at all substep instants, and for linear branches the loads they make."""
         if self.loads_hold:
             return
-        if self.affine:
-            self.net.row_forces()  # whoever read forces meanwhile may have left other tangents
         for k in range(self.fractions):
+            if k > 0 and self.loads_hold:
+                self._repeat_signals(k)
+                continue
             self.net.all_signals(self.time + self.fraction[k] * h)
-            at = 3 * self.net.signals * k
-            for s in range(self.net.signals):
-                for order in range(3):
-                    self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
+            self._note_signals(k)
             if self.affine:
-                self._find_loads(k)
-        if self.affine:
-            self.loads_hold = self.net.still()
+                self.loads_hold = self.net.still()
+                self._find_loads(k, k + 1 == self.fractions or self.loads_hold)
 
-    def _find_loads(self, k):
-        """Loads at fraction k, and their rates; those at the end are found last and stay."""
+    def _note_signals(self, k):
+        at = 3 * self.net.signals * k
+        for s in range(self.net.signals):
+            for order in range(3):
+                self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
+
+    def _repeat_signals(self, k):
+        """At fraction k everything is as at the first."""
+        width = 3 * self.net.signals
+        for i in range(width):
+            self.signal_table[k * width + i] = self.signal_table[i]
+        for i in range(self.n):
+            self.load_table[k * self.n + i] = self.load_table[i]
+
+    def _find_loads(self, k, rates):
+        """Loads at fraction k, and if wanted their rates, which at the end of a step are."""
         for i in range(self.n):
             self.load_table[k * self.n + i] = self.constant[i]
-            self.load_rate[i] = 0.0
         self._add_loads(self.load_table, k * self.n, 0)
-        self._add_loads(self.load_rate, 0, 1)
+        if rates:
+            for i in range(self.n):
+                self.load_rate[i] = 0.0
+            self._add_loads(self.load_rate, 0, 1)
 
     def _add_loads(self, out, at, order):
         """What loads and the roads under the rows bring, or its rate, with the signals in `road`."""
@@ -399,8 +430,8 @@ class Stepper:
             s = self.net.row_signal[r]
             if s >= 0:
                 f = (
-                    self.net.row_k[r] * self.net.road[4 * s + order]
-                    + self.net.row_c[r] * self.net.road[4 * s + order + 1]
+                    self.net.branch_k[r] * self.net.road[4 * s + order]
+                    + self.net.branch_c[r] * self.net.road[4 * s + order + 1]
                 )
                 for i in range(n):
                     out[at + i] += self.net.row_direction[r * n + i] * f
@@ -465,11 +496,22 @@ class Stepper:
         self.loads_at_end(t)
         self.lanes.finish()
 
+    def stop_within(self, t, dense):
+        """End the attempt at t, by the septic through its ends; `dense` has it."""
+        dense.read(t)
+        for i in range(self.n):
+            self.qb[i], self.vb[i] = dense.q[i], dense.v[i]
+        if not self.in_lanes():
+            self._end_of_attempt(t)
+            return
+        self.loads_at_end(t)
+        self.lanes.finish()
+
     def loads_at_end(self, t):
         """Loads of a linear branch at the end of a step, t."""
         if not self.loads_hold:
             self.net.all_signals(t)
-            self._find_loads(self.fractions - 1)
+            self._find_loads(self.fractions - 1, 1)
 
     def _one_by_one(self, t, h):
         """Columns one after the other, by Aitken and Neville.

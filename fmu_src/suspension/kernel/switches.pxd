@@ -19,7 +19,7 @@ cdef class Switches:
     cdef double[::1] low, high, row_start, row_end, road_start, road_end
     cdef double[::1] contact_f, contact_k, contact_c
 
-    @cython.locals(e=int, kind=int, k=int, low=double, high=double)
+    @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(ps=int, pd=int, factor=double)
     cdef void _note_contact(self, int e) noexcept nogil

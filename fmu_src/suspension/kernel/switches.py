@@ -47,24 +47,21 @@ class Switches:
         """List what is watched, after a change of branch."""
         self.watched = 0
         self.roads_known = 0
-        for e in range(self.net.elements):
-            for kind in range(_KINDS):
-                if kind == _CONTACT:
-                    if self.net.limit[e] > _NEVER:
-                        continue
-                    self._note_contact(e)
-                if kind == _FRICTION and self.net.friction[e] == 0.0:
-                    continue
-                # what sticks passes no corner, whatever rounding says
-                if kind < _CONTACT and self.net.row_stuck[self.net.element_row[e]]:
-                    continue
-                low = self.net.bound(e, kind, -1)
-                high = self.net.bound(e, kind, 1)
-                if low > -_NEVER or high < _NEVER:
-                    k = self.watched
-                    self.watched_element[k], self.watched_kind[k] = e, kind
-                    self.low[k], self.high[k] = low, high
-                    self.watched += 1
+        for m in range(self.net.switchable):
+            e = self.net.switch_element[m]
+            kind = self.net.switch_kind[m]
+            if kind == _CONTACT:
+                self._note_contact(e)
+            # what sticks passes no corner, whatever rounding says
+            if kind < _CONTACT and self.net.row_stuck[self.net.element_row[e]]:
+                continue
+            low = self.net.bound(e, kind, -1)
+            high = self.net.bound(e, kind, 1)
+            if low > -_NEVER or high < _NEVER:
+                k = self.watched
+                self.watched_element[k], self.watched_kind[k] = e, kind
+                self.low[k], self.high[k] = low, high
+                self.watched += 1
 
     def _note_contact(self, e):
         """Force at rest, stiffness and damping of a tyre while its pieces are straight."""
