@@ -5,17 +5,16 @@ cdef int _MOST, _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
 
 @cython.final
 cdef class Lanes:
-    cdef int n, columns, last
+    cdef int n, columns, width, longest, last
     cdef int[::1] substeps, load_at
     cdef double[::1] loads, load_rate, given_stiffness, given_damping
     cdef double[::1] q0, v0, a0, j0, q1, v1, a1, j1
     cdef double step
-    cdef double[4] weight, check
+    cdef double[4] weight, check, s, half, third, sixth, pivot
     cdef double[64] stiffness, damping, mass, flexibility
     cdef double[256] inverse
-    cdef double[16] q, v, a, pq, pv, f
+    cdef double[32] q, v, a, pq, pv, f, end_q, end_v
     cdef double[8] at_q, at_v, at_a, at_j
-    cdef double[32] end_q, end_v
     cdef double[8] error_q, error_v
 
     @cython.locals(i=int)
@@ -23,20 +22,15 @@ cdef class Lanes:
     @cython.locals(n=int, i=int)
     cdef void enter(self) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
+    cdef int _attempt(self, double h, int n, int width) noexcept nogil
     cdef int invert(self, double h) noexcept nogil
-    @cython.locals(pair=int, s0=double, s1=double)
-    cdef int _invert(self, double h, int n) noexcept nogil
-    @cython.locals(pair=int)
-    cdef int _attempt(self, double h, int n) noexcept nogil
-    @cython.locals(at=int, i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int,
-                   x0=double, x1=double)
-    cdef int _invert_pair(self, int pair, double s0, double s1, int n) noexcept nogil
-    @cython.locals(at=int, lane=int, i=int, j=int, k=int, load0=int, load1=int,
-                   third0=double, third1=double, x0=double, x1=double)
-    cdef void _advance_pair(self, int pair, double s0, double s1, int n) noexcept nogil
-    @cython.locals(i=int, j=int, at=int, lane=int, q=double, v=double, dq=double, dv=double,
+    @cython.locals(i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int, lane=int, s=double)
+    cdef int _invert(self, double h, int n, int width) noexcept nogil
+    @cython.locals(at=int, lane=int, i=int, j=int, k=int, x=double, y=double)
+    cdef void _advance(self, int n, int width) noexcept nogil
+    @cython.locals(i=int, at=int, lane=int, q=double, v=double, dq=double, dv=double,
                    eq=double, ev=double, x=double)
-    cdef int _extrapolate(self, int n) noexcept nogil
+    cdef int _extrapolate(self, int n, int width) noexcept nogil
     cdef void finish(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _finish(self, int n) noexcept nogil

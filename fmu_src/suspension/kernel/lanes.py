@@ -1,12 +1,13 @@
-"""The macro step in a linear branch: all sequences of substeps side by side, in pairs.
+"""The macro step in a linear branch: all sequences of substeps side by side.
 
 Within a branch whose elements are all straight, the step of the incremental method (see `stepper`)
 is a product with a matrix that is kept while branch and step stay,
 
     a1 = (M + s/2 B + s^2/6 K)^-1 (p1 - B v* - K q*),
 
-and the columns of the extrapolation do not depend on each other. Two at a time are carried on in
-lockstep, so that one need not wait for the other's multiplications.
+and the columns of the extrapolation do not depend on each other. They are carried on in lockstep,
+each in a lane of its own, so that the processor's vector instructions take two of them at once. A
+column that has arrived goes on with the others, for nothing.
 """
 
 from __future__ import annotations
@@ -55,14 +56,16 @@ class Lanes:
     def __init__(self, mass, sequence, fraction_index, loads, load_rate, tangents, start, end):
         self.n = n = len(load_rate)
         self.columns = len(sequence)
+        self.width = 2 if self.columns <= 2 else 4
         # a lane without a column of its own repeats the last
         substeps = [*sequence, *[max(sequence)] * (_LANES - len(sequence))]
         self.substeps = integers(substeps)
+        self.longest = max(sequence)
         self.load_at = integers(
             n
             * fraction_index[_SUBSTEPS * min(lane, len(sequence) - 1) + min(k, substeps[lane] - 1)]
-            for lane in range(_LANES)
             for k in range(_SUBSTEPS)
+            for lane in range(_LANES)
         )
         self.loads, self.load_rate, self.last = loads, load_rate, len(loads) - n
         self.given_stiffness, self.given_damping = tangents
@@ -77,9 +80,11 @@ class Lanes:
             self.check[i] = weights[i] - lower[i]
         self.stiffness, self.damping = [0.0] * 64, [0.0] * 64
         self.mass, self.flexibility = [0.0] * 64, [0.0] * 64
+        self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.pivot = [0.0] * 4
         self.inverse = [0.0] * 256
-        self.q, self.v, self.a = [0.0] * 16, [0.0] * 16, [0.0] * 16
-        self.pq, self.pv, self.f = [0.0] * 16, [0.0] * 16, [0.0] * 16
+        self.q, self.v, self.a = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.pq, self.pv, self.f = [0.0] * 32, [0.0] * 32, [0.0] * 32
         self.at_q, self.at_v, self.at_a, self.at_j = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
@@ -91,9 +96,9 @@ class Lanes:
         for i in range(self.n * self.n):
             self.mass[i] = mass[i]
             self.stiffness[i] = self.damping[i] = 0.0
-        self._invert_pair(0, 0.0, 0.0, self.n)
+        self._invert(0.0, self.n, self.width)
         for i in range(self.n * self.n):
-            self.flexibility[i] = self.inverse[2 * i]  # M^-1
+            self.flexibility[i] = self.inverse[self.width * i]  # M^-1
         self.step = -1.0
 
     def enter(self):
@@ -119,24 +124,28 @@ class Lanes:
         -------
         0, or the key of `integrator.FAILURES` that says why it could not be made.
         """
-        # with a number in place of n the compiler writes the loops out
+        # with numbers in place of n and the width the compiler writes the loops out
+        if self.width == 2:
+            if self.n == 2:
+                return self._attempt(h, 2, 2)
+            if self.n == 1:
+                return self._attempt(h, 1, 2)
+            if self.n == 4:
+                return self._attempt(h, 4, 2)
+            return self._attempt(h, self.n, 2)
         if self.n == 2:
-            return self._attempt(h, 2)
+            return self._attempt(h, 2, 4)
         if self.n == 1:
-            return self._attempt(h, 1)
+            return self._attempt(h, 1, 4)
         if self.n == 4:
-            return self._attempt(h, 4)
-        return self._attempt(h, self.n)
+            return self._attempt(h, 4, 4)
+        return self._attempt(h, self.n, 4)
 
-    def _attempt(self, h, n):
-        if self._invert(h, n) != 0:
+    def _attempt(self, h, n, width):
+        if h != self.step and self._invert(h, n, width) != 0:
             return _NOT_POSITIVE
-        for pair in range(2):
-            if 2 * pair < self.columns:
-                self._advance_pair(
-                    pair, h / self.substeps[2 * pair], h / self.substeps[2 * pair + 1], n
-                )
-        if self._extrapolate(n) != 0:
+        self._advance(n, width)
+        if self._extrapolate(n, width) != 0:
             return _DIVERGED
         self._finish(n)
         return 0
@@ -152,114 +161,102 @@ class Lanes:
 
     def invert(self, h):
         """Find the matrices of all columns for macro steps h; 1 if one is not positive definite."""
-        return self._invert(h, self.n)
+        return 0 if h == self.step else self._invert(h, self.n, self.width)
 
-    def _invert(self, h, n):
-        if h == self.step:
-            return 0
+    def _invert(self, h, n, width):
+        """(M + s/2 B + s^2/6 K)^-1 of every lane, by Gauss and Jordan."""
         self.step = -1.0
-        for pair in range(2):
-            if 2 * pair < self.columns:
-                s0 = h / self.substeps[2 * pair]
-                s1 = h / self.substeps[2 * pair + 1]
-                if self._invert_pair(pair, s0, s1, n) != 0:
+        for lane in range(width):
+            s = h / self.substeps[lane]
+            self.s[lane] = s
+            self.half[lane] = 0.5 * s
+            self.third[lane] = s * s / 3.0
+            self.sixth[lane] = s * s / 6.0
+        for i in range(n * n):
+            for lane in range(width):
+                self.inverse[width * i + lane] = (
+                    self.mass[i]
+                    + self.half[lane] * self.damping[i]
+                    + self.sixth[lane] * self.stiffness[i]
+                )
+        for k in range(n):
+            kk = width * (n * k + k)
+            for lane in range(width):
+                if not self.inverse[kk + lane] > 0.0:
                     return 1
+            for lane in range(width):
+                self.pivot[lane] = 1.0 / self.inverse[kk + lane]
+                self.inverse[kk + lane] = 1.0
+            for j in range(n):
+                kj = width * (n * k + j)
+                for lane in range(width):
+                    self.inverse[kj + lane] *= self.pivot[lane]
+            for i in range(n):
+                if i != k:
+                    ik = width * (n * i + k)
+                    for lane in range(width):
+                        self.pivot[lane] = self.inverse[ik + lane]
+                        self.inverse[ik + lane] = 0.0
+                    for j in range(n):
+                        ij = width * (n * i + j)
+                        kj = width * (n * k + j)
+                        for lane in range(width):
+                            self.inverse[ij + lane] -= self.pivot[lane] * self.inverse[kj + lane]
         self.step = h
         return 0
 
-    def _invert_pair(self, pair, s0, s1, n):
-        """(M + s/2 B + s^2/6 K)^-1 of two lanes, by Gauss and Jordan; 1 if not positive definite."""
-        at = 2 * pair * _MOST * _MOST
-        for i in range(n * n):
-            self.inverse[at + 2 * i] = (
-                self.mass[i] + s0 / 2.0 * self.damping[i] + s0 * s0 / 6.0 * self.stiffness[i]
-            )
-            self.inverse[at + 2 * i + 1] = (
-                self.mass[i] + s1 / 2.0 * self.damping[i] + s1 * s1 / 6.0 * self.stiffness[i]
-            )
-        for k in range(n):
-            kk = at + 2 * (n * k + k)
-            if not (self.inverse[kk] > 0.0 and self.inverse[kk + 1] > 0.0):
-                return 1
-            x0 = 1.0 / self.inverse[kk]
-            x1 = 1.0 / self.inverse[kk + 1]
-            self.inverse[kk] = 1.0
-            self.inverse[kk + 1] = 1.0
-            for j in range(n):
-                kj = at + 2 * (n * k + j)
-                self.inverse[kj] *= x0
-                self.inverse[kj + 1] *= x1
-            for i in range(n):
-                if i != k:
-                    ik = at + 2 * (n * i + k)
-                    x0 = self.inverse[ik]
-                    x1 = self.inverse[ik + 1]
-                    self.inverse[ik] = 0.0
-                    self.inverse[ik + 1] = 0.0
-                    for j in range(n):
-                        ij = at + 2 * (n * i + j)
-                        kj = at + 2 * (n * k + j)
-                        self.inverse[ij] -= x0 * self.inverse[kj]
-                        self.inverse[ij + 1] -= x1 * self.inverse[kj + 1]
-        return 0
-
-    def _advance_pair(self, pair, s0, s1, n):
-        """Both columns of a pair over the whole macro step; the shorter one stops on its way.
+    def _advance(self, n, width):
+        """All columns over the whole macro step.
 
         (15.12), (15.13) with the end-of-step equilibrium, which is linear.
         """
-        at = 2 * pair * _MOST * _MOST
-        lane = 2 * pair
-        third0 = s0 * s0 / 3.0
-        third1 = s1 * s1 / 3.0
         for i in range(n):
-            self.q[2 * i] = self.q[2 * i + 1] = self.q0[i]
-            self.v[2 * i] = self.v[2 * i + 1] = self.v0[i]
-            self.a[2 * i] = self.a[2 * i + 1] = self.a0[i]
-        for k in range(self.substeps[lane + 1]):
-            load0 = self.load_at[_SUBSTEPS * lane + k]
-            load1 = self.load_at[_SUBSTEPS * lane + _SUBSTEPS + k]
-            for i in range(0, 2 * n, 2):
-                self.pv[i] = self.v[i] + 0.5 * s0 * self.a[i]
-                self.pv[i + 1] = self.v[i + 1] + 0.5 * s1 * self.a[i + 1]
-                self.pq[i] = self.q[i] + s0 * self.v[i] + third0 * self.a[i]
-                self.pq[i + 1] = self.q[i + 1] + s1 * self.v[i + 1] + third1 * self.a[i + 1]
+            for lane in range(width):
+                self.q[width * i + lane] = self.q0[i]
+                self.v[width * i + lane] = self.v0[i]
+                self.a[width * i + lane] = self.a0[i]
+        for k in range(self.longest):
             for i in range(n):
-                x0 = self.loads[load0 + i]
-                x1 = self.loads[load1 + i]
-                for j in range(n):
-                    x0 -= self.damping[n * i + j] * self.pv[2 * j]
-                    x1 -= self.damping[n * i + j] * self.pv[2 * j + 1]
-                for j in range(n):
-                    x0 -= self.stiffness[n * i + j] * self.pq[2 * j]
-                    x1 -= self.stiffness[n * i + j] * self.pq[2 * j + 1]
-                self.f[2 * i] = x0
-                self.f[2 * i + 1] = x1
+                for lane in range(width):
+                    at = width * i + lane
+                    self.pv[at] = self.v[at] + self.half[lane] * self.a[at]
+                    self.pq[at] = (
+                        self.q[at] + self.s[lane] * self.v[at] + self.third[lane] * self.a[at]
+                    )
             for i in range(n):
-                x0 = 0.0
-                x1 = 0.0
+                for lane in range(width):
+                    self.f[width * i + lane] = self.loads[self.load_at[_LANES * k + lane] + i]
                 for j in range(n):
-                    x0 += self.inverse[at + 2 * (n * i + j)] * self.f[2 * j]
-                    x1 += self.inverse[at + 2 * (n * i + j) + 1] * self.f[2 * j + 1]
-                self.a[2 * i] = x0
-                self.a[2 * i + 1] = x1
-            for i in range(0, 2 * n, 2):
-                self.v[i] = self.pv[i] + 0.5 * s0 * self.a[i]
-                self.v[i + 1] = self.pv[i + 1] + 0.5 * s1 * self.a[i + 1]
-                self.q[i] = self.pq[i] + 0.5 * third0 * self.a[i]
-                self.q[i + 1] = self.pq[i + 1] + 0.5 * third1 * self.a[i + 1]
-            if k + 1 == self.substeps[lane]:
-                for i in range(n):
-                    self.end_q[_LANES * i + lane] = self.q[2 * i]
-                    self.end_v[_LANES * i + lane] = self.v[2 * i]
-        for i in range(n):
-            self.end_q[_LANES * i + lane + 1] = self.q[2 * i + 1]
-            self.end_v[_LANES * i + lane + 1] = self.v[2 * i + 1]
+                    x = self.damping[n * i + j]
+                    y = self.stiffness[n * i + j]
+                    for lane in range(width):
+                        self.f[width * i + lane] -= x * self.pv[width * j + lane]
+                    for lane in range(width):
+                        self.f[width * i + lane] -= y * self.pq[width * j + lane]
+            for i in range(n):
+                for lane in range(width):
+                    self.a[width * i + lane] = 0.0
+                for j in range(n):
+                    at = width * (n * i + j)
+                    for lane in range(width):
+                        self.a[width * i + lane] += (
+                            self.inverse[at + lane] * self.f[width * j + lane]
+                        )
+            for i in range(n):
+                for lane in range(width):
+                    at = width * i + lane
+                    self.v[at] = self.pv[at] + self.half[lane] * self.a[at]
+                    self.q[at] = self.pq[at] + self.sixth[lane] * self.a[at]
+            for lane in range(self.columns):
+                if k + 1 == self.substeps[lane]:
+                    for i in range(n):
+                        self.end_q[width * i + lane] = self.q[width * i + lane]
+                        self.end_v[width * i + lane] = self.v[width * i + lane]
 
-    def _extrapolate(self, n):
+    def _extrapolate(self, n, width):
         """Ends of the macro step, each as that of the last column and small corrections to it."""
         for i in range(n):
-            at = _LANES * i
+            at = width * i
             q = self.end_q[at + self.columns - 1]
             v = self.end_v[at + self.columns - 1]
             dq = 0.0
