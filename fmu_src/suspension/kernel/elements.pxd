@@ -64,9 +64,9 @@ cdef class Elements(Laws):
     cdef void clear_marks(self) noexcept nogil
     @cython.locals(k=int, e=int, r=int, kind=int, mark=int, x=double)
     cdef void mark_bounds(self) noexcept nogil
-    @cython.locals(s=int, e=int, k=int)
+    @cython.locals(s=int, e=int, k=int, at=int)
     cdef void keep_branches(self) noexcept nogil
-    @cython.locals(s=int, e=int, k=int, now=int, p=int, permanent_set=double)
+    @cython.locals(s=int, e=int, k=int, at=int, now=int, p=int, permanent_set=double)
     cdef void exchange_branches(self) noexcept nogil
 
     @cython.locals(d=double, change=double)

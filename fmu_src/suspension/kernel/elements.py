@@ -412,9 +412,10 @@ class Elements(Laws):
         """Remember the present branches, before they change at the end of a step."""
         for s in range(self.signals):
             self.kept_signal[s] = self.signal_now[s]
+        for k in range(self.switchable):
+            at = _KINDS * self.switch_element[k] + self.switch_kind[k]
+            self.kept_branch[at] = self.branch[at]
         for e in range(self.elements):
-            for k in range(_KINDS):
-                self.kept_branch[_KINDS * e + k] = self.branch[_KINDS * e + k]
             if self.yields[e]:
                 self.kept_set[e] = self.piece[(self.first[_LAWS * e] + _ELASTIC) * _PIECE + 1]
 
@@ -424,11 +425,12 @@ class Elements(Laws):
             now = self.signal_now[s]
             self.signal_now[s] = self.kept_signal[s]
             self.kept_signal[s] = now
+        for k in range(self.switchable):
+            at = _KINDS * self.switch_element[k] + self.switch_kind[k]
+            now = self.branch[at]
+            self.branch[at] = self.kept_branch[at]
+            self.kept_branch[at] = now
         for e in range(self.elements):
-            for k in range(_KINDS * e, _KINDS * (e + 1)):
-                now = self.branch[k]
-                self.branch[k] = self.kept_branch[k]
-                self.kept_branch[k] = now
             if self.yields[e]:
                 p = self.first[_LAWS * e] + _ELASTIC
                 permanent_set = self.piece[p * _PIECE + 1]

@@ -290,7 +290,10 @@ class Lanes:
         for i in range(n):
             x = self.loads[self.last + i]
             for j in range(n):
-                x -= self.damping[n * i + j] * self.at_v[j] + self.stiffness[n * i + j] * self.at_q[j]
+                x -= (
+                    self.damping[n * i + j] * self.at_v[j]
+                    + self.stiffness[n * i + j] * self.at_q[j]
+                )
             self.f[i] = x
         for i in range(n):
             x = 0.0
@@ -300,7 +303,10 @@ class Lanes:
         for i in range(n):
             x = self.load_rate[i]
             for j in range(n):
-                x -= self.damping[n * i + j] * self.at_a[j] + self.stiffness[n * i + j] * self.at_v[j]
+                x -= (
+                    self.damping[n * i + j] * self.at_a[j]
+                    + self.stiffness[n * i + j] * self.at_v[j]
+                )
             self.f[i] = x
         for i in range(n):
             x = 0.0

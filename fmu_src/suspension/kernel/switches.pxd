@@ -23,12 +23,17 @@ cdef class Switches:
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(ps=int, pd=int, factor=double)
     cdef void _note_contact(self, int e) noexcept nogil
-    @cython.locals(k=int, degree=int)
+    @cython.locals(k=int, r=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _read_roads(self, double t, double h) noexcept nogil
-    @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
-    cdef void _read_rows(self, double[::1] road, bint end, double[::1] out) noexcept nogil
+    @cython.locals(n=int, i=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    cdef void _read_row_start(self, int r) noexcept nogil
+    @cython.locals(n=int, i=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    cdef void _read_row_end(self, int r) noexcept nogil
+    @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,
+                   dy=double, low=double, high=double)
+    cdef bint _stays_far(self, int k, double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
     @cython.locals(k=double, c=double)

@@ -79,9 +79,12 @@ class Switches:
         if self.watched == 0:
             return 2.0
         self._read_roads(t, h)
-        self._read_rows(self.road_start, 0, self.row_start)
-        self._read_rows(self.road_end, 1, self.row_end)
+        for r in range(self.net.rows):
+            self._read_row_start(r)
+            self._read_row_end(r)
         for k in range(self.watched):
+            if self.watched_kind[k] == _SPRING and self._stays_far(k, h):
+                continue
             degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
             self.crossing.extent(degree)
             if self.crossing.low < self.low[k]:
@@ -102,36 +105,74 @@ class Switches:
             self.road_end[i] = self.net.road[i]
         self.roads_known = 1
 
-    def _read_rows(self, road, end, out):
-        """Deflection of every row with three derivatives, at the start or the end of the attempt."""
+    def _read_row_start(self, r):
+        """Deflection of row r with three derivatives, where the attempt starts."""
         n = self.net.n
-        for r in range(self.net.rows):
-            d0 = 0.0
-            d1 = 0.0
-            d2 = 0.0
-            d3 = 0.0
-            for i in range(n):
-                b = self.net.row_direction[r * n + i]
-                if end:
-                    d0 += b * self.stepper.qb[i]
-                    d1 += b * self.stepper.vb[i]
-                    d2 += b * self.stepper.ab[i]
-                    d3 += b * self.stepper.jb[i]
-                else:
-                    d0 += b * self.stepper.q[i]
-                    d1 += b * self.stepper.v[i]
-                    d2 += b * self.stepper.a[i]
-                    d3 += b * self.stepper.j[i]
-            s = self.net.row_signal[r]
-            if s >= 0:
-                d0 -= road[4 * s]
-                d1 -= road[4 * s + 1]
-                d2 -= road[4 * s + 2]
-                d3 -= road[4 * s + 3]
-            out[4 * r] = d0
-            out[4 * r + 1] = d1
-            out[4 * r + 2] = d2
-            out[4 * r + 3] = d3
+        d0 = 0.0
+        d1 = 0.0
+        d2 = 0.0
+        d3 = 0.0
+        for i in range(n):
+            b = self.net.row_direction[r * n + i]
+            d0 += b * self.stepper.q[i]
+            d1 += b * self.stepper.v[i]
+            d2 += b * self.stepper.a[i]
+            d3 += b * self.stepper.j[i]
+        s = self.net.row_signal[r]
+        if s >= 0:
+            d0 -= self.road_start[4 * s]
+            d1 -= self.road_start[4 * s + 1]
+            d2 -= self.road_start[4 * s + 2]
+            d3 -= self.road_start[4 * s + 3]
+        self.row_start[4 * r] = d0
+        self.row_start[4 * r + 1] = d1
+        self.row_start[4 * r + 2] = d2
+        self.row_start[4 * r + 3] = d3
+
+    def _read_row_end(self, r):
+        """The same where it ends."""
+        n = self.net.n
+        d0 = 0.0
+        d1 = 0.0
+        d2 = 0.0
+        d3 = 0.0
+        for i in range(n):
+            b = self.net.row_direction[r * n + i]
+            d0 += b * self.stepper.qb[i]
+            d1 += b * self.stepper.vb[i]
+            d2 += b * self.stepper.ab[i]
+            d3 += b * self.stepper.jb[i]
+        s = self.net.row_signal[r]
+        if s >= 0:
+            d0 -= self.road_end[4 * s]
+            d1 -= self.road_end[4 * s + 1]
+            d2 -= self.road_end[4 * s + 2]
+            d3 -= self.road_end[4 * s + 3]
+        self.row_end[4 * r] = d0
+        self.row_end[4 * r + 1] = d1
+        self.row_end[4 * r + 2] = d2
+        self.row_end[4 * r + 3] = d3
+
+    def _stays_far(self, k, h):
+        """Whether a deflection stays between its bounds by far, all coefficients of its septic."""
+        at = 4 * self.net.element_row[self.watched_element[k]]
+        d1 = h * 3.0 / 7.0
+        d2 = h * h / 14.0
+        d3 = h * h * h / 210.0
+        x = self.row_start[at]
+        y = self.row_end[at]
+        dx = (
+            d1 * fabs(self.row_start[at + 1])
+            + d2 * fabs(self.row_start[at + 2])
+            + d3 * fabs(self.row_start[at + 3])
+        )
+        dy = (
+            d1 * fabs(self.row_end[at + 1])
+            + d2 * fabs(self.row_end[at + 2])
+            + d3 * fabs(self.row_end[at + 3])
+        )
+        low, high = self.low[k], self.high[k]
+        return x - dx > low and y - dy > low and x + dx < high and y + dy < high
 
     def _polynomial(self, e, kind, h):
         """What is watched of element e, as a polynomial over the attempt; its degree."""
@@ -192,7 +233,7 @@ class Switches:
             self.net.all_signals(t)
             for i in range(4 * self.net.signals):
                 self.road_end[i] = self.net.road[i]
-        self._read_rows(self.road_end, 1, self.row_end)
+        self._read_row_end(self.net.element_row[e])
         if kind == _CONTACT:
             self.net.unlimited_force(e, self.row_end, at)
             value, rate = self.net.force0, self.net.force1
