@@ -20,9 +20,17 @@ STAGE = Path("build") / NAME
 FLAGS = (
     []
     if sys.platform == "win32"
-    else ["-O3", "-g0", "-ffp-contract=off", "-fno-wrapv", "-fno-math-errno"]
-    + ["-finline-limit=100000", "-fno-tree-loop-vectorize", "-fno-tree-loop-distribution"]
-    + ["-fno-tree-loop-distribute-patterns"]
+    else [
+        "-O3",
+        "-g0",
+        "-ffp-contract=off",
+        "-fno-wrapv",
+        "-fno-math-errno",
+        "-finline-limit=100000",
+        "-fno-tree-loop-vectorize",
+        "-fno-tree-loop-distribution",
+        "-fno-tree-loop-distribute-patterns",
+    ]
 )
 MODULES = (
     "linear", "bernstein", "signals", "laws", "elements", "network",

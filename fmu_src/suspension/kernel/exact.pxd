@@ -11,7 +11,7 @@ cdef class Propagator:
     cdef Network net
     cdef int n, size
     cdef double part
-    cdef double[::1] stiffness, damping, constant, q0, v0, q1, v1, q2, v2
+    cdef double[::1] stiffness, damping, q0, v0, a0, q1, v1, q2, v2
     cdef double[::1] rates, term, product, change, state, step, column, multiplier
 
     @cython.locals(n=int, i=int, doublings=int, _k=int)
@@ -21,6 +21,8 @@ cdef class Propagator:
     @cython.locals(n=int, i=int, j=int, k=int, s=int, order=int, at=int, size=int, cosines=int,
                    factor=double)
     cdef void _find_rates(self, double t) noexcept nogil
+    @cython.locals(n=int, size=int, i=int, j=int, x=double)
+    cdef void _enter_start(self) noexcept nogil
     cdef int _segment(self, int s) noexcept nogil
     @cython.locals(g=int, side=int, amplitude=double, speed=double, angle=double)
     cdef void _enter_sinusoid(self, int s, int at, double t) noexcept nogil

@@ -2,11 +2,13 @@
 
 While all branches are straight, the motion and what drives it obey one linear system x' = X x in
 
-    x = (q, q', 1, t, t^2/2, t^3/6, and for each sinusoid under way its cosine and sine),
+    x = (q - q0, q', 1, t, t^2/2, t^3/6, and for each sinusoid under way its cosine and sine),
 
-because a signal is a cubic and a cosine. exp(h X) is a Taylor series over h / 2^k, so short that 16
-terms are right to rounding, squared k times. What is squared is the exponential less the identity,
-D <- 2 D + D D: a slow motion beside one that is damped within a microsecond keeps its digits.
+because a signal is a cubic and a cosine. The column of the 1 is such that the acceleration at the
+start is the one that is there, so that what rests stays to the bit where it is. exp(h X) is a Taylor
+series over h / 2^k, so short that 16 terms are right to rounding, squared k times. What is squared
+is the exponential less the identity, D <- 2 D + D D: a slow motion beside one that is damped within
+a microsecond keeps its digits.
 """
 
 from __future__ import annotations
@@ -33,15 +35,15 @@ class Propagator:
     Parameters
     ----------
     network : of the system
-    stiffness, damping, constant : of the branch: K and B by rows, and the force left at q = q' = 0
-    start, middle, end : displacements and velocities that a step begins with, and where those of
-        its middle and of its end go
+    stiffness, damping : of the branch: K and B by rows
+    start : displacements, velocities and accelerations that a step begins with
+    middle, end : where displacements and velocities of its middle and of its end go
     """
 
-    def __init__(self, network, stiffness, damping, constant, start, middle, end):
+    def __init__(self, network, stiffness, damping, start, middle, end):
         self.net, self.n = network, network.n
-        self.stiffness, self.damping, self.constant = stiffness, damping, constant
-        self.q0, self.v0 = start
+        self.stiffness, self.damping = stiffness, damping
+        self.q0, self.v0, self.a0 = start
         self.q1, self.v1 = middle
         self.q2, self.v2 = end
         most = 2 * self.n + _POWERS + 2 * network.signals
@@ -66,15 +68,15 @@ class Propagator:
             for i in range(self.size * self.size):
                 self.change[i] = 2.0 * self.change[i] + self.product[i]
         for i in range(n):
-            self.state[i] = self.q0[i]
+            self.state[i] = 0.0
             self.state[n + i] = self.v0[i] * self.part
         self._apply()
         for i in range(n):
-            self.q1[i] = self.state[i]
+            self.q1[i] = self.q0[i] + self.state[i]
             self.v1[i] = self.state[n + i] / self.part
         self._apply()
         for i in range(n):
-            self.q2[i] = self.state[i]
+            self.q2[i] = self.q0[i] + self.state[i]
             self.v2[i] = self.state[n + i] / self.part
             if not (isfinite(self.q2[i]) and isfinite(self.v2[i])):
                 return _DIVERGED
@@ -122,24 +124,34 @@ class Propagator:
                 k = i * n + j
                 self.column[i] = -self.stiffness[k] if j < n else -self.damping[k - n]
             self._enter_column(j, factor if j < n else self.part)
-        for k in range(_POWERS):
+        self.state[2 * n] = 1.0
+        for k in range(1, _POWERS):
             self._clear()
             for s in range(self.net.signals):
                 for order in range(3):
                     self.net.road[4 * s + order] = self._derivative(s, t, k + order)
-            for i in range(n):
-                self.column[i] = self.constant[i] if k == 0 else 0.0
             self._add_excitation()
-            self._enter_column(2 * n + k, factor)
             factor *= self.part
-            self.state[2 * n + k] = 1.0 if k == 0 else 0.0
-            if k > 0:
-                self.rates[(2 * n + k) * size + 2 * n + k - 1] = 1.0
+            self._enter_column(2 * n + k, factor)
+            self.state[2 * n + k] = 0.0
+            self.rates[(2 * n + k) * size + 2 * n + k - 1] = 1.0
         at = 2 * n + _POWERS
         for s in range(self.net.signals):
             if self.net.segment[self._segment(s) + 6] != 0.0:
                 self._enter_sinusoid(s, at, t)
                 at += 2
+        self._enter_start()
+
+    def _enter_start(self):
+        """The column of the 1: what the acceleration at the start is more than the others make it."""
+        n, size = self.n, self.size
+        for i in range(n):
+            x = self.part * self.part * self.a0[i]
+            for j in range(n):
+                x -= self.rates[(n + i) * size + n + j] * (self.v0[j] * self.part)
+            for j in range(2 * n + _POWERS, size):
+                x -= self.rates[(n + i) * size + j] * self.state[j]
+            self.rates[(n + i) * size + 2 * n] = x
 
     def _segment(self, s):
         return (self.net.signal_first[s] + self.net.signal_now[s]) * _SEGMENT
@@ -169,12 +181,10 @@ class Propagator:
             self.column[i] = 0.0
 
     def _derivative(self, s, t, order):
-        """A derivative of the cubic part of signal s."""
+        """A derivative of the cubic part of signal s, from the first on."""
         g = self._segment(s)
         x = t - self.net.segment[g + 1]
         c1, c2, c3 = self.net.segment[g + 3], self.net.segment[g + 4], self.net.segment[g + 5]
-        if order == 0:
-            return self.net.segment[g + 2] + x * (c1 + x * (c2 + x * c3))
         if order == 1:
             return c1 + x * (2.0 * c2 + x * 3.0 * c3)
         if order == 2:

@@ -125,7 +125,8 @@ class Integrator(March):
         coefficients : four numbers
         jumps : whether a change of the value is such a jump
         """
-        before = self._energy()
+        before = self._energy_now() - self.net.exchange
+        self._remember_branches()
         self.net.signals_read[signal] = None
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
@@ -133,20 +134,15 @@ class Integrator(March):
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
             self.stepper.refresh(self.time)
             self.net.impulse(signal, jump, self.stepper.v)
-        self._leave_step()
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+        self._note_changes()
         self._enter_branches()
         if jump != 0.0:
+            change = self._energy_now() - self.net.exchange - before
             if jumps:
-                self.ledger.bring_in(self._energy() - before)
+                self.ledger.bring_in(change)
             else:
-                self.ledger.initial_energy += self._energy() - before
-
-    def _energy(self):
-        """Kinetic and stored energy now, J, less what contact switches have exchanged."""
-        self.net.all_signals(self.time)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        return self.net.energy(self.stepper.v) - self.net.exchange
+                self.ledger.initial_energy += change
 
     # -- stepping ----------------------------------------------------------------------------------
 

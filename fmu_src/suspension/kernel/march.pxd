@@ -10,7 +10,7 @@ from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
 cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _STALLED
-cdef int _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
+cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
 cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
 
 cdef class March:
@@ -38,8 +38,8 @@ cdef class March:
     cdef readonly Py_ssize_t filled
     # workspace
     cdef double[::1] event_time
-    cdef int[::1] event_what
-    cdef int stalled, event_count, since_pause
+    cdef int[::1] event_what, branch_before
+    cdef int stalled, overruns, event_count, since_pause
     cdef double landed
 
     @cython.locals(e=int)
@@ -71,6 +71,17 @@ cdef class March:
     cdef int _end_at(self, double step) noexcept nogil
     @cython.locals(i=int)
     cdef void _keep_attempt(self, double h) noexcept nogil
-    @cython.locals(new=int, k=int)
+    @cython.locals(new=int, before=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
+    @cython.locals(k=int)
+    cdef void _note(self, int e, int kind, int before, int after) noexcept nogil
+    cdef bint _passes(self, double h) noexcept nogil
+    @cython.locals(end=double, h=double, status=int, before=double)
+    cdef int _overrun(self, double latest) noexcept nogil
+    cdef double _energy_now(self) noexcept nogil
+    cdef void _relocate(self, bint flows) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _remember_branches(self) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _note_changes(self) noexcept nogil
     cdef void _leave_step(self) noexcept nogil

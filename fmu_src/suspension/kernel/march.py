@@ -29,6 +29,7 @@ _CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
 _EVENT_CAPACITY = 256
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
+_OVERRUNS = 1000  # of a run, each after so many steps
 _LEAST_THETA = 1.37
 _GROWTH = 1e8  # a displacement this many times the scale of the run has diverged
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
@@ -81,7 +82,7 @@ class March:
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.whole = Dense(n, False)  # an attempt in which a switch is looked for
-        self.reads_switches = method == "extrapolated" and 2 <= columns <= 3
+        self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
         # the ledger wants to see each step
         self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
         self.cruise = Cruise(self.stepper, self.switches) if self.cruises else None
@@ -95,6 +96,7 @@ class March:
         self.contacts = len(self.contact_element)
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
+        self.branch_before = integers([0] * _KINDS * elements)
         self.logged = []  # switches so far: (time, element, kind, from, to); the last ones wait
         self._start(start, max(system.scales))
 
@@ -122,7 +124,7 @@ class March:
 
     def _start(self, time, reach):
         """Stand still in equilibrium, before anything has happened."""
-        self.event_count = self.stalled = self.filled = self.since_pause = 0
+        self.event_count = self.stalled = self.overruns = self.filled = self.since_pause = 0
         self.time = self.grid_start = time
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
@@ -173,14 +175,70 @@ class March:
             status = self._step(until if stop else 1e300)
             if status != 0:
                 return status
-            # switches that follow each other while no time passes would have no end
-            if self.time - before > 1e-13 * (fabs(self.time) + 1e-3):
+            if self._passes(self.time - before):
                 self.stalled = 0
             else:
                 self.stalled += 1
                 if self.stalled > _STALLED:
-                    return _NO_TIME_PASSES
+                    status = self._overrun(until if stop else 1e300)
+                    if status != 0:
+                        return status
         return _REACHED
+
+    def _passes(self, h):
+        """Whether h is time that passes, and no rounding of it."""
+        return h > 1e-13 * (fabs(self.time) + 1e-3)
+
+    def _overrun(self, latest):
+        """Where ever more switches follow one another while no time passes: go a little beyond.
+
+        For a ten-thousandth of the quickest motion the present branches go on whatever corner is
+        passed; the state there says which ones follow. Forces being continuous over their corners,
+        what that does to the motion goes with the square of so short a time. A run in which hardly
+        any time passes all the same is refused.
+        """
+        self.stalled = 0
+        self.overruns += 1
+        end = self.net.next_joint()
+        end = min(end, latest)
+        h = _SHORT_PHASE / (self.stepper.quickest + 1.0)
+        if self.overruns > _OVERRUNS or not self.time + h < end:
+            return _NO_TIME_PASSES
+        status = self.stepper.attempt(self.time, h)
+        if status != 0:
+            return status
+        self._accept(h, self.time + h)
+        before = self._energy_now()
+        self._relocate(True)
+        self.net.exchange += self.net.energy(self.stepper.v) - before
+        self._enter_branches()
+        return 0
+
+    def _energy_now(self):
+        """Kinetic energy and what the elements store in their present branches."""
+        self.net.all_signals(self.time)
+        self.net.row_states(self.stepper.q, self.stepper.v)
+        return self.net.energy(self.stepper.v)
+
+    def _relocate(self, flows):
+        """Choose the branches by the state, and if wanted those of flow; what changes is noted."""
+        self._remember_branches()
+        if flows:
+            self.net.follow(self.time, self.stepper.q, self.stepper.v)
+        else:
+            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+        self._note_changes()
+
+    def _remember_branches(self):
+        """What the branches are before others are chosen."""
+        self._leave_step()
+        for i in range(_KINDS * self.net.elements):
+            self.branch_before[i] = self.net.branch[i]
+
+    def _note_changes(self):
+        for i in range(_KINDS * self.net.elements):
+            if self.net.branch[i] != self.branch_before[i]:
+                self._note(i // _KINDS, i % _KINDS, self.branch_before[i], self.net.branch[i])
 
     def _proposed_step(self):
         """The step the method wants, before joints and switches cut it."""
@@ -254,8 +312,7 @@ class March:
         if to_end and end == joint:
             self._pass_joint()
         if not self.landing:
-            self._leave_step()
-            self.net.follow(self.time, self.stepper.q, self.stepper.v)
+            self._relocate(True)
         if landed or to_end or not (self.landing and self.stepper.affine):
             self._enter_branches()
         if self._has_diverged():
@@ -317,12 +374,9 @@ class March:
     def _pass_joint(self):
         """Signals enter their next segments; what a jump of a road does is work of that road."""
         self._leave_step()
-        self.net.all_signals(self.time)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        self.net.row_forces()
-        before = self.net.energy(self.stepper.v)
+        before = self._energy_now()
         if self.net.enter_segments(self.time, self.stepper.v):
-            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+            self._relocate(False)
             self.ledger.bring_in(self.net.energy(self.stepper.v) - before)
 
     def _factor_for_error(self):
@@ -346,7 +400,8 @@ class March:
             self.stepper.drift[i] = self.stepper.drift_end[i]
             self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
         self._count_limited(h, 1)
-        if self.entered:
+        # an element that has just switched still departs while others switch at the same instant
+        if self.entered and self._passes(h):
             self.entered = 0
             self.net.clear_marks()
         if self.net.stuck:
@@ -363,8 +418,8 @@ class March:
     def _land(self, h):
         """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor.
 
-        With two or three columns the state there is read off the septic through the ends of the
-        attempt, which is right to their order; with four the step is made again.
+        Under error control with two or three columns the state there is read off the septic through
+        the ends of the attempt, which is right to their order; otherwise the step is made again.
         """
         step = self.switches.at * h
         if self.reads_switches:
@@ -409,18 +464,23 @@ class March:
         """Element e enters the neighbouring branch, now; the event is noted."""
         self._leave_step()
         new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
+        if kind == _CONTACT:
+            before = 1 - new
+        elif kind == _FRICTION and new != 0:
+            before = 0
+        else:
+            before = new - side
+        self._note(e, kind, before, new)
+
+    def _note(self, e, kind, before, after):
+        """Element e has gone from one branch to another, now."""
         k = self.event_count
         if k < _EVENT_CAPACITY:
             self.event_time[k] = self.time
             self.event_what[4 * k] = e
             self.event_what[4 * k + 1] = kind
-            if kind == _CONTACT:
-                self.event_what[4 * k + 2] = 1 - new
-            elif kind == _FRICTION and new != 0:
-                self.event_what[4 * k + 2] = 0
-            else:
-                self.event_what[4 * k + 2] = new - side
-            self.event_what[4 * k + 3] = new
+            self.event_what[4 * k + 2] = before
+            self.event_what[4 * k + 3] = after
             self.event_count += 1
 
     def _leave_step(self):

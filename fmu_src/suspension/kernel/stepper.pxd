@@ -26,7 +26,7 @@ cdef class Stepper:
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
 
-    @cython.locals(i=int)
+    @cython.locals(i=int, e=int)
     cdef void start(self, double reach) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
     @cython.locals(k=int, at=int, omega=double, decay=double)

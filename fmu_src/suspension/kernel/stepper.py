@@ -115,8 +115,7 @@ class Stepper:
                 self.net,
                 self.stiffness,
                 self.damping,
-                self.constant,
-                (self.q, self.v),
+                (self.q, self.v, self.a),
                 (self.middle_q, self.middle_v),
                 (self.qb, self.vb),
             )
@@ -130,6 +129,8 @@ class Stepper:
         for i in range(self.n):
             self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
             self.softest[i] = 1e300
+        for e in range(self.net.elements):
+            self.multiplier[e] = self.multiplier_rate[e] = 0.0
         if self.side_by_side:
             self.lanes.enter_mass(self.net.mass)
 
