@@ -7,7 +7,7 @@ cdef int _MOST, _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
 cdef class Lanes:
     cdef int n, columns, width, longest, last
     cdef int[::1] substeps, load_at
-    cdef double[::1] loads, load_rate, given_stiffness, given_damping
+    cdef double[::1] loads, load_rate, given_mass, given_flexibility, given_stiffness, given_damping
     cdef double[::1] q0, v0, a0, j0, q1, v1, a1, j1
     cdef double step
     cdef double[4] weight, check, s, half, third, sixth, pivot
@@ -18,21 +18,21 @@ cdef class Lanes:
     cdef double[8] error_q, error_v
 
     @cython.locals(i=int)
-    cdef void enter_mass(self, double[::1] mass) noexcept nogil
+    cdef void enter_mass(self) noexcept nogil
     @cython.locals(n=int, i=int)
     cdef void enter(self) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
-    cdef int _attempt(self, double h, int n, int width) noexcept nogil
+    cdef inline int _attempt(self, double h, int n, int width) noexcept nogil
     cdef int invert(self, double h) noexcept nogil
     @cython.locals(i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int, lane=int, s=double)
-    cdef int _invert(self, double h, int n, int width) noexcept nogil
+    cdef inline int _invert(self, double h, int n, int width) noexcept nogil
     @cython.locals(at=int, lane=int, i=int, j=int, k=int, x=double, y=double)
-    cdef void _advance(self, int n, int width) noexcept nogil
+    cdef inline void _advance(self, int n, int width) noexcept nogil
     @cython.locals(i=int, at=int, lane=int, q=double, v=double, dq=double, dv=double,
                    eq=double, ev=double, x=double)
-    cdef int _extrapolate(self, int n, int width) noexcept nogil
+    cdef inline int _extrapolate(self, int n, int width) noexcept nogil
     cdef void finish(self) noexcept nogil
     @cython.locals(i=int)
-    cdef void _finish(self, int n) noexcept nogil
+    cdef inline void _finish(self, int n) noexcept nogil
     @cython.locals(i=int, j=int, x=double)
-    cdef void _solve_motion(self, int n) noexcept nogil
+    cdef inline void _solve_motion(self, int n) noexcept nogil

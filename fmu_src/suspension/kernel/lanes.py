@@ -42,7 +42,7 @@ class Lanes:
 
     Parameters
     ----------
-    mass : matrix by rows, kg
+    masses : their matrix and its inverse by rows, kg, of which `enter_mass` takes what stands there
     sequence : substeps in each column of the extrapolation, one to four of them, ascending
     fraction_index : place of each substep's instant in `loads`, 5 for each column
     loads : forces of roads and loads at those instants, one for each coordinate, N; the last are
@@ -53,7 +53,7 @@ class Lanes:
     end : where displacements, velocities, accelerations and jerks at their end go
     """
 
-    def __init__(self, mass, sequence, fraction_index, loads, load_rate, tangents, start, end):
+    def __init__(self, masses, sequence, fraction_index, loads, load_rate, tangents, start, end):
         self.n = n = len(load_rate)
         self.columns = len(sequence)
         self.width = 2 if self.columns <= 2 else 4
@@ -68,6 +68,7 @@ class Lanes:
             for lane in range(_LANES)
         )
         self.loads, self.load_rate, self.last = loads, load_rate, len(loads) - n
+        self.given_mass, self.given_flexibility = masses
         self.given_stiffness, self.given_damping = tangents
         self.q0, self.v0, self.a0, self.j0 = start
         self.q1, self.v1, self.a1, self.j1 = end
@@ -89,16 +90,12 @@ class Lanes:
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
         self.step = -1.0
-        self.enter_mass(mass)
+        self.enter_mass()
 
-    def enter_mass(self, mass):
-        """Take over a mass matrix, by rows, and find its inverse."""
+    def enter_mass(self):
+        """Take over the mass matrix and its inverse."""
         for i in range(self.n * self.n):
-            self.mass[i] = mass[i]
-            self.stiffness[i] = self.damping[i] = 0.0
-        self._invert(0.0, self.n, self.width)
-        for i in range(self.n * self.n):
-            self.flexibility[i] = self.inverse[self.width * i]  # M^-1
+            self.mass[i], self.flexibility[i] = self.given_mass[i], self.given_flexibility[i]
         self.step = -1.0
 
     def enter(self):

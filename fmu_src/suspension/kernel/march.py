@@ -307,6 +307,7 @@ class March:
             landed = 1
             to_end = to_end and self.time + h >= end
         self._accept(h, end if to_end else self.time + h)
+        self.switches.carry_on()
         if landed:
             self._switch(self.switches.element, self.switches.kind, self.switches.side)
         if to_end and end == joint:
@@ -356,6 +357,7 @@ class March:
         self.in_step = True
         self.dense.start, self.dense.end = self.cruise.start, self.cruise.time
         self.dense.known = 0
+        self.switches.start_known = 0
         self.time = self.cruise.time
         self.step_count += self.cruise.taken
         self.since_pause += self.cruise.taken

@@ -21,7 +21,7 @@ cdef class Stepper:
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
     cdef double[::1] drift, drift_end, middle_q, middle_v
     # workspace
-    cdef double[::1] stiffness, damping, stiffness2, damping2
+    cdef double[::1] stiffness, damping, stiffness2, damping2, stiffness_known
     cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv, sa, rhs, correction
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
@@ -50,6 +50,8 @@ cdef class Stepper:
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
                    p=double, f=double)
     cdef void _excitation_increment(self, int fraction) noexcept nogil
+    @cython.locals(i=int, same=bint)
+    cdef void _find_fastest(self) noexcept nogil
     @cython.locals(i=int, k=int)
     cdef void _begin_in_lanes(self) noexcept nogil
     @cython.locals(k=int)

@@ -72,6 +72,7 @@ class Stepper:
     def _allocate(self):
         n = self.n
         self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, n * n)
+        self.stiffness_known = doubles([0.0] * n * n)  # the one that the fastest mode is that of
         self.factor = doubles([0.0] * (4 * n * n))
         self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
         self.constant, self.cq, self.cv, self.ca = vectors(4, n)
@@ -97,7 +98,7 @@ class Stepper:
         self.side_by_side = self.method < _WILSON and n <= 8
         self.lanes = (
             Lanes(
-                self.net.mass,
+                (self.net.mass, self.net.flexibility),
                 sequence,
                 self.fraction_index,
                 self.load_table,
@@ -131,8 +132,9 @@ class Stepper:
             self.softest[i] = 1e300
         for e in range(self.net.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
+        self.stiffness_known[0] = -1e300  # none yet
         if self.side_by_side:
-            self.lanes.enter_mass(self.net.mass)
+            self.lanes.enter_mass()
 
     def refresh(self, t):
         """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
@@ -155,9 +157,19 @@ class Stepper:
             self.net.jerk(self.v, self.a, self.j)
         if self.net.stuck:
             self.keep_multipliers()
-        self.omega_squared = self.net.fastest_mode(self.stiffness)
-        self.quickest = sqrt(self.omega_squared)
+        self._find_fastest()
         self._scale_velocities()
+
+    def _find_fastest(self):
+        """The fastest mode, anew where the stiffness has changed: most switches are of dampers."""
+        same = 1
+        for i in range(self.n * self.n):
+            if self.stiffness[i] != self.stiffness_known[i]:
+                same = 0
+            self.stiffness_known[i] = self.stiffness[i]
+        if not same:
+            self.omega_squared = self.net.fastest_mode(self.stiffness)
+        self.quickest = sqrt(self.omega_squared)
 
     def _begin_in_lanes(self):
         """Loads, acceleration and jerk where a linear branch begins, with the signals in `road`."""

@@ -13,7 +13,7 @@ cdef class Switches:
     cdef Network net
     cdef Crossing crossing
     cdef int watched, element, kind, side
-    cdef bint roads_known
+    cdef bint roads_known, start_known
     cdef double at, miss
     cdef int[::1] watched_element, watched_kind
     cdef double[::1] low, high, row_start, row_end, road_start, road_end
@@ -25,6 +25,8 @@ cdef class Switches:
     cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(k=int, r=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void carry_on(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _read_roads(self, double t, double h) noexcept nogil
     @cython.locals(n=int, i=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)

@@ -39,6 +39,7 @@ class Switches:
         self.row_start, self.row_end = vectors(2, 4 * max(self.net.rows, 1))
         self.road_start, self.road_end = vectors(2, 4 * max(self.net.signals, 1))
         self.roads_known = 0
+        self.start_known = 0
         self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
@@ -47,6 +48,7 @@ class Switches:
         """List what is watched, after a change of branch."""
         self.watched = 0
         self.roads_known = 0
+        self.start_known = 0
         for m in range(self.net.switchable):
             e = self.net.switch_element[m]
             kind = self.net.switch_kind[m]
@@ -80,8 +82,10 @@ class Switches:
             return 2.0
         self._read_roads(t, h)
         for r in range(self.net.rows):
-            self._read_row_start(r)
+            if not self.start_known:
+                self._read_row_start(r)
             self._read_row_end(r)
+        self.start_known = 1
         for k in range(self.watched):
             if self.watched_kind[k] == _SPRING and self._stays_far(k, h):
                 continue
@@ -92,6 +96,12 @@ class Switches:
             if self.crossing.high > self.high[k]:
                 self._search(k, 1, self.high[k], degree)
         return self.at
+
+    def carry_on(self):
+        """The attempt searched last has been accepted: the next one starts where it ends."""
+        if self.start_known:
+            for i in range(4 * self.net.rows):
+                self.row_start[i] = self.row_end[i]
 
     def _read_roads(self, t, h):
         """Signals at both ends; where they hold still, once for each branch."""
