@@ -253,7 +253,7 @@ class Session:
         self._compare_contacts()
 
     def _compare_contacts(self) -> None:
-        """A contact may end or begin without motion: by another tyre, or a road that is elsewhere."""
+        """A contact may end or begin without motion: by another tyre, or where the road is at first."""
         for tyre, axle in self._tyres.items():
             airborne = self._integrator.at_limit(tyre)
             if airborne != self.contacts[axle].airborne:
@@ -296,8 +296,12 @@ class Session:
                     # a road that is elsewhere at the start has always been there: no jump
                     self._integrator.set_signal(number, held[name], self.time > self._start)
                     moved_at_start = moved_at_start or self.time == self._start
+        if self.time > self._start:
+            self._note_switches()
+            return
         if moved_at_start:
             self._start_moving()
+        self._integrator.take_log()  # where the road is from the start on, nothing switches
         self._compare_contacts()
 
     def _velocity(self, road: str, elevation: float) -> float:

@@ -20,7 +20,7 @@ OMEGA = sqrt(STIFFNESS)
 
 
 def ball() -> System:
-    """One kilogram that drops onto a hard, lightly damped floor; at rest there the force is its weight."""
+    """One kilogram that drops onto a hard, lightly damped floor; at rest the force is its weight."""
     floor = Element(
         "floor",
         (1.0,),
