@@ -55,6 +55,7 @@ def test_mp4_without_ffmpeg_is_refused(drawing, tmp_path, monkeypatch) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="there is no ffmpeg")
 def test_mp4(drawing: Drawing, tmp_path: Path) -> None:
     path = animation(drawing, tmp_path / "a.mp4", rate=10)

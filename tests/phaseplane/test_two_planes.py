@@ -338,7 +338,7 @@ segments = st.builds(
 
 @given(segments, segments, st.floats(-1.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_integral_of_a_road_over_a_joint(before, after, joint, back, ahead):
-    road = roads.Signal((before, replace(after, start=joint)))
+    road = roads.Signal((before, after._replace(start=joint)))
     start, end = joint - back, joint + ahead
     wanted = (
         quad(lambda t: before.derivatives(t)[0], start, joint, limit=200)[0]

@@ -299,6 +299,7 @@ def test_a_scene_with_a_bad_equation():
     assert "not a formula" in result.stderr
 
 
+@pytest.mark.slow
 def test_the_rules_held_against_the_exact_motion():
     """The 60 points of the worked example, and the integrator with the same steps beside them."""
     result = CliRunner().invoke(main, ["rules", "--json"])

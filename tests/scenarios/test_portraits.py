@@ -25,6 +25,7 @@ def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     assert "<svg" in path.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_sections_of_a_vehicle_in_words() -> None:
     shown = ("portrait", "ap57", "--window", "-0.1", "0.1", "-1", "1")
     body = phaseplane(*shown, "--coordinate", "body_displacement").stdout

@@ -73,6 +73,7 @@ def test_every_extreme_case_is_right_or_refused(case: object) -> None:
     assert "\n" not in happened.said
 
 
+@pytest.mark.slow
 def test_the_study_leaves_data_table_and_picture(tmp_path: Path) -> None:
     data, table, folder = job.stability(["lift_off"], tmp_path / "s", size=6)
     assert {file.name for file in folder.iterdir()} == {

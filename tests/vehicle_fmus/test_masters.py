@@ -124,6 +124,7 @@ def ssps(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {model: folder / f"{model}.ssp" for model in models}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("master", HOSTS)
 def test_a_system_runs_as_its_parts_do(master: str, ssps: dict[str, Path], tmp_path: Path) -> None:
     jobs = []
