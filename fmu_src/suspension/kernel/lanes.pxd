@@ -22,6 +22,8 @@ cdef class Lanes:
     @cython.locals(n=int, i=int)
     cdef void enter(self) noexcept nogil
     cdef int attempt(self, double h) noexcept nogil
+    cdef int _attempt_narrow(self, double h) noexcept nogil
+    cdef int _attempt_wide(self, double h) noexcept nogil
     cdef inline int _attempt(self, double h, int n, int width) noexcept nogil
     cdef int invert(self, double h) noexcept nogil
     @cython.locals(i=int, j=int, k=int, kk=int, kj=int, ik=int, ij=int, lane=int, s=double)

@@ -121,15 +121,19 @@ class Lanes:
         -------
         0, or the key of `integrator.FAILURES` that says why it could not be made.
         """
-        # with numbers in place of n and the width the compiler writes the loops out
-        if self.width == 2:
-            if self.n == 2:
-                return self._attempt(h, 2, 2)
-            if self.n == 1:
-                return self._attempt(h, 1, 2)
-            if self.n == 4:
-                return self._attempt(h, 4, 2)
-            return self._attempt(h, self.n, 2)
+        return self._attempt_narrow(h) if self.width == 2 else self._attempt_wide(h)
+
+    # with numbers in place of n and the width the compiler writes the loops out
+    def _attempt_narrow(self, h):
+        if self.n == 2:
+            return self._attempt(h, 2, 2)
+        if self.n == 1:
+            return self._attempt(h, 1, 2)
+        if self.n == 4:
+            return self._attempt(h, 4, 2)
+        return self._attempt(h, self.n, 2)
+
+    def _attempt_wide(self, h):
         if self.n == 2:
             return self._attempt(h, 2, 4)
         if self.n == 1:
