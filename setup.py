@@ -34,7 +34,7 @@ FLAGS = (
 )
 MODULES = (
     "linear", "bernstein", "signals", "laws", "elements", "network",
-    "exact", "lanes", "stepper", "switches", "cruise", "dense", "ledger", "watch",
+    "exact", "iteration", "lanes", "stepper", "switches", "cruise", "dense", "ledger", "watch",
     "march", "integrator",
 )  # fmt: skip
 

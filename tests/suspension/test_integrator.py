@@ -358,7 +358,7 @@ def drawn(seed: int) -> dict[str, object]:
 def test_drawn_cars_with_everything_acting(seed: int) -> None:
     parameters = drawn(seed)
     truth = reference.solve(parameters, np.linspace(0.0, 1.0, 51))
-    for tolerance in (1e-3, 1e-6, 1e-9):
+    for tolerance in (1e-2, 1e-3, 1e-6, 1e-9):
         assert error(parameters, truth, tolerance=tolerance) < tolerance
 
 

@@ -2,17 +2,19 @@ cimport cython
 from libc.math cimport fabs, isfinite, sqrt
 from .dense cimport Dense
 from .exact cimport Propagator
+from .iteration cimport Iteration
 from .lanes cimport Lanes
 from .linear cimport decompose, solve
 from .network cimport Network
 
-cdef int _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _MOST, _WILSON, _EXACT
+cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
 cdef double _SHARE
 
 @cython.final
 cdef class Stepper:
     cdef Network net
     cdef Lanes lanes
+    cdef Iteration iteration
     cdef Propagator propagator
     cdef int n, method, columns, fractions, stamp, affine, loads_hold
     cdef bint side_by_side
@@ -21,8 +23,8 @@ cdef class Stepper:
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
     cdef double[::1] drift, drift_end, middle_q, middle_v
     # workspace
-    cdef double[::1] stiffness, damping, stiffness2, damping2, stiffness_known
-    cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv, sa, rhs, correction
+    cdef double[::1] stiffness, damping, stiffness_known
+    cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
 
@@ -37,19 +39,6 @@ cdef class Stepper:
     cdef int _factor_step_matrix(self, int column, double h) noexcept nogil
     @cython.locals(n=int, i=int, k=int, at=int, f=double)
     cdef int _substep_affine(self, int column, double h, int fraction) noexcept nogil
-    @cython.locals(s=int, at=int, order=int)
-    cdef void _take_signals(self, int fraction) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, r=int, _iteration=int, before=double, size=double,
-                   largest=double, force=double)
-    cdef int _substep_equilibrium(self, double h, int fraction) noexcept nogil
-    @cython.locals(i=int, size=int)
-    cdef int _solve_step_matrix(self, double h) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, iteration=int, before=double, change=double,
-                   largest=double)
-    cdef int _substep_increments(self, double h, int fraction) noexcept nogil
-    @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
-                   p=double, f=double)
-    cdef void _excitation_increment(self, int fraction) noexcept nogil
     @cython.locals(i=int, same=bint)
     cdef void _find_fastest(self) noexcept nogil
     @cython.locals(i=int, k=int)

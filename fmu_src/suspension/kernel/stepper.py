@@ -24,6 +24,7 @@ import cython
 
 from .arrays import doubles, integers, vectors
 from .exact import Propagator
+from .iteration import Iteration
 from .lanes import Lanes
 
 if not cython.compiled:
@@ -31,14 +32,14 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
+_DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
 
 _MOST = 5  # substeps of one macro step
 
 METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3, "wilson": 4, "exact": 5}
-_WILSON, _EXACT = 4, 5
+_TANGENT, _WILSON, _EXACT = 3, 4, 5
 # Substeps in each column of the extrapolation: orders 2, 4, 6, 8, stable for overdamped modes.
 SEQUENCES = {1: (1,), 2: (1, 3), 3: (1, 2, 4), 4: (1, 2, 3, 5)}
 
@@ -71,13 +72,13 @@ class Stepper:
 
     def _allocate(self):
         n = self.n
-        self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, n * n)
+        self.stiffness, self.damping = vectors(2, n * n)
         self.stiffness_known = doubles([0.0] * n * n)  # the one that the fastest mode is that of
         self.factor = doubles([0.0] * (4 * n * n))
         self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
         self.constant, self.cq, self.cv, self.ca = vectors(4, n)
         self.softest, self.velocity_scale = doubles([1e300] * n), doubles([0.0] * n)
-        self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, n)
+        self.pq, self.pv = vectors(2, n)
         self.table = doubles([0.0] * (4 * 2 * n))
         # the instants of all substeps of a macro step, each evaluated once
         sequence = SEQUENCES[self.columns]
@@ -91,6 +92,9 @@ class Stepper:
             fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_MOST)
         )
         self.signal_table = doubles([0.0] * (3 * max(self.net.signals, 1) * self.fractions))
+        self.iteration = Iteration(
+            self.net, (self.cq, self.cv, self.ca), self.signal_table, self.method == _TANGENT
+        )
         self.load_table = doubles([0.0] * (n * self.fractions))
         self.load_rate = doubles([0.0] * n)
         self.loads_hold = 0  # whether the loads of the present branch are constant, and known
@@ -233,7 +237,7 @@ class Stepper:
             self.ca[i] = f
         solve(self.factor, column * n * n, n, self.ca)
         if self.net.stuck:
-            self._take_signals(fraction)
+            self.iteration.take_signals(fraction)
             if self.net.stick(
                 self.factor, column * n * n, self.ca, self.net.zero, 2, self.net.multiplier
             ):
@@ -242,155 +246,6 @@ class Stepper:
             self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
             self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
         return 0
-
-    def _take_signals(self, fraction):
-        at = 3 * self.net.signals * fraction
-        for s in range(self.net.signals):
-            for order in range(3):
-                self.net.road[4 * s + order] = self.signal_table[at + 3 * s + order]
-
-    def _substep_equilibrium(self, h, fraction):
-        """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium."""
-        n = self.n
-        self._take_signals(fraction)
-        for i in range(n):
-            self.pv[i] = self.cv[i] + h / 2.0 * self.ca[i]
-            self.pq[i] = self.cq[i] + h * self.cv[i] + h * h / 3.0 * self.ca[i]
-        before = 1e300
-        for _iteration in range(25):
-            for i in range(n):
-                self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
-                self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
-            self.net.row_states(self.cq, self.cv)
-            self.net.row_forces()
-            self.net.assemble(self.stiffness2, self.damping2)
-            self.net.net_force(self.rhs)
-            size = 0.0
-            for i in range(n):
-                for k in range(n):
-                    self.rhs[i] -= self.net.mass[i * n + k] * self.ca[k]
-            if self._solve_step_matrix(h) != 0:
-                return _NOT_POSITIVE
-            if self.net.stuck and self.net.stick(
-                self.factor, 0, self.rhs, self.ca, 2, self.net.multiplier
-            ):
-                return _NOT_POSITIVE
-            for i in range(n):
-                self.ca[i] += self.rhs[i]
-                size = max(size, fabs(self.rhs[i]))
-            # rounding is that of the forces, which may cancel, not that of what they leave
-            largest = 1e-30
-            for i in range(n):
-                force = 0.0
-                for r in range(self.net.rows):
-                    force += fabs(self.net.row_direction[r * n + i] * self.net.row_f[r])
-                for k in range(n):
-                    force += fabs(self.stiffness2[i * n + k] * self.cq[k])
-                largest = max(largest, fabs(self.ca[i]), force / self.net.mass[i * n + i])
-            if not isfinite(size):
-                return _DIVERGED
-            if size <= 4e-16 * largest or (size <= 1e-10 * largest and size >= 0.5 * before):
-                for i in range(n):
-                    self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
-                    self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
-                return 0
-            before = size
-        return _NOT_CONVERGED
-
-    def _solve_step_matrix(self, h):
-        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices of `stiffness2`, `damping2`."""
-        size = self.n * self.n
-        for i in range(size):
-            self.factor[i] = (
-                self.net.mass[i] + h / 2.0 * self.damping2[i] + h * h / 6.0 * self.stiffness2[i]
-            )
-        self.factor_stamp[0] = -1
-        if decompose(self.factor, 0, self.n) != 0:
-            return 1
-        solve(self.factor, 0, self.n, self.rhs)
-        return 0
-
-    def _substep_increments(self, h, fraction):
-        """The increments of (15.16) to (15.18), with tangents of the start or their mean (15.7)."""
-        n = self.n
-        for i in range(n):
-            self.pq[i] = self.cq[i]
-            self.pv[i] = self.cv[i]
-            self.sa[i] = self.ca[i]
-        self.net.all_signals(self.time)
-        self.net.row_states(self.pq, self.pv)
-        self.net.row_forces()
-        self.net.assemble(self.stiffness, self.damping)
-        for i in range(n * n):
-            self.stiffness2[i] = self.stiffness[i]
-            self.damping2[i] = self.damping[i]
-        before = 1e300
-        for iteration in range(50):
-            self._excitation_increment(fraction)
-            for i in range(n):
-                for k in range(n):
-                    self.rhs[i] -= h * self.damping2[i * n + k] * self.sa[k]
-                    self.rhs[i] -= self.stiffness2[i * n + k] * (
-                        h * self.pv[k] + h * h / 2.0 * self.sa[k]
-                    )
-            if self._solve_step_matrix(h) != 0:
-                return _NOT_POSITIVE
-            change = 0.0
-            largest = 1e-30
-            for i in range(n):
-                if iteration > 0:
-                    change = max(change, fabs(self.correction[i] - self.rhs[i]))
-                largest = max(largest, fabs(self.rhs[i]) + fabs(self.sa[i]))
-                self.cv[i] = self.pv[i] + h * self.sa[i] + h / 2.0 * self.rhs[i]
-                self.cq[i] = (
-                    self.pq[i] + h * self.pv[i] + h * h / 2.0 * self.sa[i]
-                    + h * h / 6.0 * self.rhs[i]
-                )  # fmt: skip
-                self.ca[i] = self.sa[i] + self.rhs[i]
-            if not isfinite(largest):
-                return _DIVERGED
-            if self.method == 3:
-                return 0
-            if iteration > 0 and (
-                change <= 1e-15 * largest or (change <= 1e-10 * largest and change >= 0.5 * before)
-            ):
-                return 0
-            if iteration > 0:
-                before = change
-            self._take_signals(fraction)
-            self.net.row_states(self.cq, self.cv)
-            self.net.row_forces()
-            self.net.assemble(self.stiffness2, self.damping2)
-            for i in range(n):
-                self.correction[i] = self.ca[i] - self.sa[i]
-            for i in range(n * n):
-                self.stiffness2[i] = 0.5 * (self.stiffness[i] + self.stiffness2[i])
-                self.damping2[i] = 0.5 * (self.damping[i] + self.damping2[i])
-        return _NOT_CONVERGED
-
-    def _excitation_increment(self, fraction):
-        """Delta f of (15.6): loads, and roads through the tangents of their rows, into `rhs`."""
-        n = self.n
-        for i in range(n):
-            self.rhs[i] = 0.0
-        self._take_signals(fraction)
-        for sign in range(2):
-            factor = 1.0 if sign == 0 else -1.0
-            if sign == 1:
-                self.net.all_signals(self.time)
-            for m in range(self.net.loads):
-                p = factor * self.net.road[4 * self.net.load_signal[m]]
-                for i in range(n):
-                    self.rhs[i] += self.net.load_direction[m * n + i] * p
-            for r in range(self.net.rows):
-                s = self.net.row_signal[r]
-                if s >= 0:
-                    f = factor * (
-                        self.net.row_k[r] * self.net.road[4 * s]
-                        + self.net.row_c[r] * self.net.road[4 * s + 1]
-                    )
-                    for i in range(n):
-                        self.rhs[i] += self.net.row_direction[r * n + i] * f
 
     # -- the macro step ------------------------------------------------------------------------------
 
@@ -466,9 +321,9 @@ class Stepper:
             if self.affine:
                 status = self._substep_affine(column, step, fraction)
             elif self.method >= 2 and not self.net.stuck:
-                status = self._substep_increments(step, fraction)
+                status = self.iteration.add_increments(self.time, step, fraction)
             else:
-                status = self._substep_equilibrium(step, fraction)
+                status = self.iteration.reach_equilibrium(step, fraction)
             if status != 0:
                 return status
         for i in range(n):
@@ -567,7 +422,7 @@ class Stepper:
             self.cv[i] = self.v[i]
             self.ca[i] = self.a[i] + self.drift[i]
         if not self.affine:
-            status = self._substep_equilibrium(beyond, 0)
+            status = self.iteration.reach_equilibrium(beyond, 0)
         elif self._factor_step_matrix(0, beyond) != 0:
             status = _NOT_POSITIVE
         else:
