@@ -20,23 +20,23 @@ class Crossing:
         self.halves = [0.0] * 8 * 64
         self.slot_low, self.slot_width = [0.0] * 64, [0.0] * 64
 
-    def hermite7(self, s, e, at, h):
-        """The septic through value and three derivatives at both ends, s[at:] and e[at:]."""
+    def hermite7(self, x, at, h):
+        """The septic through value and three derivatives at both ends, x[at:] and x[at + 4:]."""
         b = self.bezier
-        d1 = h * s[at + 1] / 7.0
-        d2 = h * h * s[at + 2] / 42.0
-        d3 = h * h * h * s[at + 3] / 210.0
-        b[0] = s[at]
-        b[1] = s[at] + d1
-        b[2] = s[at] + 2.0 * d1 + d2
-        b[3] = s[at] + 3.0 * d1 + 3.0 * d2 + d3
-        d1 = h * e[at + 1] / 7.0
-        d2 = h * h * e[at + 2] / 42.0
-        d3 = h * h * h * e[at + 3] / 210.0
-        b[7] = e[at]
-        b[6] = e[at] - d1
-        b[5] = e[at] - 2.0 * d1 + d2
-        b[4] = e[at] - 3.0 * d1 + 3.0 * d2 - d3
+        d1 = h * x[at + 1] / 7.0
+        d2 = h * h * x[at + 2] / 42.0
+        d3 = h * h * h * x[at + 3] / 210.0
+        b[0] = x[at]
+        b[1] = x[at] + d1
+        b[2] = x[at] + 2.0 * d1 + d2
+        b[3] = x[at] + 3.0 * d1 + 3.0 * d2 + d3
+        d1 = h * x[at + 5] / 7.0
+        d2 = h * h * x[at + 6] / 42.0
+        d3 = h * h * h * x[at + 7] / 210.0
+        b[7] = x[at + 4]
+        b[6] = x[at + 4] - d1
+        b[5] = x[at + 4] - 2.0 * d1 + d2
+        b[4] = x[at + 4] - 3.0 * d1 + 3.0 * d2 - d3
 
     def hermite5(self, x0, dx0, ddx0, x1, dx1, ddx1, h):
         """The quintic through value and two derivatives at both ends."""

@@ -31,10 +31,6 @@ cdef class Elements(Laws):
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
     cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
-    @cython.locals(n=int, i=int, r=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
-    cdef void row_derivatives(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j,
-                              double[::1] out) noexcept nogil
-
     @cython.final
     cdef inline int piece_now(self, int e, int law) noexcept nogil
     @cython.locals(r=int, force=double)

@@ -154,31 +154,6 @@ class Elements(Laws):
             self.row_d[r] = d
             self.row_v[r] = w
 
-    def row_derivatives(self, q, v, a, j, out):
-        """Deflection of every row with three derivatives, with the signals in `road`."""
-        n = self.n
-        for r in range(self.rows):
-            d0 = 0.0
-            d1 = 0.0
-            d2 = 0.0
-            d3 = 0.0
-            for i in range(n):
-                b = self.row_direction[r * n + i]
-                d0 += b * q[i]
-                d1 += b * v[i]
-                d2 += b * a[i]
-                d3 += b * j[i]
-            s = self.row_signal[r]
-            if s >= 0:
-                d0 -= self.road[4 * s]
-                d1 -= self.road[4 * s + 1]
-                d2 -= self.road[4 * s + 2]
-                d3 -= self.road[4 * s + 3]
-            out[4 * r] = d0
-            out[4 * r + 1] = d1
-            out[4 * r + 2] = d2
-            out[4 * r + 3] = d3
-
     # -- forces --------------------------------------------------------------------------------------
 
     def piece_now(self, e, law):

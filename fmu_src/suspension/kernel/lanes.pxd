@@ -1,7 +1,7 @@
 cimport cython
 from libc.math cimport isfinite
 
-cdef int _MOST, _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
+cdef int _LANES, _SUBSTEPS, _DIVERGED, _NOT_POSITIVE
 
 @cython.final
 cdef class Lanes:

@@ -19,7 +19,6 @@ from .arrays import integers
 if not cython.compiled:
     from math import isfinite
 
-_MOST = 8  # coordinates; larger systems go one column after the other
 _LANES = 4
 _SUBSTEPS = 5  # of the longest sequence
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES

@@ -3,7 +3,7 @@ from libc.math cimport sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
-cdef int _KINDS, _CONTACT, _FRICTION, _SPRING, _DAMPER, _MODULATION, _LAWS, _PIECE
+cdef int _DAMPER, _MODULATION, _LAWS, _PIECE
 
 @cython.final
 cdef class Network(Elements):

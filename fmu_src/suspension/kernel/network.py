@@ -20,7 +20,7 @@ if not cython.compiled:
 
 __all__ = ["KINDS", "Network"]
 
-_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_DAMPER, _MODULATION = 1, 2  # as in elements
 _LAWS, _PIECE = 3, 9  # as in laws
 
 

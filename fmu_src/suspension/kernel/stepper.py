@@ -98,7 +98,7 @@ class Stepper:
         self.load_table = doubles([0.0] * (n * self.fractions))
         self.load_rate = doubles([0.0] * n)
         self.loads_hold = 0  # whether the loads of the present branch are constant, and known
-        # the linear branches of small systems have a faster way
+        # the linear branches of systems up to eight coordinates have a faster way
         self.side_by_side = self.method < _WILSON and n <= 8
         self.lanes = (
             Lanes(

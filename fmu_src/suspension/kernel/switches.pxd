@@ -16,7 +16,7 @@ cdef class Switches:
     cdef bint roads_known, start_known
     cdef double at, miss
     cdef int[::1] watched_element, watched_kind
-    cdef double[::1] low, high, row_start, row_end, road_start, road_end
+    cdef double[::1] low, high, row, road
     cdef double[::1] contact_f, contact_k, contact_c
 
     @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
@@ -25,21 +25,20 @@ cdef class Switches:
     cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(k=int, r=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
-    @cython.locals(i=int)
+    @cython.locals(r=int, k=int)
     cdef void carry_on(self) noexcept nogil
-    @cython.locals(i=int)
     cdef void _read_roads(self, double t, double h) noexcept nogil
-    @cython.locals(n=int, i=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
-    cdef void _read_row_start(self, int r) noexcept nogil
-    @cython.locals(n=int, i=int, s=int, b=double, d0=double, d1=double, d2=double, d3=double)
-    cdef void _read_row_end(self, int r) noexcept nogil
+    @cython.locals(s=int, k=int)
+    cdef void _read_road(self, double t, int end) noexcept nogil
+    @cython.locals(n=int, i=int, at=int, b=double, d0=double, d1=double, d2=double, d3=double)
+    cdef void _read_row(self, int r, int end) noexcept nogil
     @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,
                    dy=double, low=double, high=double)
     cdef bint _stays_far(self, int k, double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
     @cython.locals(k=double, c=double)
-    cdef void _contact_force(self, int e, double[::1] row, int at) noexcept nogil
+    cdef void _contact_force(self, int e, int at) noexcept nogil
     @cython.locals(e=int, kind=int, departing=bint, at=double)
     cdef void _search(self, int k, int side, double bound, int degree) noexcept nogil
     @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double)

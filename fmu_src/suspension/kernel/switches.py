@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import integers, vectors
+from .arrays import doubles, integers, vectors
 from .bernstein import Crossing
 from .elements import KINDS
 
@@ -36,8 +36,9 @@ class Switches:
         self.watched = 0
         self.watched_element, self.watched_kind = integers([0] * most), integers([0] * most)
         self.low, self.high = vectors(2, most)
-        self.row_start, self.row_end = vectors(2, 4 * max(self.net.rows, 1))
-        self.road_start, self.road_end = vectors(2, 4 * max(self.net.signals, 1))
+        # of each row, and of each road, four numbers at the start of the attempt and four at its end
+        self.row = doubles([0.0] * 8 * max(self.net.rows, 1))
+        self.road = doubles([0.0] * 8 * max(self.net.signals, 1))
         self.roads_known = 0
         self.start_known = 0
         self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
@@ -83,8 +84,8 @@ class Switches:
         self._read_roads(t, h)
         for r in range(self.net.rows):
             if not self.start_known:
-                self._read_row_start(r)
-            self._read_row_end(r)
+                self._read_row(r, 0)
+            self._read_row(r, 1)
         self.start_known = 1
         for k in range(self.watched):
             if self.watched_kind[k] == _SPRING and self._stays_far(k, h):
@@ -100,47 +101,26 @@ class Switches:
     def carry_on(self):
         """The attempt searched last has been accepted: the next one starts where it ends."""
         if self.start_known:
-            for i in range(4 * self.net.rows):
-                self.row_start[i] = self.row_end[i]
+            for r in range(self.net.rows):
+                for k in range(8 * r, 8 * r + 4):
+                    self.row[k] = self.row[k + 4]
 
     def _read_roads(self, t, h):
         """Signals at both ends; where they hold still, once for each branch."""
         if self.roads_known and self.stepper.loads_hold:
             return
-        self.net.all_signals(t)
-        for i in range(4 * self.net.signals):
-            self.road_start[i] = self.net.road[i]
-        self.net.all_signals(t + h)
-        for i in range(4 * self.net.signals):
-            self.road_end[i] = self.net.road[i]
+        self._read_road(t, 0)
+        self._read_road(t + h, 1)
         self.roads_known = 1
 
-    def _read_row_start(self, r):
-        """Deflection of row r with three derivatives, where the attempt starts."""
-        n = self.net.n
-        d0 = 0.0
-        d1 = 0.0
-        d2 = 0.0
-        d3 = 0.0
-        for i in range(n):
-            b = self.net.row_direction[r * n + i]
-            d0 += b * self.stepper.q[i]
-            d1 += b * self.stepper.v[i]
-            d2 += b * self.stepper.a[i]
-            d3 += b * self.stepper.j[i]
-        s = self.net.row_signal[r]
-        if s >= 0:
-            d0 -= self.road_start[4 * s]
-            d1 -= self.road_start[4 * s + 1]
-            d2 -= self.road_start[4 * s + 2]
-            d3 -= self.road_start[4 * s + 3]
-        self.row_start[4 * r] = d0
-        self.row_start[4 * r + 1] = d1
-        self.row_start[4 * r + 2] = d2
-        self.row_start[4 * r + 3] = d3
+    def _read_road(self, t, end):
+        self.net.all_signals(t)
+        for s in range(self.net.signals):
+            for k in range(4):
+                self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
 
-    def _read_row_end(self, r):
-        """The same where it ends."""
+    def _read_row(self, r, end):
+        """Deflection of row r with three derivatives, where the attempt starts or where it ends."""
         n = self.net.n
         d0 = 0.0
         d1 = 0.0
@@ -148,52 +128,51 @@ class Switches:
         d3 = 0.0
         for i in range(n):
             b = self.net.row_direction[r * n + i]
-            d0 += b * self.stepper.qb[i]
-            d1 += b * self.stepper.vb[i]
-            d2 += b * self.stepper.ab[i]
-            d3 += b * self.stepper.jb[i]
-        s = self.net.row_signal[r]
-        if s >= 0:
-            d0 -= self.road_end[4 * s]
-            d1 -= self.road_end[4 * s + 1]
-            d2 -= self.road_end[4 * s + 2]
-            d3 -= self.road_end[4 * s + 3]
-        self.row_end[4 * r] = d0
-        self.row_end[4 * r + 1] = d1
-        self.row_end[4 * r + 2] = d2
-        self.row_end[4 * r + 3] = d3
+            if end:
+                d0 += b * self.stepper.qb[i]
+                d1 += b * self.stepper.vb[i]
+                d2 += b * self.stepper.ab[i]
+                d3 += b * self.stepper.jb[i]
+            else:
+                d0 += b * self.stepper.q[i]
+                d1 += b * self.stepper.v[i]
+                d2 += b * self.stepper.a[i]
+                d3 += b * self.stepper.j[i]
+        if self.net.row_signal[r] >= 0:
+            at = 8 * self.net.row_signal[r] + 4 * end
+            d0 -= self.road[at]
+            d1 -= self.road[at + 1]
+            d2 -= self.road[at + 2]
+            d3 -= self.road[at + 3]
+        at = 8 * r + 4 * end
+        self.row[at] = d0
+        self.row[at + 1] = d1
+        self.row[at + 2] = d2
+        self.row[at + 3] = d3
 
     def _stays_far(self, k, h):
         """Whether a deflection stays between its bounds by far, all coefficients of its septic."""
-        at = 4 * self.net.element_row[self.watched_element[k]]
+        at = 8 * self.net.element_row[self.watched_element[k]]
         d1 = h * 3.0 / 7.0
         d2 = h * h / 14.0
         d3 = h * h * h / 210.0
-        x = self.row_start[at]
-        y = self.row_end[at]
-        dx = (
-            d1 * fabs(self.row_start[at + 1])
-            + d2 * fabs(self.row_start[at + 2])
-            + d3 * fabs(self.row_start[at + 3])
-        )
-        dy = (
-            d1 * fabs(self.row_end[at + 1])
-            + d2 * fabs(self.row_end[at + 2])
-            + d3 * fabs(self.row_end[at + 3])
-        )
+        x = self.row[at]
+        y = self.row[at + 4]
+        dx = d1 * fabs(self.row[at + 1]) + d2 * fabs(self.row[at + 2]) + d3 * fabs(self.row[at + 3])
+        dy = d1 * fabs(self.row[at + 5]) + d2 * fabs(self.row[at + 6]) + d3 * fabs(self.row[at + 7])
         low, high = self.low[k], self.high[k]
         return x - dx > low and y - dy > low and x + dx < high and y + dy < high
 
     def _polynomial(self, e, kind, h):
         """What is watched of element e, as a polynomial over the attempt; its degree."""
-        at = 4 * self.net.element_row[e]
+        at = 8 * self.net.element_row[e]
         if kind in (_SPRING, _MODULATION):
-            self.crossing.hermite7(self.row_start, self.row_end, at, h)
+            self.crossing.hermite7(self.row, at, h)
             return 7
         if kind == _CONTACT:
-            self._contact_force(e, self.row_start, at)
+            self._contact_force(e, at)
             f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
-            self._contact_force(e, self.row_end, at)
+            self._contact_force(e, at + 4)
             self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
             return 5
         if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
@@ -204,20 +183,20 @@ class Switches:
             )  # fmt: skip
             return 3
         self.crossing.hermite5(
-            self.row_start[at + 1], self.row_start[at + 2], self.row_start[at + 3],
-            self.row_end[at + 1], self.row_end[at + 2], self.row_end[at + 3], h,
+            self.row[at + 1], self.row[at + 2], self.row[at + 3],
+            self.row[at + 5], self.row[at + 6], self.row[at + 7], h,
         )  # fmt: skip
         return 5
 
-    def _contact_force(self, e, row, at):
+    def _contact_force(self, e, at):
         """As `unlimited_force`; in a linear branch by its few numbers."""
         if not self.stepper.affine:
-            self.net.unlimited_force(e, row, at)
+            self.net.unlimited_force(e, self.row, at)
             return
         k, c = self.contact_k[e], self.contact_c[e]
-        self.net.force0 = self.contact_f[e] + k * row[at] + c * row[at + 1]
-        self.net.force1 = k * row[at + 1] + c * row[at + 2]
-        self.net.force2 = k * row[at + 2] + c * row[at + 3]
+        self.net.force0 = self.contact_f[e] + k * self.row[at] + c * self.row[at + 1]
+        self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
+        self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
     def _search(self, k, side, bound, degree):
         """Keep the first exit over a bound, if it is the earliest."""
@@ -238,19 +217,17 @@ class Switches:
     def lateness(self, t):
         """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell."""
         e, kind = self.element, self.kind
-        at = 4 * self.net.element_row[e]
+        at = 8 * self.net.element_row[e]
         if not self.stepper.loads_hold:
-            self.net.all_signals(t)
-            for i in range(4 * self.net.signals):
-                self.road_end[i] = self.net.road[i]
-        self._read_row_end(self.net.element_row[e])
+            self._read_road(t, 1)
+        self._read_row(self.net.element_row[e], 1)
         if kind == _CONTACT:
-            self.net.unlimited_force(e, self.row_end, at)
+            self.net.unlimited_force(e, self.row, at + 4)
             value, rate = self.net.force0, self.net.force1
         elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
             value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
         else:
             order = 1 if kind in (_DAMPER, _FRICTION) else 0
-            value, rate = self.row_end[at + order], self.row_end[at + order + 1]
+            value, rate = self.row[at + 4 + order], self.row[at + 5 + order]
         self.miss = fabs(value - self.net.bound(e, kind, self.side))
         return (value - self.net.bound(e, kind, self.side)) / rate if rate != 0.0 else 0.0

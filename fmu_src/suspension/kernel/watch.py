@@ -51,7 +51,7 @@ class Watch:
         """The step to take in place of h: h itself, an equal part of it, or 0 if it is refused."""
         if self.limit == 0.0 or self.policy == _ALLOW:
             return h
-        # the trace is an upper bound, and known
+        # an upper bound, and known
         if h * h * self.stepper.omega_squared <= self.limit * self.limit:
             return h
         omega = self.fastest()
