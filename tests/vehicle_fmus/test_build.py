@@ -306,7 +306,7 @@ def other_pythons() -> list[str]:
 def test_another_python_runs_it(bare_folder: Path, expected: list[Any]) -> None:
     pythons = other_pythons()
     if not pythons:
-        pytest.skip("no other Python 3.11 or newer on the path")
+        pytest.skip("not on this platform: no other Python 3.11 or newer on the path")
     for python in pythons:
         told = run_in_a_bare_python(bare_folder, python)
         assert told["values"] == pytest.approx(expected, rel=1e-12)
