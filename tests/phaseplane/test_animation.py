@@ -21,6 +21,7 @@ def drawing() -> Drawing:
     return march(ap57(lift_off=False), step=STEP, steps=6)
 
 
+@pytest.mark.slow
 def test_a_picture_for_each_step_and_the_last_one_stays(drawing: Drawing, tmp_path: Path) -> None:
     path = animation(drawing, tmp_path / "a.gif", rate=10, title="A bump", dark=True)
     assert [p.name for p in tmp_path.iterdir()] == ["a.gif"]

@@ -8,6 +8,7 @@ import pytest
 from phaseplane.figures.roads import class_line, random_roads, welch_density
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("road_class", ["A", "D"])
 def test_the_spectra_lie_on_the_lines_of_their_classes(road_class: str) -> None:
     n, density = welch_density(road_class, range(1, 9))
@@ -21,6 +22,7 @@ def test_the_comparison_fails_for_the_next_class() -> None:
     assert np.median(density / class_line("D", n)) < 0.5
 
 
+@pytest.mark.slow
 def test_the_picture_has_a_curve_for_each_class_on_all_eight_lines() -> None:
     seen, spectra = random_roads("BF", seeds=2).axes
     assert [text.get_text() for text in seen.get_legend().get_texts()] == ["class B", "class F"]

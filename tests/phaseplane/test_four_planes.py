@@ -151,6 +151,7 @@ def _contacts(solution: reference.Solution) -> list[float]:
     return [switch.time for switch in solution.switches if "tyre" in switch.element]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gyration", [1.0, 1.5])
 def test_the_march_follows_an_independent_solution_with_lift_off_on_both_axles(gyration):
     """Body and wheels, and where the wheels leave the road and return; M3 of either sign."""

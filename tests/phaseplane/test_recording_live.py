@@ -65,6 +65,7 @@ def test_a_file_is_complete_in_the_end(tmp_path: Path) -> None:
         assert len(made.rows[path]) == len(rows)
 
 
+@pytest.mark.slow
 def test_what_was_drawn_stays_readable_and_the_old_file_stays(tmp_path: Path) -> None:
     target = tmp_path / "live.rrd"
     target.write_bytes(b"the old recording")
@@ -87,6 +88,7 @@ def test_what_was_drawn_stays_readable_and_the_old_file_stays(tmp_path: Path) ->
     np.testing.assert_array_equal(starts[1:], ends[:-1])  # no gap between batches
 
 
+@pytest.mark.slow
 def test_a_fast_run_is_thinned(tmp_path: Path) -> None:
     with Live(BEFORE, path=tmp_path / "live.rrd") as live:
         rows: list[tuple[float, ...]] = []
@@ -106,6 +108,7 @@ def test_a_viewer_that_is_not_there() -> None:
         assert live.problem == f"no viewer listens at {url}"
 
 
+@pytest.mark.slow
 def test_a_server_is_seen_from_this_machine_alone_and_ends_with_its_block() -> None:
     with serving() as server:
         with urlopen(server.page) as page:

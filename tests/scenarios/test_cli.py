@@ -314,6 +314,7 @@ def test_list() -> None:
     assert set(listed["sweeps"]) >= {"speed_bump", "four_post"}
 
 
+@pytest.mark.slow
 def test_build_packs_what_runs() -> None:
     files = phaseplane("build", "-o", "fmus").stdout.splitlines()
     assert {str(Path("fmus", f"{model}.fmu")) for model in SCRIPTS} <= set(files)

@@ -268,6 +268,7 @@ def test_an_equation_is_solved():
     assert columns["acceleration"] == pytest.approx(-4.0 * columns["displacement"])
 
 
+@pytest.mark.slow
 def test_the_scene_of_van_der_pol():
     result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "show.recording=false"])
     assert result.exit_code == 0, result.stderr

@@ -42,6 +42,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_run_is_the_same_whether_it_is_watched_or_not() -> None:
     with serving() as server:
         watched = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", server.url])
@@ -58,6 +59,7 @@ def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:
     assert len(read_csv("out/ap57/results.csv")) == 1001
 
 
+@pytest.mark.slow
 def test_a_run_recorded_while_it_goes_on() -> None:
     result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--save", "live.rrd"])
     assert result.exit_code == 0, result.stderr
@@ -133,6 +135,7 @@ def test_every_case_has_a_recording_with_its_vehicle(name: str) -> None:
         assert shown.columns <= outputs
 
 
+@pytest.mark.slow
 def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
     assert done.exit_code == 0

@@ -28,6 +28,7 @@ def test_a_replay_takes_the_rule_that_the_figure_shows(
     assert set(RULES_SHOWN.values()) <= set(RULES)
 
 
+@pytest.mark.slow
 def test_a_moving_picture(tmp_path: Path) -> None:
     path = tmp_path / "a.gif"
     short = ["--set", "construction.duration=10 ms", "--dark"]

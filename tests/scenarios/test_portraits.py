@@ -15,6 +15,7 @@ def phaseplane(*arguments: str) -> Result:
     return CliRunner().invoke(main, arguments)
 
 
+@pytest.mark.slow
 def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     path = tmp_path / "cycle.svg"
     done = phaseplane("portrait", "van_der_pol", "--figure", str(path), "--json")

@@ -224,6 +224,7 @@ def test_a_run_that_fails_is_a_row_with_its_reason() -> None:
     assert len(json.loads(result.stdout)["failures"]) == 3
 
 
+@pytest.mark.slow
 def test_the_fmu_agrees_with_the_process(fmu: Path) -> None:
     result = phaseplane("sweep", str(written(GRID)), "--through", "fmu", "--workers", "1", "--json")
     assert result.exit_code == 0, result.stderr

@@ -46,6 +46,7 @@ def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 # -- archive ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_equal_content_gives_equal_files(quarter_car_fmu: Path, tmp_path: Path) -> None:
     before = (list(sys.path), set(sys.modules))
     (again,) = build(["QuarterCar"], tmp_path / "new" / "folder")

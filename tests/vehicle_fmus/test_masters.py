@@ -65,6 +65,7 @@ def real_outputs(vehicle: Any) -> list[str]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("master", HOSTS)
 def test_another_master_gives_what_fmpy_gives(
     master: str, fmus: dict[str, Path], folders: dict[str, str], host: Any, tmp_path: Path
@@ -169,6 +170,7 @@ def test_what_has_no_road_gets_no_system(tmp_path: Path) -> None:
     assert all(connections(model) for model in MODELS if model in SHOWN)
 
 
+@pytest.mark.slow
 def test_a_systems_own_values_go_where_they_belong(tmp_path: Path, host: Any) -> None:
     given = {"cg_to_rear": 1.5, "sprung_mass": 700.0, "road.height": 0.02, "speed": 10.0}
     build(["HalfCar"], tmp_path, parameters={"HalfCar": given}, ssp=True)
