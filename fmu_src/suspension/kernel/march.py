@@ -194,8 +194,8 @@ class March:
 
         For a ten-thousandth of the quickest motion the present branches go on whatever corner is
         passed; the state there says which ones follow. Forces being continuous over their corners,
-        what that does to the motion goes with the square of so short a time. A run in which hardly
-        any time passes all the same is refused.
+        what that does to the motion goes with the square of so short a time. A run that needs this
+        more than a thousand times is refused.
         """
         self.stalled = 0
         self.overruns += 1
