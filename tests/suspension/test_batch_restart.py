@@ -6,6 +6,7 @@ from array import array
 from typing import Any
 
 import pytest
+from drawn_parts import FEATURES, SHAPES, START, VARIED
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,23 +16,6 @@ from suspension.systems import System
 from suspension.variables import METHODS, MODELS
 
 TIMES = array("d", [0.004 * k for k in range(51)])
-# What there is of a car besides its defaults; which of these act is its shape.
-FEATURES: list[dict[str, float]] = [
-    {},
-    {"damper.rebound_limit": 300.0, "damper.bump_limit": 250.0, "damper.limit_slope": 100.0},
-    {"bump_stop.stiffness": 2e5, "bump_stop.gap": 0.02, "rebound_stop.stiffness": 3e5,
-     "rebound_stop.gap": 0.03},
-    {"friction": 80.0, "damper.saturation_force": 900.0},
-    {"spring.preload": 2500.0},
-]  # fmt: skip
-SHAPES = ("flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole")
-VARIED = (
-    "sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
-    "tyre.stiffness", "tyre.damping", "speed", "road.height", "road.length", "road.start", "mass",
-    "damper.rate", "yield_force", "hardening", "initial.displacement", "cg_to_front",
-    "pitch_radius_of_gyration",
-)  # fmt: skip
-START = {"road.start": 0.01, "hardening": 200.0, "initial.displacement": 1e-4}
 
 
 @st.composite

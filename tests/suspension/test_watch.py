@@ -261,14 +261,25 @@ def test_a_million_fixed_steps_keep_an_undamped_amplitude() -> None:
     assert 0.9 < energy < 1.1
 
 
-@pytest.mark.parametrize("parameters", [{"unsprung_mass": 1e-12}, {"sprung_mass": 1e-6}])
-def test_what_would_take_for_ever_is_refused_soon(parameters: dict[str, float]) -> None:
-    """A motion a million million times faster than the run is long."""
+def test_what_would_take_for_ever_is_refused_soon() -> None:
+    """A motion a million times faster than the run is long."""
+    parameters = {"unsprung_mass": 1e-12}
     integrator = Integrator(car(**parameters))
     status = integrator.advance(0.5)
     assert FAILURES[status].startswith("it would take far too many steps")
-    assert integrator.step_count < 200_000
+    assert integrator.step_count < 250_000
     again = Integrator(car(**parameters), energy=False)
     filled = array("d", bytes(2 * 8 * 2))
     assert again.run(array("d", [0.0, 0.5]), filled) == status
     assert again.filled == 1
+
+
+def test_a_body_of_a_milligram_on_a_damper_is_stepped_right() -> None:
+    """It clings to the corner of the damper, which it passes thousands of times."""
+    found, truth = (
+        Integrator(car(sprung_mass=1e-6), method) for method in ("extrapolated", "exact")
+    )
+    for integrator in (found, truth):
+        assert integrator.advance(0.5) == 0
+        integrator.sample(0.5)
+    assert list(found.sample_q) == pytest.approx(list(truth.sample_q), rel=1e-6)

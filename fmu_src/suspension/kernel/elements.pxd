@@ -49,13 +49,17 @@ cdef class Elements(Laws):
 
     @cython.locals(now=int, law=int, spring=int)
     cdef double bound(self, int e, int kind, int side) noexcept nogil
-    @cython.locals(at=int)
+    @cython.locals(at=int, back=bint)
     cdef int enter(self, int e, int kind, int side, double t,
                    double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(e=int, at=int, off=int, d=double, w=double, force=double)
     cdef void locate_branches(self, double t, double[::1] q, double[::1] v) noexcept nogil
     @cython.locals(e=int, r=int)
     cdef void list_stuck(self) noexcept nogil
+    @cython.locals(k=int, e=int)
+    cdef void follow_slips(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    @cython.locals(at=int)
+    cdef void _follow_slip(self, int e, double w) noexcept nogil
     @cython.locals(k=int)
     cdef void clear_marks(self) noexcept nogil
     @cython.locals(k=int, e=int, r=int, kind=int, mark=int, x=double)

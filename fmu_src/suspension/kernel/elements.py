@@ -310,10 +310,14 @@ class Elements(Laws):
             self.departing[_KINDS * e + _SPRING] = -side
             return _ELASTIC
         if kind == _FRICTION:
-            # slipping that comes to rest sticks, be it for no time at all
-            self.branch[at] = side if self.branch[at] == 0 else 0
+            # slipping that comes to rest sticks, be it for no time at all; what long steps have let
+            # slip back a little already does not rest
+            self.all_signals(t)
+            self.row_states(q, v)
+            back = self.row_v[self.element_row[e]] * side > _CREEP
+            self.branch[at] = side if self.branch[at] == 0 or back else 0
             self.list_stuck()
-            self.departing[at] = -side if self.branch[at] != 0 else 0
+            self.departing[at] = -side if self.branch[at] != 0 and not back else 0
             return self.branch[at]
         if kind == _CONTACT:
             self.branch[at] = 1 if side > 0 else 0
@@ -342,8 +346,8 @@ class Elements(Laws):
                 if off and not self.branch[at + _CONTACT]:
                     self.limited_count[e] += 1
                 self.branch[at + _CONTACT] = off
-            if self.friction[e] > 0.0 and (self.branch[at + _FRICTION] != 0 or fabs(w) > _CREEP):
-                self.branch[at + _FRICTION] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
+            if self.friction[e] > 0.0:
+                self._follow_slip(e, w)
         self.list_stuck()
         self.mark_bounds()
 
@@ -357,6 +361,21 @@ class Elements(Laws):
                 self.stuck_element[self.stuck] = e
                 self.stuck += 1
                 self.row_stuck[self.element_row[e]] = 1
+
+    def follow_slips(self, t, q, v):
+        """What rubs slips, and slips the other way, where its road has suddenly got another rate."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for k in range(self.switchable):
+            if self.switch_kind[k] == _FRICTION:
+                e = self.switch_element[k]
+                self._follow_slip(e, self.row_v[self.element_row[e]])
+        self.list_stuck()
+
+    def _follow_slip(self, e, w):
+        at = _KINDS * e + _FRICTION
+        if self.branch[at] != 0 or fabs(w) > _CREEP:
+            self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
 
     def mark_bounds(self):
         """Note which variables stand exactly on a bound of their branch, as at rest."""

@@ -12,7 +12,7 @@ cdef class Integrator(March):
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count
     cdef double[::1] instants, out_q, out_v, out_a, out_f
-    # how it goes, and whose run comes next
+    # how it goes, from where its pace is judged, and whose run comes next
     cdef int status
     cdef long long begun
     cdef double started
@@ -20,10 +20,10 @@ cdef class Integrator(March):
 
     @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
     cpdef take_over(self, Integrator earlier, list pairs)
-    @cython.locals(status=int, begun="long long", start=double)
+    @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     @cython.locals(taken="long long")
-    cdef bint _is_hopeless(self, long long begun, double start, double until)
+    cdef bint _is_hopeless(self, double until)
     cdef void _run_in_turn(self) noexcept nogil
     cdef int _finish(self) except -1
     @cython.locals(status=int, i=int, at=Py_ssize_t, t=double)

@@ -16,7 +16,7 @@ if not cython.compiled:
 FAILURES = {
     2: "the motion has diverged",
     3: "the step has become too small to go on",
-    4: "the equilibrium at the end of a step was not found",
+    4: "the equilibrium at the end of a step was not found: the fixed step is too long for it",
     5: "the step is too long: its matrix is not positive definite",
     6: "the fixed step is longer than the largest stable one (stable_step)",
     7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
@@ -26,7 +26,7 @@ FAILURES = {
 
 _PAUSED = 1  # as in march
 _TOO_MANY = 9
-_ENOUGH_STEPS = 100000  # from which it is judged how many are still to come
+_ENOUGH_STEPS = 200000  # from which it is judged, again and again, how many are still to come
 _MOST_STEPS = 30000000  # still to come in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
 
@@ -160,22 +160,25 @@ class Integrator(March):
         0, or the key of `FAILURES` that says why the run cannot go on.
         """
         status = _PAUSED
-        begun, start = self.step_count, self.time
+        self.begun, self.started = self.step_count, self.time
         while status == _PAUSED:
             with cython.nogil:
                 status = self._advance(until, stop)
             if status == _PAUSED:
                 self._pause()
-                if self._is_hopeless(begun, start, until):
+                if self._is_hopeless(until):
                     return _TOO_MANY
         return status
 
-    def _is_hopeless(self, begun, start, until):
-        """Whether the steps to come would be far too many, at the pace since `start`."""
-        taken = self.step_count - begun
+    def _is_hopeless(self, until):
+        """Whether the steps to come would be far too many, at the pace of the last ones."""
+        taken = self.step_count - self.begun
         if taken < _ENOUGH_STEPS:
             return False
-        return taken * (until - self.time) > _MOST_STEPS * (self.time - start)
+        if taken * (until - self.time) > _MOST_STEPS * (self.time - self.started):
+            return True
+        self.begun, self.started = self.step_count, self.time
+        return False
 
     def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
@@ -233,7 +236,7 @@ class Integrator(March):
         """The rest of the run, where it paused."""
         while self.status == _PAUSED:
             self._pause()
-            if self._is_hopeless(self.begun, self.started, self.instants[self.count - 1]):
+            if self._is_hopeless(self.instants[self.count - 1]):
                 self.status = _TOO_MANY
                 break
             with cython.nogil:

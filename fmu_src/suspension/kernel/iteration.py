@@ -17,6 +17,8 @@ if not cython.compiled:
 
 _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
 
+_LEAST_SHARE = 1e-3  # of a correction
+
 
 class Iteration:
     """Steps from displacements, velocities and accelerations, which it moves on.
@@ -34,6 +36,7 @@ class Iteration:
         self.cq, self.cv, self.ca = state
         self.signal_table, self.once = signal_table, once
         self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, self.n * self.n)
+        self.stiffness_end, self.damping_end = vectors(2, self.n * self.n)
         self.factor = doubles([0.0] * self.n * self.n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, self.n)
 
@@ -44,15 +47,20 @@ class Iteration:
             for order in range(3):
                 self.net.road[4 * s + order] = self.signal_table[at + 3 * s + order]
 
-    def reach_equilibrium(self, h, fraction):
-        """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium."""
+    def reach_equilibrium(self, h, fraction, reach):
+        """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium.
+
+        It ends where corrections are rounding, or grow no smaller and are almost so, beside the
+        forces, which may cancel, and beside what a displacement of `reach` would bring.
+        """
         n = self.n
         self.take_signals(fraction)
         for i in range(n):
             self.pv[i] = self.cv[i] + h / 2.0 * self.ca[i]
             self.pq[i] = self.cq[i] + h * self.cv[i] + h * h / 3.0 * self.ca[i]
-        before = 1e300
-        for _iteration in range(25):
+        before = lack_before = 1e300
+        share = 1.0
+        for _iteration in range(100):
             for i in range(n):
                 self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
                 self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
@@ -60,7 +68,6 @@ class Iteration:
             self.net.row_forces()
             self.net.assemble(self.stiffness2, self.damping2)
             self.net.net_force(self.rhs)
-            size = 0.0
             for i in range(n):
                 for k in range(n):
                     self.rhs[i] -= self.net.mass[i * n + k] * self.ca[k]
@@ -70,27 +77,63 @@ class Iteration:
                 self.factor, 0, self.rhs, self.ca, 2, self.net.multiplier
             ):
                 return _NOT_POSITIVE
+            size = 0.0
             for i in range(n):
-                self.ca[i] += self.rhs[i]
                 size = max(size, fabs(self.rhs[i]))
-            # rounding is that of the forces, which may cancel, not that of what they leave
-            largest = 1e-30
-            for i in range(n):
-                force = 0.0
-                for r in range(self.net.rows):
-                    force += fabs(self.net.row_direction[r * n + i] * self.net.row_f[r])
-                for k in range(n):
-                    force += fabs(self.stiffness2[i * n + k] * self.cq[k])
-                largest = max(largest, fabs(self.ca[i]), force / self.net.mass[i * n + i])
             if not isfinite(size):
                 return _DIVERGED
+            lack = self._lack(h)
+            largest = self._largest_acceleration(reach)
+            if lack > lack_before and size > 1e-10 * largest and share > _LEAST_SHARE:
+                # beyond where a damper saturates, say: only half as far
+                share *= 0.5
+                for i in range(n):
+                    self.ca[i] -= share * self.correction[i]
+                continue
+            share = 1.0
+            for i in range(n):
+                self.ca[i] += self.rhs[i]
+                self.correction[i] = self.rhs[i]
             if size <= 4e-16 * largest or (size <= 1e-10 * largest and size >= 0.5 * before):
                 for i in range(n):
                     self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
                     self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
                 return 0
             before = size
+            lack_before = lack
         return _NOT_CONVERGED
+
+    def _lack(self, h):
+        """What the equation of motion lacks before the correction in `rhs`, per mass."""
+        n = self.n
+        largest = 0.0
+        for i in range(n):
+            lack = 0.0
+            for k in range(n):
+                at = i * n + k
+                lack += self.rhs[k] * (
+                    self.net.mass[at]
+                    + h / 2.0 * self.damping2[at]
+                    + h * h / 6.0 * self.stiffness2[at]
+                )
+            largest = max(largest, fabs(lack) / self.net.mass[i * n + i])
+        return largest
+
+    def _largest_acceleration(self, reach):
+        """By all forces, though they cancel, with springs as at a displacement of `reach`."""
+        n = self.n
+        largest = 1e-30
+        for i in range(n):
+            force = 0.0
+            for m in range(self.net.loads):
+                p = self.net.road[4 * self.net.load_signal[m]]
+                force += fabs(self.net.load_direction[m * n + i] * p)
+            for r in range(self.net.rows):
+                force += fabs(self.net.row_direction[r * n + i] * self.net.row_f[r])
+            for k in range(n):
+                force += fabs(self.stiffness2[i * n + k] * (fabs(self.cq[k]) + reach))
+            largest = max(largest, fabs(self.ca[i]), force / self.net.mass[i * n + i])
+        return largest
 
     def _solve_step_matrix(self, h):
         """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices of `stiffness2`, `damping2`."""
@@ -119,7 +162,8 @@ class Iteration:
             self.stiffness2[i] = self.stiffness[i]
             self.damping2[i] = self.damping[i]
         before = 1e300
-        for iteration in range(50):
+        share = 1.0
+        for iteration in range(200):
             self._excitation_increment(t, fraction)
             for i in range(n):
                 for k in range(n):
@@ -150,16 +194,20 @@ class Iteration:
             ):
                 return 0
             if iteration > 0:
+                # a damper that saturates throws the mean from one side to the other
+                share = max(0.5 * share, _LEAST_SHARE) if change > 0.9 * before else share
                 before = change
             self.take_signals(fraction)
             self.net.row_states(self.cq, self.cv)
             self.net.row_forces()
-            self.net.assemble(self.stiffness2, self.damping2)
+            self.net.assemble(self.stiffness_end, self.damping_end)
             for i in range(n):
                 self.correction[i] = self.ca[i] - self.sa[i]
             for i in range(n * n):
-                self.stiffness2[i] = 0.5 * (self.stiffness[i] + self.stiffness2[i])
-                self.damping2[i] = 0.5 * (self.damping[i] + self.damping2[i])
+                mean = 0.5 * (self.stiffness[i] + self.stiffness_end[i])
+                self.stiffness2[i] += share * (mean - self.stiffness2[i])
+                mean = 0.5 * (self.damping[i] + self.damping_end[i])
+                self.damping2[i] += share * (mean - self.damping2[i])
         return _NOT_CONVERGED
 
     def _excitation_increment(self, t, fraction):

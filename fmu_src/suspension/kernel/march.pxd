@@ -9,9 +9,9 @@ from .switches cimport Switches
 from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
-cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _STALLED
+cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
-cdef double _GROWTH, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
+cdef double _GROWTH, _RUNAWAY, _SAFE_PHASE, _SHORT_PHASE, _NO_ERROR
 
 cdef class March:
     cdef Network net
@@ -22,7 +22,7 @@ cdef class March:
     cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint cruises, reads_switches, controlled, landing, energy, in_step, entered
+    cdef bint cruises, reads_switches, reads, controlled, landing, energy, in_step, entered
     cdef double fixed_step
     # its state
     cdef readonly double time
@@ -51,7 +51,7 @@ cdef class March:
     cdef int _advance(self, double until, bint stop) noexcept nogil
     @cython.locals(target=double, omega=double, road=double, h=double)
     cdef double _proposed_step(self) noexcept nogil
-    @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int,
+    @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int, runs_away=bint,
                    h=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)

@@ -25,13 +25,15 @@ if not cython.compiled:
 _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
 
-_CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
+_CONTACT, _KINDS = 3, 5  # as in elements
 _EVENT_CAPACITY = 256
+_FLIPS = 24  # of branches at one instant, several elements being at their corners
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
 _OVERRUNS = 1000  # of a run, each after so many steps
 _LEAST_THETA = 1.37
 _GROWTH = 1e8  # a displacement this many times the scale of the run has diverged
+_RUNAWAY = 1e4  # and here it does, if steps vanish besides
 _SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
 _NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
@@ -81,6 +83,7 @@ class March:
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
+        self.stepper.controlled = self.controlled
         self.whole = Dense(n, False)  # an attempt in which a switch is looked for
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
         # the ledger wants to see each step
@@ -164,7 +167,7 @@ class March:
 
     def _advance(self, until, stop):
         while self.time < until:
-            if self.event_count > _EVENT_CAPACITY - 16 or self.since_pause >= _PAUSE:
+            if self.event_count > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
                 return _PAUSED
             if self.cruises and not self.entered and self._cruise(until, stop):
                 if self._has_diverged():
@@ -277,35 +280,40 @@ class March:
                 h = end - self.time
                 to_end = 1
             if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
-                return _STEP_TOO_SMALL
+                runs_away = self.stepper.reach > _RUNAWAY * self.first_reach
+                return _DIVERGED if runs_away else _STEP_TOO_SMALL
             status = self.stepper.attempt(self.time, h)
             if status != 0:
                 h *= 0.25
-                if not self.controlled or h < 1e-14:
+                if self.fixed_step > 0.0 or h < 1e-14:
                     return status
                 continue
             if self.controlled and self.stepper.error > 1.0:
                 h *= self._factor_for_error()
                 continue
+            # a step that a joint cut short says nothing against longer ones
+            if self.controlled and (not to_end or h > self.proposal > 0.0):
+                self.proposal = h * self._factor_for_error()
             at = self.switches.first(self.time, h) if self.landing else 2.0
-            if at == 0.0 and flips < 8:
+            if at == 0.0 and flips < _FLIPS:
                 # the branch is left at once: it was the wrong side of its bound
                 flips += 1
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
                 self._enter_branches()
                 continue
+            landed = 0
+            if 0.0 < at <= 1.0:
+                status = self._land(h)
+                if status != 0:
+                    h *= 0.25
+                    if h < 1e-14:
+                        return status
+                    continue
+                h = self.landed
+                landed = not self.switches.recedes
+                self.switches.start_known = 0  # of the shortened step
+                to_end = to_end and self.time + h >= end
             break
-        # a step that a joint cut short says nothing against longer ones
-        if self.controlled and (not to_end or h > self.proposal > 0.0):
-            self.proposal = h * self._factor_for_error()
-        landed = 0
-        if 0.0 < at <= 1.0:
-            status = self._land(h)
-            if status != 0:
-                return status
-            h = self.landed
-            landed = 1
-            to_end = to_end and self.time + h >= end
         self._accept(h, end if to_end else self.time + h)
         self.switches.carry_on()
         if landed:
@@ -380,6 +388,10 @@ class March:
         if self.net.enter_segments(self.time, self.stepper.v):
             self._relocate(False)
             self.ledger.bring_in(self.net.energy(self.stepper.v) - before)
+        else:
+            self._remember_branches()
+            self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
+            self._note_changes()
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
@@ -420,11 +432,14 @@ class March:
     def _land(self, h):
         """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor.
 
-        Under error control with two or three columns the state there is read off the septic through
-        the ends of the attempt, which is right to their order; otherwise the step is made again.
+        Under error control with two or three columns the state there is read, in a linear branch, off
+        the septic through the ends of the attempt, which is right to their order; otherwise the step
+        is made again, and may then not reach the bound: long steps are less right than short ones.
+        Such a step counts, but ends on no switch.
         """
         step = self.switches.at * h
-        if self.reads_switches:
+        self.reads = self.reads_switches and self.stepper.affine
+        if self.reads:
             self._keep_attempt(h)
         status = self._end_at(step)
         best = 1e300
@@ -432,6 +447,8 @@ class March:
             if status != 0:
                 return status
             late = self.switches.lateness(self.time + step)
+            if self.switches.recedes:
+                break
             new = step - late
             if late == 0.0 or self.switches.miss >= best or not (0.0 < new <= h):
                 break
@@ -448,7 +465,7 @@ class March:
 
     def _end_at(self, step):
         """An attempt that ends after `step`."""
-        if not self.reads_switches:
+        if not self.reads:
             return self.stepper.attempt(self.time, step)
         self.stepper.stop_within(self.time + step, self.whole)
         return 0
@@ -465,13 +482,10 @@ class March:
     def _switch(self, e, kind, side):
         """Element e enters the neighbouring branch, now; the event is noted."""
         self._leave_step()
+        before = self.net.branch[_KINDS * e + kind]
         new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
-        if kind == _CONTACT:
-            before = 1 - new
-        elif kind == _FRICTION and new != 0:
-            before = 0
-        else:
-            before = new - side
+        if self.net.yields[e] and kind < _CONTACT:
+            before = new - side  # a rate that turns ends the flow of the spring
         self._note(e, kind, before, new)
 
     def _note(self, e, kind, before, after):

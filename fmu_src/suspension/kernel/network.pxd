@@ -11,7 +11,7 @@ cdef class Network(Elements):
     cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
     # what the last evaluation left
-    cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling
+    cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling, kick
     # what has been read
     cdef list load_names, signal_sizes, element_shapes, elements_read, signals_read
 
@@ -37,6 +37,7 @@ cdef class Network(Elements):
     @cython.locals(n=int, m=int, p=int, r=int, i=int, s=int, k=int, g=double)
     cdef int stick(self, double[::1] factor, int at, double[::1] x, double[::1] base, int order,
                    double[::1] multiplier) noexcept nogil
+    cdef void rest(self, double[::1] v) noexcept nogil
     @cython.locals(p=int, e=int)
     cdef void hold(self, double[::1] multiplier) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, dv=double, da=double, rate=double)

@@ -43,7 +43,7 @@ class Network(Elements):
         self.loads = len(system.loads)
         self.load_direction = doubles([0.0] * max(self.loads * n, 1))
         self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
-        self.multiplier, self.multiplier_rate = vectors(2, elements)
+        self.multiplier, self.multiplier_rate, self.kick = vectors(3, elements)
         self.spread, self.reaction = doubles([0.0] * elements * n), doubles([0.0] * elements)
         self.coupling = doubles([0.0] * elements * elements)
         self.zero, self.scratch = vectors(2, n)
@@ -239,6 +239,14 @@ class Network(Elements):
             for i in range(n):
                 x[i] += self.spread[p * n + i] * self.reaction[p]
         return 0
+
+    def rest(self, v):
+        """Take from velocities what rows that stick have left of a rate, with the signals in `road`.
+
+        Steps hold accelerations only, and a curved road is not followed to rounding.
+        """
+        if self.stuck:
+            self.stick(self.mass_factor, 0, v, self.zero, 1, self.kick)
 
     def hold(self, multiplier):
         """Add to the rows what sticking takes, for the works."""

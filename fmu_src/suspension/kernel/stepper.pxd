@@ -8,7 +8,7 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
-cdef double _SHARE
+cdef double _SHARE, _CAUTION
 
 @cython.final
 cdef class Stepper:
@@ -17,11 +17,11 @@ cdef class Stepper:
     cdef Iteration iteration
     cdef Propagator propagator
     cdef int n, method, columns, fractions, stamp, affine, loads_hold
-    cdef bint side_by_side
+    cdef bint side_by_side, controlled
     cdef double theta, tolerance, reach, omega_squared, quickest, error, time
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
-    cdef double[::1] drift, drift_end, middle_q, middle_v
+    cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a
     # workspace
     cdef double[::1] stiffness, damping, stiffness_known
     cdef double[::1] factor, factor_step, constant, softest, velocity_scale, load_rate, cq, cv, ca, pq, pv
@@ -68,8 +68,12 @@ cdef class Stepper:
     cdef int _one_by_one(self, double t, double h) noexcept nogil
     @cython.locals(n=int, i=int, status=int, beyond=double, a0=double, a1=double)
     cdef int _reach_beyond(self, double t, double h) noexcept nogil
-    @cython.locals(i=int, status=int, q=double, v=double, rounding=double)
+    @cython.locals(i=int, status=int, rounding=double)
     cdef int _propagate(self, double t, double h) noexcept nogil
+    @cython.locals(i=int, v=double, a=double, j=double)
+    cdef void _read_middle(self, double h) noexcept nogil
+    @cython.locals(i=int, lack=double)
+    cdef void _check_middle(self, double h) noexcept nogil
     @cython.locals(error=double)
     cdef void _note_error(self, double size) noexcept nogil
     cdef void _end_of_attempt(self, double t) noexcept nogil

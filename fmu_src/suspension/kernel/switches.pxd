@@ -13,7 +13,7 @@ cdef class Switches:
     cdef Network net
     cdef Crossing crossing
     cdef int watched, element, kind, side
-    cdef bint roads_known, start_known
+    cdef bint roads_known, start_known, recedes
     cdef double at, miss
     cdef int[::1] watched_element, watched_kind
     cdef double[::1] low, high, row, road
@@ -41,5 +41,5 @@ cdef class Switches:
     cdef void _contact_force(self, int e, int at) noexcept nogil
     @cython.locals(e=int, kind=int, departing=bint, at=double)
     cdef void _search(self, int k, int side, double bound, int degree) noexcept nogil
-    @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double)
+    @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double, over=double)
     cdef double lateness(self, double t) noexcept nogil

@@ -44,6 +44,7 @@ class Switches:
         self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
+        self.recedes = False
 
     def enter_branches(self):
         """List what is watched, after a change of branch."""
@@ -215,7 +216,11 @@ class Switches:
             self.side = side
 
     def lateness(self, t):
-        """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell."""
+        """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell.
+
+        `recedes` then says that what is watched is still inside its branch there and moves further in:
+        an attempt of that length does not reach the bound.
+        """
         e, kind = self.element, self.kind
         at = 8 * self.net.element_row[e]
         if not self.stepper.loads_hold:
@@ -229,5 +234,7 @@ class Switches:
         else:
             order = 1 if kind in (_DAMPER, _FRICTION) else 0
             value, rate = self.row[at + 4 + order], self.row[at + 5 + order]
-        self.miss = fabs(value - self.net.bound(e, kind, self.side))
-        return (value - self.net.bound(e, kind, self.side)) / rate if rate != 0.0 else 0.0
+        over = value - self.net.bound(e, kind, self.side)
+        self.miss = fabs(over)
+        self.recedes = over * self.side < 0.0 and rate * self.side < 0.0
+        return over / rate if rate != 0.0 else 0.0
