@@ -176,7 +176,7 @@ def test_each_fmu_runs_its_own_code(
 
 
 _ONE_AFTER_ANOTHER = """
-import shutil, sys
+import os, shutil, sys
 from fmpy import read_model_description
 from fmpy.simulation import instantiate_fmu
 for folder in sys.argv[1:]:
@@ -189,6 +189,8 @@ for folder in sys.argv[1:]:
     fmu.freeInstance()
     shutil.rmtree(folder)
 print("all ran")
+sys.stdout.flush()
+os._exit(0)  # the wrapper's own end of a process reads what is freed already, and may abort
 """
 
 

@@ -5,9 +5,9 @@ is a product with a matrix that is kept while branch and step stay,
 
     a1 = (M + s/2 B + s^2/6 K)^-1 (p1 - B v* - K q*),
 
-and the columns of the extrapolation do not depend on each other. They are carried on in lockstep,
-each in a lane of its own, so that the processor's vector instructions take two of them at once. A
-column that has arrived goes on with the others, for nothing.
+and the columns of the extrapolation do not depend on each other. Two at a time are carried on in
+lockstep, each in a lane of its own, so that the processor's vector instructions take both at once.
+The shorter column of a pair goes on with the other when it has arrived, for nothing.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .arrays import integers
 if not cython.compiled:
     from math import isfinite
 
-_LANES = 4
+_LANES = 4  # two for each pair
 _SUBSTEPS = 5  # of the longest sequence
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
@@ -55,11 +55,10 @@ class Lanes:
     def __init__(self, masses, sequence, fraction_index, loads, load_rate, tangents, start, end):
         self.n = n = len(load_rate)
         self.columns = len(sequence)
-        self.width = 2 if self.columns <= 2 else 4
+        self.pairs = (self.columns + 1) // 2
         # a lane without a column of its own repeats the last
         substeps = [*sequence, *[max(sequence)] * (_LANES - len(sequence))]
         self.substeps = integers(substeps)
-        self.longest = max(sequence)
         self.load_at = integers(
             n
             * fraction_index[_SUBSTEPS * min(lane, len(sequence) - 1) + min(k, substeps[lane] - 1)]
@@ -81,10 +80,10 @@ class Lanes:
         self.stiffness, self.damping = [0.0] * 64, [0.0] * 64
         self.mass, self.flexibility = [0.0] * 64, [0.0] * 64
         self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
-        self.pivot = [0.0] * 4
+        self.pivot = [0.0] * 2
         self.inverse = [0.0] * 256
-        self.q, self.v, self.a = [0.0] * 32, [0.0] * 32, [0.0] * 32
-        self.pq, self.pv, self.f = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.q, self.v, self.a = [0.0] * 16, [0.0] * 16, [0.0] * 16
+        self.pq, self.pv, self.f = [0.0] * 16, [0.0] * 16, [0.0] * 16
         self.at_q, self.at_v, self.at_a, self.at_j = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
@@ -120,32 +119,22 @@ class Lanes:
         -------
         0, or the key of `integrator.FAILURES` that says why it could not be made.
         """
-        return self._attempt_narrow(h) if self.width == 2 else self._attempt_wide(h)
-
-    # with numbers in place of n and the width the compiler writes the loops out
-    def _attempt_narrow(self, h):
+        # with a number in place of n the compiler writes the loops out
         if self.n == 2:
-            return self._attempt(h, 2, 2)
+            return self._attempt(h, 2)
         if self.n == 1:
-            return self._attempt(h, 1, 2)
+            return self._attempt(h, 1)
         if self.n == 4:
-            return self._attempt(h, 4, 2)
-        return self._attempt(h, self.n, 2)
+            return self._attempt(h, 4)
+        return self._attempt(h, self.n)
 
-    def _attempt_wide(self, h):
-        if self.n == 2:
-            return self._attempt(h, 2, 4)
-        if self.n == 1:
-            return self._attempt(h, 1, 4)
-        if self.n == 4:
-            return self._attempt(h, 4, 4)
-        return self._attempt(h, self.n, 4)
-
-    def _attempt(self, h, n, width):
-        if h != self.step and self._invert(h, n, width) != 0:
-            return _NOT_POSITIVE
-        self._advance(n, width)
-        if self._extrapolate(n, width) != 0:
+    def _attempt(self, h, n):
+        for pair in range(self.pairs):
+            if h != self.step and self._invert(h, n, pair) != 0:
+                return _NOT_POSITIVE
+            self._advance(n, pair)
+        self.step = h
+        if self._extrapolate(n) != 0:
             return _DIVERGED
         self._finish(n)
         return 0
@@ -161,102 +150,107 @@ class Lanes:
 
     def invert(self, h):
         """Find the matrices of all columns for macro steps h; 1 if one is not positive definite."""
-        return 0 if h == self.step else self._invert(h, self.n, self.width)
-
-    def _invert(self, h, n, width):
-        """(M + s/2 B + s^2/6 K)^-1 of every lane, by Gauss and Jordan."""
-        self.step = -1.0
-        for lane in range(width):
-            s = h / self.substeps[lane]
-            self.s[lane] = s
-            self.half[lane] = 0.5 * s
-            self.third[lane] = s * s / 3.0
-            self.sixth[lane] = s * s / 6.0
-        for i in range(n * n):
-            for lane in range(width):
-                self.inverse[width * i + lane] = (
-                    self.mass[i]
-                    + self.half[lane] * self.damping[i]
-                    + self.sixth[lane] * self.stiffness[i]
-                )
-        for k in range(n):
-            kk = width * (n * k + k)
-            for lane in range(width):
-                if not self.inverse[kk + lane] > 0.0:
-                    return 1
-            for lane in range(width):
-                self.pivot[lane] = 1.0 / self.inverse[kk + lane]
-                self.inverse[kk + lane] = 1.0
-            for j in range(n):
-                kj = width * (n * k + j)
-                for lane in range(width):
-                    self.inverse[kj + lane] *= self.pivot[lane]
-            for i in range(n):
-                if i != k:
-                    ik = width * (n * i + k)
-                    for lane in range(width):
-                        self.pivot[lane] = self.inverse[ik + lane]
-                        self.inverse[ik + lane] = 0.0
-                    for j in range(n):
-                        ij = width * (n * i + j)
-                        kj = width * (n * k + j)
-                        for lane in range(width):
-                            self.inverse[ij + lane] -= self.pivot[lane] * self.inverse[kj + lane]
+        if h == self.step:
+            return 0
+        for pair in range(self.pairs):
+            if self._invert(h, self.n, pair) != 0:
+                return 1
         self.step = h
         return 0
 
-    def _advance(self, n, width):
-        """All columns over the whole macro step.
+    def _invert(self, h, n, pair):
+        """(M + s/2 B + s^2/6 K)^-1 of both lanes of a pair, by Gauss and Jordan."""
+        self.step = -1.0
+        at = 2 * pair
+        for lane in range(2):
+            s = h / self.substeps[at + lane]
+            self.s[at + lane] = s
+            self.half[at + lane] = 0.5 * s
+            self.third[at + lane] = s * s / 3.0
+            self.sixth[at + lane] = s * s / 6.0
+        first = 128 * pair
+        for i in range(n * n):
+            for lane in range(2):
+                self.inverse[first + 2 * i + lane] = (
+                    self.mass[i]
+                    + self.half[at + lane] * self.damping[i]
+                    + self.sixth[at + lane] * self.stiffness[i]
+                )
+        for k in range(n):
+            kk = first + 2 * (n * k + k)
+            for lane in range(2):
+                if not self.inverse[kk + lane] > 0.0:
+                    return 1
+            for lane in range(2):
+                self.pivot[lane] = 1.0 / self.inverse[kk + lane]
+                self.inverse[kk + lane] = 1.0
+            for j in range(n):
+                kj = first + 2 * (n * k + j)
+                for lane in range(2):
+                    self.inverse[kj + lane] *= self.pivot[lane]
+            for i in range(n):
+                if i != k:
+                    ik = first + 2 * (n * i + k)
+                    for lane in range(2):
+                        self.pivot[lane] = self.inverse[ik + lane]
+                        self.inverse[ik + lane] = 0.0
+                    for j in range(n):
+                        ij = first + 2 * (n * i + j)
+                        kj = first + 2 * (n * k + j)
+                        for lane in range(2):
+                            self.inverse[ij + lane] -= self.pivot[lane] * self.inverse[kj + lane]
+        return 0
+
+    def _advance(self, n, pair):
+        """The columns of a pair over the whole macro step.
 
         (15.12), (15.13) with the end-of-step equilibrium, which is linear.
         """
+        first = 2 * pair
         for i in range(n):
-            for lane in range(width):
-                self.q[width * i + lane] = self.q0[i]
-                self.v[width * i + lane] = self.v0[i]
-                self.a[width * i + lane] = self.a0[i]
-        for k in range(self.longest):
+            for lane in range(2):
+                self.q[2 * i + lane] = self.q0[i]
+                self.v[2 * i + lane] = self.v0[i]
+                self.a[2 * i + lane] = self.a0[i]
+        for k in range(self.substeps[first + 1]):
             for i in range(n):
-                for lane in range(width):
-                    at = width * i + lane
-                    self.pv[at] = self.v[at] + self.half[lane] * self.a[at]
+                for lane in range(2):
+                    at = 2 * i + lane
+                    self.pv[at] = self.v[at] + self.half[first + lane] * self.a[at]
                     self.pq[at] = (
-                        self.q[at] + self.s[lane] * self.v[at] + self.third[lane] * self.a[at]
+                        self.q[at]
+                        + self.s[first + lane] * self.v[at]
+                        + self.third[first + lane] * self.a[at]
                     )
             for i in range(n):
-                for lane in range(width):
-                    self.f[width * i + lane] = self.loads[self.load_at[_LANES * k + lane] + i]
-                for j in range(n):
-                    x = self.damping[n * i + j]
-                    y = self.stiffness[n * i + j]
-                    for lane in range(width):
-                        self.f[width * i + lane] -= x * self.pv[width * j + lane]
-                    for lane in range(width):
-                        self.f[width * i + lane] -= y * self.pq[width * j + lane]
+                for lane in range(2):
+                    f = self.loads[self.load_at[_LANES * k + first + lane] + i]
+                    for j in range(n):
+                        f -= self.damping[n * i + j] * self.pv[2 * j + lane]
+                        f -= self.stiffness[n * i + j] * self.pq[2 * j + lane]
+                    self.f[2 * i + lane] = f
             for i in range(n):
-                for lane in range(width):
-                    self.a[width * i + lane] = 0.0
-                for j in range(n):
-                    at = width * (n * i + j)
-                    for lane in range(width):
-                        self.a[width * i + lane] += (
-                            self.inverse[at + lane] * self.f[width * j + lane]
-                        )
+                for lane in range(2):
+                    f = 0.0
+                    for j in range(n):
+                        at = 128 * pair + 2 * (n * i + j) + lane
+                        f += self.inverse[at] * self.f[2 * j + lane]
+                    self.a[2 * i + lane] = f
             for i in range(n):
-                for lane in range(width):
-                    at = width * i + lane
-                    self.v[at] = self.pv[at] + self.half[lane] * self.a[at]
-                    self.q[at] = self.pq[at] + self.sixth[lane] * self.a[at]
-            for lane in range(self.columns):
-                if k + 1 == self.substeps[lane]:
+                for lane in range(2):
+                    at = 2 * i + lane
+                    self.v[at] = self.pv[at] + self.half[first + lane] * self.a[at]
+                    self.q[at] = self.pq[at] + self.sixth[first + lane] * self.a[at]
+            for lane in range(2):
+                if k + 1 == self.substeps[first + lane]:
                     for i in range(n):
-                        self.end_q[width * i + lane] = self.q[width * i + lane]
-                        self.end_v[width * i + lane] = self.v[width * i + lane]
+                        self.end_q[_LANES * i + first + lane] = self.q[2 * i + lane]
+                        self.end_v[_LANES * i + first + lane] = self.v[2 * i + lane]
 
-    def _extrapolate(self, n, width):
+    def _extrapolate(self, n):
         """Ends of the macro step, each as that of the last column and small corrections to it."""
         for i in range(n):
-            at = width * i
+            at = _LANES * i
             q = self.end_q[at + self.columns - 1]
             v = self.end_v[at + self.columns - 1]
             dq = 0.0

@@ -68,7 +68,7 @@ class March:
         elif order:
             columns = order // 2
         else:
-            columns = 4 if tolerance < 1e-4 or step > 0.0 else 3 if tolerance < 3e-3 else 2
+            columns = 4 if tolerance < 1e-4 or step > 0.0 else 3 if tolerance < 1e-2 else 2
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
