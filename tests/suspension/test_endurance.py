@@ -63,7 +63,7 @@ def misses(seed: int) -> list[float]:
     ]
 
 
-@pytest.mark.parametrize("seeds", [range(k, k + 50) for k in range(0, 200, 50)], ids=str)
+@pytest.mark.parametrize("seeds", [range(50), range(50, 100)], ids=str)
 def test_every_run_comes_to_its_end(seeds: range) -> None:
     for seed in seeds:
         run_on(seed)
@@ -77,7 +77,7 @@ def test_thousands_of_runs_come_to_their_end() -> None:
 
 def test_errors_stay_near_the_tolerance() -> None:
     """Far beyond the hundred cars that the tolerance is promised for; a few of them chatter."""
-    found = [miss for seed in range(200) for miss in misses(seed)]
+    found = [miss for seed in range(100) for miss in misses(seed)]
     assert np.median(found) < 0.3
-    assert sum(miss > 3.0 for miss in found) <= 4
+    assert sum(miss > 3.0 for miss in found) <= 2
     assert max(found) < 30.0
