@@ -26,6 +26,18 @@ VARIED = (
 START = {"road.start": 0.01, "hardening": 200.0, "initial.displacement": 1e-4}
 
 
+def starting_numbers(model: str, numbers: dict[str, float]) -> dict[str, float]:
+    """The numbers of features and all that vary, at their defaults, by the names of a model."""
+    known = {v.name: v for v in MODELS[model] if v.causality == "parameter"}
+    axles = ("front.", "rear.") if "front.spring.rate" in known else ("",)
+    starts = {axle + name: x for axle in axles for name, x in numbers.items()}
+    for name in VARIED:
+        for full in (name, *(axle + name for axle in axles)):
+            if full in known:
+                starts[full] = START.get(name, known[full].start)
+    return {name: x for name, x in starts.items() if name in known}
+
+
 def drawn_parameters(
     dice: Random, model: str, spread: float, curved: bool = True
 ) -> dict[str, Any]:
@@ -47,14 +59,5 @@ def drawn_parameters(
     for feature in dice.sample(FEATURES, dice.randint(0, len(FEATURES))):
         if curved or "friction" not in feature:
             numbers |= feature
-    axles = ("front.", "rear.") if "front.spring.rate" in known else ("",)
-    starts = {axle + name: x for axle in axles for name, x in numbers.items()}
-    for name in VARIED:
-        for full in (name, *(axle + name for axle in axles)):
-            if full in known:
-                starts[full] = START.get(name, known[full].start)
-    return fixed | {
-        name: x * 10.0 ** dice.uniform(-spread, spread)
-        for name, x in starts.items()
-        if name in known
-    }
+    starts = starting_numbers(model, numbers)
+    return fixed | {name: x * 10.0 ** dice.uniform(-spread, spread) for name, x in starts.items()}

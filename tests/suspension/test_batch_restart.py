@@ -6,7 +6,7 @@ from array import array
 from typing import Any
 
 import pytest
-from drawn_parts import FEATURES, SHAPES, START, VARIED
+from drawn_parts import FEATURES, SHAPES, starting_numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -35,13 +35,7 @@ def runs(draw: st.DrawFn, model: str) -> tuple[dict[str, Any], list[System], flo
             numbers.update(feature)
     if curved and draw(st.booleans()):
         numbers["spring.cubic"] = 1e5
-    axles = ("front.", "rear.") if "front.spring.rate" in parameters else ("",)
-    names = {axle + name: x for axle in axles for name, x in numbers.items()}
-    for name in VARIED:
-        for full in (name, *(axle + name for axle in axles)):
-            if full in parameters:
-                names[full] = START.get(name, parameters[full].start)
-    names = {name: x for name, x in names.items() if name in parameters}
+    names = starting_numbers(model, numbers)
     factor = st.floats(0.7, 1.4)
     systems = [
         build(model, {**shared, **{name: x * draw(factor) for name, x in names.items()}})

@@ -22,7 +22,7 @@ cdef class March:
     cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint cruises, reads_switches, reads, controlled, landing, energy, in_step, entered
+    cdef bint cruises, reads_switches, controlled, landing, energy, in_step, entered
     cdef double fixed_step
     # its state
     cdef readonly double time
@@ -52,7 +52,7 @@ cdef class March:
     @cython.locals(target=double, omega=double, road=double, h=double)
     cdef double _proposed_step(self) noexcept nogil
     @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int, runs_away=bint,
-                   h=double, joint=double, end=double, at=double)
+                   h=double, longer=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)
     cdef bint _has_diverged(self) noexcept nogil
@@ -66,9 +66,9 @@ cdef class March:
     cdef double _factor_for_error(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil
-    @cython.locals(_iteration=int, status=int, step=double, best=double, late=double, new=double)
+    @cython.locals(reads=bint, _iteration=int, status=int, step=double, best=double, late=double, new=double)
     cdef int _land(self, double h) noexcept nogil
-    cdef int _end_at(self, double step) noexcept nogil
+    cdef int _end_at(self, double step, bint reads) noexcept nogil
     @cython.locals(i=int)
     cdef void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, before=int)

@@ -272,6 +272,7 @@ class March:
         if h == 0.0:
             return _UNSTABLE
         flips = 0
+        longer = 0.0  # the step that the last attempt would have next, by its error
         while True:
             joint = self.net.next_joint()
             end = joint if joint < latest else latest
@@ -291,9 +292,6 @@ class March:
             if self.controlled and self.stepper.error > 1.0:
                 h *= self._factor_for_error()
                 continue
-            # a step that a joint cut short says nothing against longer ones
-            if self.controlled and (not to_end or h > self.proposal > 0.0):
-                self.proposal = h * self._factor_for_error()
             at = self.switches.first(self.time, h) if self.landing else 2.0
             if at == 0.0 and flips < _FLIPS:
                 # the branch is left at once: it was the wrong side of its bound
@@ -301,6 +299,9 @@ class March:
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
                 self._enter_branches()
                 continue
+            # a step that a joint cut short says nothing against longer ones
+            if self.controlled and (not to_end or h > self.proposal > 0.0):
+                longer = h * self._factor_for_error()
             landed = 0
             if 0.0 < at <= 1.0:
                 status = self._land(h)
@@ -314,6 +315,8 @@ class March:
                 self.switches.start_known = 0  # of the shortened step
                 to_end = to_end and self.time + h >= end
             break
+        if longer > 0.0:
+            self.proposal = longer
         self._accept(h, end if to_end else self.time + h)
         self.switches.carry_on()
         if landed:
@@ -438,10 +441,10 @@ class March:
         Such a step counts, but ends on no switch.
         """
         step = self.switches.at * h
-        self.reads = self.reads_switches and self.stepper.affine
-        if self.reads:
+        reads = self.reads_switches and self.stepper.affine
+        if reads:
             self._keep_attempt(h)
-        status = self._end_at(step)
+        status = self._end_at(step, reads)
         best = 1e300
         for _iteration in range(8):
             if status != 0:
@@ -458,14 +461,14 @@ class March:
             if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(self.time + new, -late)
             else:
-                status = self._end_at(new)
+                status = self._end_at(new, reads)
             step = new
         self.landed = step
         return status
 
-    def _end_at(self, step):
-        """An attempt that ends after `step`."""
-        if not self.reads:
+    def _end_at(self, step, reads):
+        """An attempt that ends after `step`, read off the one kept or made again."""
+        if not reads:
             return self.stepper.attempt(self.time, step)
         self.stepper.stop_within(self.time + step, self.whole)
         return 0

@@ -35,10 +35,7 @@ if not cython.compiled:
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
-
-# by which an error between columns is taken for more where forces are curved: all columns may miss a knee
-_CAUTION = 4.0
-
+_CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
 _MOST = 5  # substeps of one macro step
 
 METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3, "wilson": 4, "exact": 5}
