@@ -1,5 +1,7 @@
 """Compile the integrator's kernel; everything else is declared in pyproject.toml."""
 
+import ast
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -26,25 +28,84 @@ FLAGS = (
         "-ffp-contract=off",
         "-fno-wrapv",
         "-fno-math-errno",
-        "-finline-limit=100000",
+        "-finline-limit=200",
         "-fno-tree-loop-vectorize",
         "-fno-tree-loop-distribution",
         "-fno-tree-loop-distribute-patterns",
     ]
 )
+# in the order in which they need each other
 MODULES = (
-    "linear", "bernstein", "signals", "laws", "elements", "network",
-    "exact", "iteration", "lanes", "stepper", "switches", "cruise", "dense", "ledger", "watch",
-    "march", "integrator",
+    "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
+    "iteration", "lanes", "stepper", "switches", "cruise", "ledger", "watch", "march", "integrator",
 )  # fmt: skip
 
 
-def staged() -> None:
-    """Copy the kernel under its hashed name: the names it imports itself by are compiled in."""
+def staged() -> str:
+    """Write the kernel as one module under its hashed name, and say where.
+
+    So the compiler sees it as a whole: from one module of Cython's to another it cannot carry
+    anything over, and each brings half a megabyte with it. A module imports others only at its top,
+    and what several of them define must be the same in all.
+    """
     shutil.rmtree(STAGE, ignore_errors=True)
-    shutil.copytree(
-        KERNEL, STAGE, ignore=shutil.ignore_patterns("suspension_kernel_*", "__pycache__")
-    )
+    STAGE.mkdir(parents=True)
+    (STAGE / "__init__.py").touch()
+    sources = [KERNEL / f"{module}.py" for module in MODULES]
+    target = STAGE / "integrator.py"
+    target.write_text(one_source(sources), encoding="utf-8")
+    types = [path.with_suffix(".pxd") for path in sources]
+    target.with_suffix(".pxd").write_text(one_set_of_types(types), encoding="utf-8")
+    return str(target)
+
+
+def one_source(paths: list[Path]) -> str:
+    """All modules one after the other, without what they import from each other or uncompiled."""
+    imports: dict[str, None] = {}
+    known: dict[str, str] = {}
+    bodies = []
+    for path in paths:
+        text = path.read_text(encoding="utf-8")
+        lines = text.splitlines()
+        for node in ast.parse(text).body:
+            written = ast.unparse(node)
+            match node:
+                case ast.Import() | ast.ImportFrom(level=0):
+                    imports[written] = None
+                case ast.Assign():
+                    names = ast.unparse(node.targets[0])
+                    if known.setdefault(names, written) != written:
+                        raise ValueError(f"{path.name}: {written}, but elsewhere {known[names]}")
+                    continue
+                case ast.ImportFrom():
+                    pass
+                case ast.If() if "cython.compiled" in written:
+                    pass
+                case _:
+                    continue
+            for line in range(node.lineno - 1, node.end_lineno):
+                lines[line] = ""
+        bodies.append("\n".join(lines))
+    return "\n".join([*imports, *bodies])
+
+
+def one_set_of_types(paths: list[Path]) -> str:
+    """All declarations of C types, those of constants once each."""
+    taken: dict[str, set[str]] = {}
+    bodies = []
+    for path in paths:
+        if not path.exists():
+            continue
+        text = path.read_text(encoding="utf-8")
+        for source, names in re.findall(r"^from (\S+) cimport (.+)$", text, re.MULTILINE):
+            if not source.startswith("."):
+                taken.setdefault(f"from {source} cimport", set()).update(names.split(", "))
+        for kind, names in re.findall(r"^cdef (int|double) ([_A-Z0-9, ]+)$", text, re.MULTILINE):
+            taken.setdefault(f"cdef {kind}", set()).update(names.split(", "))
+        once = r"^(from \S+ cimport .+|cimport cython|cdef (int|double) [_A-Z0-9, ]+)$"
+        bodies.append(re.sub(once, "", text, flags=re.MULTILINE))
+    head = [f"{what} {', '.join(sorted(names))}" for what, names in taken.items()]
+    return "\n".join(["cimport cython", *head, *bodies])
 
 
 class KernelBuild(build_ext):
@@ -80,19 +141,10 @@ class KernelBuild(build_ext):
         self.warn(f"the integrator stays uncompiled: the same results, only slower ({error})")
 
 
-staged()
 setup(
     cmdclass={"build_ext": KernelBuild},
     ext_modules=cythonize(
-        [
-            Extension(
-                f"{NAME}.{module}",
-                [str(STAGE / f"{module}.py")],
-                extra_compile_args=FLAGS,
-                optional=True,
-            )
-            for module in MODULES
-        ],
+        [Extension(f"{NAME}.integrator", [staged()], extra_compile_args=FLAGS, optional=True)],
         compiler_directives={
             "language_level": 3,
             "boundscheck": False,
@@ -100,6 +152,5 @@ setup(
             "cdivision": True,
             "initializedcheck": False,
         },
-        include_path=["build"],
     ),
 )

@@ -80,4 +80,4 @@ compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
 run_all = _integrator.run_all
 FAILURES: dict[int, str] = _integrator.FAILURES
-KINDS: tuple[str, ...] = import_module(f"{kernel_name()}.network").KINDS
+KINDS: tuple[str, ...] = _integrator.KINDS

@@ -30,8 +30,8 @@ def test_uncoupled_axles_are_two_quarter_cars(tmp_path: Path) -> None:
     text = f'fmu="HalfCar"\nduration="2 s"\n[show]\noutput_interval="4 ms"\n[parameters]\n{SMOOTH}'
     told = climbed(tmp_path, text + "front.bump_stop.stiffness=1e6\n", "--tolerance", "1e-4")
     rungs = by_name(told)
-    assert rungs["two quarter cars"]["error"] < 1e-5
-    assert rungs["without lift-off, bump stop"]["error"] < 1e-5
+    assert rungs["two quarter cars"]["error"] < 5e-5
+    assert rungs["without lift-off, bump stop"]["error"] < 5e-5
     assert told["proposal"] == "two quarter cars"
     assert rungs["rigid tyres"]["serves"] is False
     coupled = by_name(climbed(tmp_path, text + "pitch_radius_of_gyration=0.9\n"))

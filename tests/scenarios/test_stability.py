@@ -30,6 +30,24 @@ def test_linear_acceleration_has_newmarks_own_radius() -> None:
         assert study.spectral_radius(matrix) == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize(("order", "least"), [(4, 0.04), (6, 0.017), (8, 0.008)])
+def test_what_is_damped_enough_does_not_grow_in_steps_of_six_radians(
+    order: int, least: float
+) -> None:
+    """The bound of steps that errors choose: damping against phase as `Stepper.bound` has it."""
+    for phase in np.linspace(2.45, 6.0, 72):
+        ratio = least * (phase**2 - 2.4**2) / (2.0 * phase)
+        for more in (1.0, 1.5, 3.0, 10.0, 100.0):
+            assert study.radius("", {"order": order}, phase, more * ratio) < 1.0 + 1e-9
+    assert study.radius("", {"order": order}, 2.4) < 1.002
+    # and a tenth of it would be too little
+    radii = [
+        study.radius("", {"order": order}, phase, 0.1 * least * (phase**2 - 2.4**2) / (2.0 * phase))
+        for phase in np.linspace(2.45, 6.0, 72)
+    ]
+    assert max(radii) > 1.001
+
+
 def test_the_limit_does_not_depend_on_damping_or_stiffness_ratio() -> None:
     for side, grows in ((0.99, False), (1.01, True)):
         for ratio in (0.01, 1.0, 1e4):

@@ -245,6 +245,46 @@ def test_a_wheel_of_a_gram_does_not_lift_off_where_a_heavy_one_stays() -> None:
         assert [entry for entry in integrator.log if entry[1] == tyre] == []
 
 
+def still_beside_a_slow_one(ratio: float, omega: float = 100.0) -> System:
+    """Two masses that do not feel each other: one swings at 1 rad/s, the other could at omega."""
+    slow = Element("slow", (1.0, 0.0), characteristics.linear(1.0))
+    rate = characteristics.linear(2.0 * ratio * omega)
+    fast = Element("fast", (0.0, 1.0), characteristics.linear(omega**2), rate)
+    return System(("x", "y"), ((1.0, 0.0), (0.0, 1.0)), (slow, fast), scales=(1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "ratio", "phase"),
+    [
+        ({"tolerance": 1e-3}, 0.0, 2.4),
+        ({"tolerance": 1e-3}, 0.042, 2.4),
+        ({"tolerance": 1e-3}, 0.044, 6.0),
+        ({"tolerance": 1e-7}, 0.020, 2.4),
+        ({"tolerance": 1e-7}, 0.021, 6.0),
+        ({"tolerance": 1e-3, "order": 4}, 0.100, 2.4),
+        ({"tolerance": 1e-3, "order": 4}, 0.102, 6.0),
+        ({"tolerance": 1e-3}, 50.0, 6.0),
+    ],
+)
+def test_steps_chosen_by_the_error_are_as_long_as_damping_allows(
+    options: dict[str, float], ratio: float, phase: float
+) -> None:
+    """A fast mode at rest has no error to show, and must not grow from rounding."""
+    integrator = Integrator(still_beside_a_slow_one(ratio), **options)
+    integrator.set_state([1.0, 1e-12], [0.0, 0.0])
+    longest = 0.0
+    while integrator.time < 20.0:
+        before = integrator.time
+        assert integrator.advance(before + 1e-9) == 0
+        longest = max(longest, integrator.time - before)
+    assert 100.0 * longest == pytest.approx(phase, rel=1e-6)
+    integrator.sample(integrator.time)
+    assert abs(integrator.sample_q[1]) < 1e-11
+    assert integrator.sample_q[0] == pytest.approx(
+        np.cos(integrator.time), abs=options["tolerance"]
+    )
+
+
 def test_no_mass_is_refused() -> None:
     with pytest.raises(ParameterError, match="unsprung_mass = 0: must be greater than 0"):
         car(unsprung_mass=0.0)

@@ -1,9 +1,11 @@
 cimport cython
 from libc.math cimport fabs
 
+cdef double _CLOSE
+
 @cython.final
 cdef class Crossing:
-    cdef double[8] bezier, casteljau
+    cdef double[8] bezier, casteljau, terms, slope_terms
     cdef double[512] halves
     cdef double[64] slot_low, slot_width
     cdef double low, high
@@ -20,8 +22,9 @@ cdef class Crossing:
     @cython.locals(c="double *", depth=int, at=int, top=int, changes=int, negative=int, i=int,
                    k=int, lo=double, width=double)
     cdef double first_root(self, int m) noexcept nogil
-    @cython.locals(c="double *", lo=double, hi=double, x=double, slope=double, value=double,
-                   new=double, i=int, k=int, _iteration=int)
+    @cython.locals(c="double *", b="double *", d="double *", binomial=double, lo=double, hi=double,
+                   x=double, rest=double, slope=double, value=double, new=double, i=int,
+                   _iteration=int)
     cdef double _single_root(self, int at, int m) noexcept nogil
     @cython.locals(b="double *", i=int)
     cdef void extent(self, int degree) noexcept nogil

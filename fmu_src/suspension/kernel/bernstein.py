@@ -12,11 +12,15 @@ if not cython.compiled:
     from math import fabs
 
 
+_CLOSE = 1e-8  # of a step; Newton's next correction would be of its square
+
+
 class Crossing:
     """One Hermite polynomial on (0, 1), and the search for its first exit."""
 
     def __init__(self):
         self.bezier, self.casteljau = [0.0] * 8, [0.0] * 8
+        self.terms, self.slope_terms = [0.0] * 8, [0.0] * 8
         self.halves = [0.0] * 8 * 64
         self.slot_low, self.slot_width = [0.0] * 64, [0.0] * 64
 
@@ -138,19 +142,31 @@ class Crossing:
         return 2.0
 
     def _single_root(self, at, m):
-        """The one root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton."""
+        """The one root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton.
+
+        Value and slope are sums of c C(m, i) x^i (1 - x)^(m - i), as Horner adds them up.
+        """
+        c = self.halves
+        b = self.terms
+        d = self.slope_terms
+        binomial = 1.0
+        for i in range(m):
+            b[i] = binomial * c[at + i]
+            # m C(m - 1, i) = (m - i) C(m, i)
+            d[i] = binomial * (m - i) * (c[at + i + 1] - c[at + i])
+            binomial *= (m - i) / (i + 1.0)
+        b[m] = c[at + m]
         lo = 0.0
         hi = 1.0
-        c = self.halves
         x = c[at] / (c[at] - c[at + m])
         for _iteration in range(60):
-            for i in range(m + 1):
-                self.casteljau[i] = c[at + i]
-            for k in range(m, 1, -1):
-                for i in range(k):
-                    self.casteljau[i] += x * (self.casteljau[i + 1] - self.casteljau[i])
-            slope = m * (self.casteljau[1] - self.casteljau[0])
-            value = self.casteljau[0] + x * (self.casteljau[1] - self.casteljau[0])
+            rest = 1.0
+            value = b[m]
+            slope = 0.0
+            for i in range(m - 1, -1, -1):
+                slope = slope * x + d[i] * rest
+                rest *= 1.0 - x
+                value = value * x + b[i] * rest
             if value >= 0.0:
                 lo = x
             else:
@@ -158,7 +174,7 @@ class Crossing:
             new = x - value / slope if slope != 0.0 else 0.5 * (lo + hi)
             if not (lo <= new <= hi):
                 new = 0.5 * (lo + hi)
-            if fabs(new - x) <= 1e-15 or hi - lo <= 1e-15:
+            if fabs(new - x) <= _CLOSE or hi - lo <= 1e-15:
                 return new
             x = new
         return x

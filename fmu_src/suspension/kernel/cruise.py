@@ -71,7 +71,7 @@ class Cruise:
         for i in range(n * n):
             self.stiffness[i] = self.lanes.stiffness[i]
             self.damping[i] = self.lanes.damping[i]
-            self.inverse[i] = self.lanes.inverse[2 * i]
+            self.inverse[i] = self.lanes.inverse[i]
         self.watched = count
         for k in range(count):
             self._watch(k)

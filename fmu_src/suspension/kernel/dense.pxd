@@ -1,6 +1,6 @@
 cimport cython
 
-cdef int _TERMS
+cdef int _SEPTIC
 
 @cython.final
 cdef class Dense:

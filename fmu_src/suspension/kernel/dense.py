@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from .arrays import doubles, vectors
 
-_TERMS = 8
+_SEPTIC = 8  # terms of each coordinate
 
 
 class Dense:
@@ -29,14 +29,14 @@ class Dense:
         self.qa, self.va, self.aa, self.ja = vectors(4, n)
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
         self.q, self.v, self.a = vectors(3, n)  # what was read last
-        self.terms = doubles([0.0] * (_TERMS * n))
+        self.terms = doubles([0.0] * (_SEPTIC * n))
         self.known = 0  # whether the terms are those of the present ends
 
     def _find_terms(self):
         """c0 to c3 from the start; s0 to s3 from what the end has beyond them."""
         h = self.end - self.start
         for i in range(self.n):
-            at = _TERMS * i
+            at = _SEPTIC * i
             c0 = self.qa[i]
             c1 = h * self.va[i]
             c2 = 0.5 * h * h * self.aa[i]
@@ -69,7 +69,7 @@ class Dense:
             self._find_terms()
         x = (t - self.start) / h
         for i in range(self.n):
-            at = _TERMS * i
+            at = _SEPTIC * i
             value = self.terms[at + 7]
             first = 0.0
             second = 0.0
@@ -95,7 +95,7 @@ class Dense:
         x = (t - self.start) / h
         u = x - 1.0
         for i in range(self.n):
-            k = _TERMS * i
+            k = _SEPTIC * i
             value = self.terms[k + 6] + u * self.terms[k + 7]
             value = self.terms[k + 4] + u * (self.terms[k + 5] + u * value)
             value = self.terms[k + 2] + x * (self.terms[k + 3] + x * value)

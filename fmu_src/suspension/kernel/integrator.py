@@ -7,10 +7,13 @@ from struct import pack, unpack_from
 import cython
 
 from .arrays import doubles
+from .elements import KINDS
 from .march import March
 
 if not cython.compiled:
     from math import sqrt
+
+__all__ = ["FAILURES", "KINDS", "Integrator", "run_all"]
 
 # How a run of steps ended that did not reach its end.
 FAILURES = {

@@ -5,9 +5,9 @@ is a product with a matrix that is kept while branch and step stay,
 
     a1 = (M + s/2 B + s^2/6 K)^-1 (p1 - B v* - K q*),
 
-and the columns of the extrapolation do not depend on each other. Two at a time are carried on in
-lockstep, each in a lane of its own, so that the processor's vector instructions take both at once.
-The shorter column of a pair goes on with the other when it has arrived, for nothing.
+and the columns of the extrapolation do not depend on each other: each goes on in a lane of its own,
+one substep of every lane after the other, so that the processor need not wait for any of them. All
+matrices are symmetric and taken by columns, for which it has vector instructions.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from .arrays import integers
 if not cython.compiled:
     from math import isfinite
 
-_LANES = 4  # two for each pair
 _SUBSTEPS = 5  # of the longest sequence
+_LANE = 8  # coordinates that have room in each
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 
@@ -34,6 +34,15 @@ def extrapolation_weights(sequence):
                 w *= n * n / (n * n - m * m)
         weights.append(w)
     return weights
+
+
+def multiply(m, at, x, n, out):
+    """out = m x; the matrix begins at `at` and is symmetric."""
+    for i in range(n):
+        out[i] = m[at + i] * x[0]
+    for j in range(1, n):
+        for i in range(n):
+            out[i] += m[at + n * j + i] * x[j]
 
 
 class Lanes:
@@ -55,16 +64,8 @@ class Lanes:
     def __init__(self, masses, sequence, fraction_index, loads, load_rate, tangents, start, end):
         self.n = n = len(load_rate)
         self.columns = len(sequence)
-        self.pairs = (self.columns + 1) // 2
-        # a lane without a column of its own repeats the last
-        substeps = [*sequence, *[max(sequence)] * (_LANES - len(sequence))]
-        self.substeps = integers(substeps)
-        self.load_at = integers(
-            n
-            * fraction_index[_SUBSTEPS * min(lane, len(sequence) - 1) + min(k, substeps[lane] - 1)]
-            for k in range(_SUBSTEPS)
-            for lane in range(_LANES)
-        )
+        self.substeps = integers(sequence)
+        self.load_at = integers(n * k for k in fraction_index)
         self.loads, self.load_rate, self.last = loads, load_rate, len(loads) - n
         self.given_mass, self.given_flexibility = masses
         self.given_stiffness, self.given_damping = tangents
@@ -80,12 +81,11 @@ class Lanes:
         self.stiffness, self.damping = [0.0] * 64, [0.0] * 64
         self.mass, self.flexibility = [0.0] * 64, [0.0] * 64
         self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
-        self.pivot = [0.0] * 2
         self.inverse = [0.0] * 256
-        self.q, self.v, self.a = [0.0] * 16, [0.0] * 16, [0.0] * 16
-        self.pq, self.pv, self.f = [0.0] * 16, [0.0] * 16, [0.0] * 16
+        self.q, self.v, self.a = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.pq, self.pv, self.ma = [0.0] * 8, [0.0] * 8, [0.0] * 8
+        self.fk, self.fb, self.f = [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.at_q, self.at_v, self.at_a, self.at_j = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
-        self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
         self.step = -1.0
         self.enter_mass()
@@ -129,11 +129,9 @@ class Lanes:
         return self._attempt(h, self.n)
 
     def _attempt(self, h, n):
-        for pair in range(self.pairs):
-            if h != self.step and self._invert(h, n, pair) != 0:
-                return _NOT_POSITIVE
-            self._advance(n, pair)
-        self.step = h
+        if h != self.step and self._invert(h, n) != 0:
+            return _NOT_POSITIVE
+        self._advance(n)
         if self._extrapolate(n) != 0:
             return _DIVERGED
         self._finish(n)
@@ -150,120 +148,89 @@ class Lanes:
 
     def invert(self, h):
         """Find the matrices of all columns for macro steps h; 1 if one is not positive definite."""
-        if h == self.step:
-            return 0
-        for pair in range(self.pairs):
-            if self._invert(h, self.n, pair) != 0:
-                return 1
+        return h != self.step and self._invert(h, self.n) != 0
+
+    def _invert(self, h, n):
+        """(M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns, by Gauss and Jordan."""
+        self.step = -1.0
+        for c in range(self.columns):
+            s = h / self.substeps[c]
+            self.s[c] = s
+            self.half[c] = half = 0.5 * s
+            self.third[c] = s * s / 3.0
+            self.sixth[c] = sixth = s * s / 6.0
+            for i in range(n * n):
+                self.inverse[64 * c + i] = (
+                    self.mass[i] + half * self.damping[i] + sixth * self.stiffness[i]
+                )
+        for k in range(n):
+            for c in range(self.columns):
+                row = 64 * c + n * k
+                if not self.inverse[row + k] > 0.0:
+                    return 1
+                pivot = 1.0 / self.inverse[row + k]
+                self.inverse[row + k] = 1.0
+                for j in range(n):
+                    self.inverse[row + j] *= pivot
+                for i in range(n):
+                    if i != k:
+                        at = 64 * c + n * i
+                        pivot = self.inverse[at + k]
+                        self.inverse[at + k] = 0.0
+                        for j in range(n):
+                            self.inverse[at + j] -= pivot * self.inverse[row + j]
         self.step = h
         return 0
 
-    def _invert(self, h, n, pair):
-        """(M + s/2 B + s^2/6 K)^-1 of both lanes of a pair, by Gauss and Jordan."""
-        self.step = -1.0
-        at = 2 * pair
-        for lane in range(2):
-            s = h / self.substeps[at + lane]
-            self.s[at + lane] = s
-            self.half[at + lane] = 0.5 * s
-            self.third[at + lane] = s * s / 3.0
-            self.sixth[at + lane] = s * s / 6.0
-        first = 128 * pair
-        for i in range(n * n):
-            for lane in range(2):
-                self.inverse[first + 2 * i + lane] = (
-                    self.mass[i]
-                    + self.half[at + lane] * self.damping[i]
-                    + self.sixth[at + lane] * self.stiffness[i]
-                )
-        for k in range(n):
-            kk = first + 2 * (n * k + k)
-            for lane in range(2):
-                if not self.inverse[kk + lane] > 0.0:
-                    return 1
-            for lane in range(2):
-                self.pivot[lane] = 1.0 / self.inverse[kk + lane]
-                self.inverse[kk + lane] = 1.0
-            for j in range(n):
-                kj = first + 2 * (n * k + j)
-                for lane in range(2):
-                    self.inverse[kj + lane] *= self.pivot[lane]
+    def _advance(self, n):
+        """All columns over the whole macro step, the shorter ones arriving first."""
+        for c in range(self.columns):
             for i in range(n):
-                if i != k:
-                    ik = first + 2 * (n * i + k)
-                    for lane in range(2):
-                        self.pivot[lane] = self.inverse[ik + lane]
-                        self.inverse[ik + lane] = 0.0
-                    for j in range(n):
-                        ij = first + 2 * (n * i + j)
-                        kj = first + 2 * (n * k + j)
-                        for lane in range(2):
-                            self.inverse[ij + lane] -= self.pivot[lane] * self.inverse[kj + lane]
-        return 0
+                self.q[_LANE * c + i] = self.q0[i]
+                self.v[_LANE * c + i] = self.v0[i]
+                self.a[_LANE * c + i] = self.a0[i]
+        first = 0
+        for k in range(self.substeps[self.columns - 1]):
+            while k == self.substeps[first]:
+                first += 1
+            for c in range(first, self.columns):
+                self._substep(n, c, self.load_at[_SUBSTEPS * c + k])
 
-    def _advance(self, n, pair):
-        """The columns of a pair over the whole macro step.
-
-        (15.12), (15.13) with the end-of-step equilibrium, which is linear.
-        """
-        first = 2 * pair
+    def _substep(self, n, c, load):
+        """(15.12), (15.13) with the end-of-step equilibrium, which is linear; loads stand at `load`."""
+        at = _LANE * c
         for i in range(n):
-            for lane in range(2):
-                self.q[2 * i + lane] = self.q0[i]
-                self.v[2 * i + lane] = self.v0[i]
-                self.a[2 * i + lane] = self.a0[i]
-        for k in range(self.substeps[first + 1]):
-            for i in range(n):
-                for lane in range(2):
-                    at = 2 * i + lane
-                    self.pv[at] = self.v[at] + self.half[first + lane] * self.a[at]
-                    self.pq[at] = (
-                        self.q[at]
-                        + self.s[first + lane] * self.v[at]
-                        + self.third[first + lane] * self.a[at]
-                    )
-            for i in range(n):
-                for lane in range(2):
-                    f = self.loads[self.load_at[_LANES * k + first + lane] + i]
-                    for j in range(n):
-                        f -= self.damping[n * i + j] * self.pv[2 * j + lane]
-                        f -= self.stiffness[n * i + j] * self.pq[2 * j + lane]
-                    self.f[2 * i + lane] = f
-            for i in range(n):
-                for lane in range(2):
-                    f = 0.0
-                    for j in range(n):
-                        at = 128 * pair + 2 * (n * i + j) + lane
-                        f += self.inverse[at] * self.f[2 * j + lane]
-                    self.a[2 * i + lane] = f
-            for i in range(n):
-                for lane in range(2):
-                    at = 2 * i + lane
-                    self.v[at] = self.pv[at] + self.half[first + lane] * self.a[at]
-                    self.q[at] = self.pq[at] + self.sixth[first + lane] * self.a[at]
-            for lane in range(2):
-                if k + 1 == self.substeps[first + lane]:
-                    for i in range(n):
-                        self.end_q[_LANES * i + first + lane] = self.q[2 * i + lane]
-                        self.end_v[_LANES * i + first + lane] = self.v[2 * i + lane]
+            self.pv[i] = self.v[at + i] + self.half[c] * self.a[at + i]
+            self.pq[i] = (
+                self.q[at + i] + self.s[c] * self.v[at + i] + self.third[c] * self.a[at + i]
+            )
+        multiply(self.damping, 0, self.pv, n, self.fb)
+        multiply(self.stiffness, 0, self.pq, n, self.fk)
+        for i in range(n):
+            self.f[i] = self.loads[load + i] - (self.fb[i] + self.fk[i])
+        multiply(self.inverse, 64 * c, self.f, n, self.ma)
+        for i in range(n):
+            self.a[at + i] = self.ma[i]
+            self.v[at + i] = self.pv[i] + self.half[c] * self.ma[i]
+            self.q[at + i] = self.pq[i] + self.sixth[c] * self.ma[i]
 
     def _extrapolate(self, n):
         """Ends of the macro step, each as that of the last column and small corrections to it."""
+        last = _LANE * (self.columns - 1)
         for i in range(n):
-            at = _LANES * i
-            q = self.end_q[at + self.columns - 1]
-            v = self.end_v[at + self.columns - 1]
+            q = self.q[last + i]
+            v = self.v[last + i]
             dq = 0.0
             dv = 0.0
             eq = 0.0
             ev = 0.0
-            for lane in range(self.columns - 1):
-                x = self.end_q[at + lane] - q
-                dq += self.weight[lane] * x
-                eq += self.check[lane] * x
-                x = self.end_v[at + lane] - v
-                dv += self.weight[lane] * x
-                ev += self.check[lane] * x
+            for c in range(self.columns - 1):
+                x = self.q[_LANE * c + i] - q
+                dq += self.weight[c] * x
+                eq += self.check[c] * x
+                x = self.v[_LANE * c + i] - v
+                dv += self.weight[c] * x
+                ev += self.check[c] * x
             self.q1[i] = q + dq
             self.v1[i] = v + dv
             if not (isfinite(self.q1[i]) and isfinite(self.v1[i])):
@@ -281,29 +248,13 @@ class Lanes:
 
     def _solve_motion(self, n):
         """Acceleration and jerk at the state `at_q`, `at_v`, with the last of the loads."""
+        multiply(self.damping, 0, self.at_v, n, self.fb)
+        multiply(self.stiffness, 0, self.at_q, n, self.fk)
         for i in range(n):
-            x = self.loads[self.last + i]
-            for j in range(n):
-                x -= (
-                    self.damping[n * i + j] * self.at_v[j]
-                    + self.stiffness[n * i + j] * self.at_q[j]
-                )
-            self.f[i] = x
+            self.f[i] = self.loads[self.last + i] - (self.fb[i] + self.fk[i])
+        multiply(self.flexibility, 0, self.f, n, self.at_a)
+        multiply(self.damping, 0, self.at_a, n, self.fb)
+        multiply(self.stiffness, 0, self.at_v, n, self.fk)
         for i in range(n):
-            x = 0.0
-            for j in range(n):
-                x += self.flexibility[n * i + j] * self.f[j]
-            self.at_a[i] = x
-        for i in range(n):
-            x = self.load_rate[i]
-            for j in range(n):
-                x -= (
-                    self.damping[n * i + j] * self.at_a[j]
-                    + self.stiffness[n * i + j] * self.at_v[j]
-                )
-            self.f[i] = x
-        for i in range(n):
-            x = 0.0
-            for j in range(n):
-                x += self.flexibility[n * i + j] * self.f[j]
-            self.at_j[i] = x
+            self.f[i] = self.load_rate[i] - (self.fb[i] + self.fk[i])
+        multiply(self.flexibility, 0, self.f, n, self.at_j)

@@ -28,13 +28,14 @@ _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
 _CONTACT, _KINDS = 3, 5  # as in elements
 _EVENT_CAPACITY = 256
 _FLIPS = 24  # of branches at one instant, several elements being at their corners
+_FINE = 1e-5  # tolerances below it are reached faster at order 8 than at order 6
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
 _OVERRUNS = 1000  # of a run, each after so many steps
 _LEAST_THETA = 1.37
 _GROWTH = 1e8  # a displacement this many times the scale of the run has diverged
 _RUNAWAY = 1e4  # and here it does, if steps vanish besides
-_SAFE_PHASE = 2.5  # of the fastest mode per macro step; local extrapolation is stable up to 3.1
+_FIRST_PHASE = 0.25  # of the fastest mode in the first step
 _NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
 
@@ -68,7 +69,7 @@ class March:
         elif order:
             columns = order // 2
         else:
-            columns = 4 if tolerance < 1e-4 or step > 0.0 else 3 if tolerance < 1e-2 else 2
+            columns = 4 if tolerance < _FINE or step > 0.0 else 3
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
@@ -261,9 +262,8 @@ class March:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
         else:
-            h = self.proposal if self.proposal > 0.0 else 0.1 * _SAFE_PHASE / (omega + 1.0)
-            if h * omega > _SAFE_PHASE:
-                h = _SAFE_PHASE / omega
+            h = self.proposal if self.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
+            h = self.stepper.bound(h)
         return road if h > road else h
 
     def _step(self, latest):

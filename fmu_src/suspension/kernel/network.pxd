@@ -44,6 +44,9 @@ cdef class Network(Elements):
     cdef void jerk(self, double[::1] v, double[::1] a, double[::1] out) noexcept nogil
     @cython.locals(n=int, i=int, j=int, k=int, x=double, trace=double)
     cdef double fastest_mode(self, double[::1] stiffness) noexcept nogil
+    @cython.locals(i=int)
+    cdef bint is_damped(self, double[::1] stiffness, double[::1] damping, double share,
+                        double omega) noexcept nogil
     @cython.locals(e=int, p=int)
     cdef void read_forces(self, double t, double[::1] q, double[::1] v, double[::1] a,
                           double[::1] forces, double[::1] sets) noexcept nogil

@@ -10,15 +10,13 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
-from .elements import KINDS, Elements
+from .elements import Elements
 from .laws import pieces_of
 
 if not cython.compiled:
     from math import sqrt
 
     from .linear import decompose, solve
-
-__all__ = ["KINDS", "Network"]
 
 _DAMPER, _MODULATION = 1, 2  # as in elements
 _LAWS, _PIECE = 3, 9  # as in laws
@@ -174,8 +172,9 @@ class Network(Elements):
                 if bi != 0.0:
                     for k in range(n):
                         bb = bi * self.row_direction[r * n + k]
-                        stiffness[i * n + k] += bb * self.row_k[r]
-                        damping[i * n + k] += bb * self.row_c[r]
+                        if bb != 0.0:
+                            stiffness[i * n + k] += bb * self.row_k[r]
+                            damping[i * n + k] += bb * self.row_c[r]
 
     def net_force(self, out):
         """p - sum b f, with `row_f` and the signals in `road`."""
@@ -303,6 +302,15 @@ class Network(Elements):
             for k in range(n):
                 trace += self.modes2[i * n + k] * self.modes2[k * n + i]
         return sqrt(sqrt(trace)) if trace > 0.0 else 0.0
+
+    def is_damped(self, stiffness, damping, share, omega):
+        """Whether damping is more than a share of the stiffness in all modes faster than omega.
+
+        That is, whether B - share (K - omega^2 M) is positive definite.
+        """
+        for i in range(self.n * self.n):
+            self.modes[i] = damping[i] - share * (stiffness[i] - omega * omega * self.mass[i])
+        return decompose(self.modes, 0, self.n) == 0
 
     def read_forces(self, t, q, v, a, forces, sets):
         """Accelerations, forces and permanent sets at an instant of the remembered branches."""

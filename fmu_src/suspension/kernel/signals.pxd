@@ -7,22 +7,24 @@ cdef double _ROAD_PHASE
 cdef class Signals:
     cdef readonly int signals
     cdef double[::1] segment, road
-    cdef int[::1] signal_first, signal_count, signal_now
+    cdef int[::1] signal_first, signal_count, signal_now, level
 
-    @cython.locals(at=int, numbers=tuple)
+    @cython.locals(k=int, at=int, numbers=tuple)
     cdef read_signal(self, int s, signal)
+    @cython.locals(i=int)
+    cdef void _see_whether_level(self, int k) noexcept nogil
 
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double[::1] coefficients) noexcept nogil
-    @cython.locals(at=int, x=double, value=double, rate=double,
+    @cython.locals(k=int, at=int, x=double, value=double, rate=double,
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)
     cdef void signal(self, int s, double t) noexcept nogil
     @cython.locals(s=int)
     cdef void all_signals(self, double t) noexcept nogil
-    @cython.locals(s=int, i=int, at=int)
+    @cython.locals(s=int)
     cdef int still(self) noexcept nogil
     @cython.locals(s=int, k=int, joint=double, start=double)
     cdef double next_joint(self) noexcept nogil

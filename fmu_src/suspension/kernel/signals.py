@@ -30,16 +30,26 @@ class Signals:
         self.signal_first = integers(accumulate(count, initial=0))
         self.signal_now = integers([0] * max(self.signals, 1))
         self.segment = doubles([0.0] * _SEGMENT * max(sum(count), 1))
+        self.level = integers([0] * max(sum(count), 1))  # whether nothing changes in a segment
         self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
 
     def read_signal(self, s, signal):
         """Enter the segments of signal s, as many as there were."""
-        at = self.signal_first[s] * _SEGMENT
+        k = self.signal_first[s]
+        at = k * _SEGMENT
         for segment in signal.segments:
             numbers = (segment.start, segment.origin, *segment.coefficients, segment.amplitude)
             for x in (*numbers, *segment.phase):
                 self.segment[at] = x
                 at += 1
+            self._see_whether_level(k)
+            k += 1
+
+    def _see_whether_level(self, k):
+        self.level[k] = 1
+        for i in range(3, 7):
+            if self.segment[k * _SEGMENT + i] != 0.0:
+                self.level[k] = 0
 
     def enter_segment(self, s, t):
         """Let signal s go on to the segment that holds from t on; the jump of its value there."""
@@ -68,11 +78,17 @@ class Signals:
         self.segment[at + 1] = t
         for i in range(4):
             self.segment[at + 2 + i] = coefficients[i]
+        self._see_whether_level(self.signal_first[s])
         return coefficients[0] - before
 
     def signal(self, s, t):
         """Value and three derivatives of signal s in its present segment, into `road`."""
-        at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
+        k = self.signal_first[s] + self.signal_now[s]
+        at = k * _SEGMENT
+        if self.level[k]:
+            self.road[4 * s] = self.segment[at + 2]
+            self.road[4 * s + 1] = self.road[4 * s + 2] = self.road[4 * s + 3] = 0.0
+            return
         x = t - self.segment[at + 1]
         value = self.segment[at + 2] + x * (
             self.segment[at + 3] + x * (self.segment[at + 4] + x * self.segment[at + 5])
@@ -104,10 +120,8 @@ class Signals:
     def still(self):
         """Whether no signal changes within its present segment."""
         for s in range(self.signals):
-            at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
-            for i in range(3, 7):
-                if self.segment[at + i] != 0.0:
-                    return 0
+            if not self.level[self.signal_first[s] + self.signal_now[s]]:
+                return 0
         return 1
 
     def next_joint(self):

@@ -8,7 +8,7 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
-cdef double _SHARE, _CAUTION
+cdef double _SHARE, _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
 
 @cython.final
 cdef class Stepper:
@@ -16,9 +16,9 @@ cdef class Stepper:
     cdef Lanes lanes
     cdef Iteration iteration
     cdef Propagator propagator
-    cdef int n, method, columns, fractions, stamp, affine, loads_hold
+    cdef int n, method, columns, fractions, stamp, affine, loads_hold, damping_known
     cdef bint side_by_side, controlled
-    cdef double theta, tolerance, reach, omega_squared, quickest, error, time
+    cdef double theta, tolerance, reach, omega_squared, quickest, error, time, longest, least_damping
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
     cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a
@@ -41,7 +41,9 @@ cdef class Stepper:
     cdef int _substep_affine(self, int column, double h, int fraction) noexcept nogil
     @cython.locals(i=int, same=bint)
     cdef void _find_fastest(self) noexcept nogil
-    @cython.locals(i=int, k=int)
+    @cython.locals(omega=double, longer=double)
+    cdef double bound(self, double h) noexcept nogil
+    @cython.locals(i=int, k=int, at=int)
     cdef void _begin_in_lanes(self) noexcept nogil
     @cython.locals(k=int)
     cdef void _prepare_signals(self, double h) noexcept nogil

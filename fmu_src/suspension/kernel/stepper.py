@@ -37,6 +37,11 @@ _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
 _CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
 _MOST = 5  # substeps of one macro step
+# Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
+# to which it does not grow at all if it is damped by no less than this, by columns: see `bound`.
+_SAFE_PHASE = 2.4
+_DAMPED_PHASE = 6.0
+_LEAST_DAMPING = {1: 1e3, 2: 0.04, 3: 0.017, 4: 0.008}
 
 METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3, "wilson": 4, "exact": 5}
 _TANGENT, _WILSON, _EXACT = 3, 4, 5
@@ -63,6 +68,7 @@ class Stepper:
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
         self.controlled = False  # whether the error decides on steps
+        self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
         self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
@@ -176,17 +182,35 @@ class Stepper:
         if not same:
             self.omega_squared = self.net.fastest_mode(self.stiffness)
         self.quickest = sqrt(self.omega_squared)
+        self.longest = _SAFE_PHASE / self.quickest if self.quickest > 0.0 else 1e300
+        self.damping_known = 0
+
+    def bound(self, h):
+        """The macro step h, or the longest one in which no mode grows by itself, if that is shorter.
+
+        An undamped mode may take 2.4 rad. In a linear branch the fastest may take 6 if every mode of
+        more than 2.4 is damped: c_i > x h (omega_i^2 - (2.4 / h)^2), x the least damping. So it is where
+        B - x h (K - (2.4 / h)^2 M) is positive definite.
+        """
+        if h > self.longest and not self.damping_known:
+            self.damping_known = 1
+            omega = sqrt(self.omega_squared)
+            longer = _DAMPED_PHASE / omega
+            if self.in_lanes() and self.net.is_damped(
+                self.stiffness, self.damping, self.least_damping * longer, _SAFE_PHASE / longer
+            ):
+                self.longest = longer
+        return self.longest if h > self.longest else h
 
     def _begin_in_lanes(self):
         """Loads, acceleration and jerk where a linear branch begins, with the signals in `road`."""
         self._find_loads(self.fractions - 1, 1)
         self.lanes.enter()
         if self.net.still():
-            self._note_signals(0)
-            for i in range(self.n):
-                self.load_table[i] = self.load_table[(self.fractions - 1) * self.n + i]
-            for k in range(1, self.fractions):
-                self._repeat_signals(k)
+            for k in range(self.fractions - 1):
+                for i in range(self.n):
+                    at = (self.fractions - 1) * self.n
+                    self.load_table[k * self.n + i] = self.load_table[at + i]
             self.loads_hold = 1
 
     def _scale_velocities(self):
@@ -260,7 +284,8 @@ class Stepper:
                 self._repeat_signals(k)
                 continue
             self.net.all_signals(self.time + self.fraction[k] * h)
-            self._note_signals(k)
+            if not self.in_lanes():
+                self._note_signals(k)
             if self.affine:
                 self.loads_hold = self.net.still()
                 self._find_loads(k, k + 1 == self.fractions or self.loads_hold)
@@ -294,8 +319,9 @@ class Stepper:
         n = self.n
         for m in range(self.net.loads):
             p = self.net.road[4 * self.net.load_signal[m] + order]
-            for i in range(n):
-                out[at + i] += self.net.load_direction[m * n + i] * p
+            if p != 0.0:
+                for i in range(n):
+                    out[at + i] += self.net.load_direction[m * n + i] * p
         for r in range(self.net.rows):
             s = self.net.row_signal[r]
             if s >= 0:
@@ -303,8 +329,9 @@ class Stepper:
                     self.net.branch_k[r] * self.net.road[4 * s + order]
                     + self.net.branch_c[r] * self.net.road[4 * s + order + 1]
                 )
-                for i in range(n):
-                    out[at + i] += self.net.row_direction[r * n + i] * f
+                if f != 0.0:
+                    for i in range(n):
+                        out[at + i] += self.net.row_direction[r * n + i] * f
 
     def _column(self, column, h):
         """A macro step made of so many equal substeps, into the table of the extrapolation."""

@@ -25,11 +25,12 @@ cdef class Switches:
     cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(k=int, r=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
-    @cython.locals(r=int, k=int)
+    @cython.locals(r=int, s=int, k=int)
     cdef void carry_on(self) noexcept nogil
     cdef void _read_roads(self, double t, double h) noexcept nogil
-    @cython.locals(s=int, k=int)
     cdef void _read_road(self, double t, int end) noexcept nogil
+    @cython.locals(s=int, k=int)
+    cdef void _note_road(self, int end) noexcept nogil
     @cython.locals(n=int, i=int, at=int, b=double, d0=double, d1=double, d2=double, d3=double)
     cdef void _read_row(self, int r, int end) noexcept nogil
     @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,

@@ -82,7 +82,8 @@ class Switches:
         self.at = 2.0
         if self.watched == 0:
             return 2.0
-        self._read_roads(t, h)
+        if not (self.roads_known and self.stepper.loads_hold):
+            self._read_roads(t, h)
         for r in range(self.net.rows):
             if not self.start_known:
                 self._read_row(r, 0)
@@ -105,17 +106,25 @@ class Switches:
             for r in range(self.net.rows):
                 for k in range(8 * r, 8 * r + 4):
                     self.row[k] = self.row[k + 4]
+            for s in range(self.net.signals):
+                for k in range(8 * s, 8 * s + 4):
+                    self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t, h):
-        """Signals at both ends; where they hold still, once for each branch."""
-        if self.roads_known and self.stepper.loads_hold:
-            return
-        self._read_road(t, 0)
-        self._read_road(t + h, 1)
+        """Signals at both ends of an attempt that has just been made."""
+        if self.stepper.in_lanes() and not self.stepper.loads_hold:
+            self._note_road(1)  # such an attempt leaves the signals as they are at its end
+        else:
+            self._read_road(t + h, 1)
+        if not self.start_known:
+            self._read_road(t, 0)
         self.roads_known = 1
 
     def _read_road(self, t, end):
         self.net.all_signals(t)
+        self._note_road(end)
+
+    def _note_road(self, end):
         for s in range(self.net.signals):
             for k in range(4):
                 self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
@@ -129,6 +138,8 @@ class Switches:
         d3 = 0.0
         for i in range(n):
             b = self.net.row_direction[r * n + i]
+            if b == 0.0:
+                continue
             if end:
                 d0 += b * self.stepper.qb[i]
                 d1 += b * self.stepper.vb[i]
