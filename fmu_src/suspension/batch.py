@@ -8,24 +8,30 @@ from __future__ import annotations
 
 import os
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 from math import ceil, isfinite
 from operator import itemgetter
-from typing import Any
+from typing import Any, cast
+
+import numpy as np
+import numpy.typing as npt
 
 from .engine import FAILURES, Integrator, run_all
+from .many import PartingError, many, of_run, table
 from .models import build, build_checked
-from .remembering import Remembering
 from .series import Series, at_the_end, over_time
 from .session import start_state
 from .systems import System
+from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
-_CHUNK = 64  # runs that a thread takes at a time
-_GROUP = 8  # of them that it steps without Python's lock
+_CHUNK = 1024  # runs that a thread takes at a time
+_GROUP = 4  # of them that it steps without Python's lock
+_MOST_NUMBERS = 4_000_000  # in one table of systems
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,12 +40,12 @@ class Outcome:
 
     Parameters
     ----------
-    columns : values over the instants by the name of the output; up to where the run came
+    columns : values over the instants by the name of the output, (instants,); up to where the run came
     failure : why it ended before the last instant, or empty
     at_end : values at the last instant by the name of the output; none if the run ended before
     """
 
-    columns: Mapping[str, Sequence[float]]
+    columns: Mapping[str, npt.NDArray[np.float64]]
     failure: str = ""
     at_end: Mapping[str, float] = field(default_factory=dict)
 
@@ -101,7 +107,7 @@ def run_many(
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
     task = _Task(model, instants, tuple(outputs), tuple(at_end))
     workers = workers or os.cpu_count() or 1
-    size = min(_CHUNK, ceil(len(parameter_sets) / (4 * workers)) or 1)
+    size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
     found: list[Outcome] = []
     # those that no thread works at
@@ -158,74 +164,193 @@ class _Task:
 
 
 class _Place:
-    """An integrator and its columns, for one run after the other.
-
-    A run begins with what the one before has left: the integrator begins anew as long as the system fits.
-    """
+    """An integrator and its columns, for one run after the other."""
 
     def __init__(self, task: _Task) -> None:
         self._task = task
         self._solver: tuple[Value, ...] = ()
+        self._run = 0
         self.integrator: Any = None
+        self._series: Any = None
 
-    def begin(self, system: System, parameters: Mapping[str, Value]) -> None:
-        """Prepare a run; a ValueError says why it cannot be made."""
-        task, start = self._task, self._task.times[0]
-        solver = method, step, tolerance, theta, beyond = _solver(parameters)
-        if solver != self._solver or not self.integrator.restart(system, start):
-            self.integrator = Integrator(
-                system, method, step, tolerance, start,
-                energy=False, theta=theta, beyond_stable=beyond,
-            )  # fmt: skip
-            self._series = Series(system, task.times, task.outputs, task.at_end)
-            self._solver = solver
-        state = start_state(system, parameters, start)
-        if state is not None:
-            self.integrator.set_state(*state)
-        self._series.prepare(system, self.integrator)
+    def enter(
+        self, system: System, solver: tuple[Value, ...], example: Callable[[], System]
+    ) -> None:
+        """Get ready for runs of a system; the integrator stays as long as it fits.
 
-    def outcome(self, status: int) -> Outcome:
+        Raises
+        ------
+        ValueError : a system that the method cannot take.
+        """
+        task = self._task
+        if solver == self._solver and self.integrator.fits(system):
+            self._series.enter(system)
+            return
+        method, step, tolerance, theta, beyond = solver
+        self._solver = ()
+        self.integrator = Integrator(
+            example(), method, step, tolerance, task.times[0],
+            energy=False, theta=theta, beyond_stable=beyond,
+        )  # fmt: skip
+        self._series = Series(system, task.times, task.outputs, task.at_end)
+        self._series.prepare(self.integrator)
+        self._solver = solver
+
+    def begin(self, alike: _Alike, run: int) -> str:
+        """Prepare a run, or say why it cannot be made."""
+        self._run = run
+        try:
+            self.integrator.restart_with(alike.numbers, run * alike.width, self._task.times[0])
+        except ValueError as error:
+            return str(error)
+        if alike.state is not None:
+            self.integrator.set_state(*of_run(alike.state, run))
+        return ""
+
+    def outcome(self, alike: _Alike, status: int) -> Outcome:
         """What became of the run."""
-        columns = self._series.columns()
+        into = alike.columns[self._run] if alike.columns else ()
+        columns = self._series.columns(into, self._run)
         if status != 0:
             at, step = self.integrator.time, self.integrator.step_count
             return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
         return Outcome(columns, at_end=self._series.ends())
 
 
-class _Bench:
-    """Where runs are made in groups: a system is made anew as far as parameters have changed.
+@dataclass(frozen=True, slots=True)
+class _Alike:
+    """Runs whose systems differ in their numbers alone.
 
-    The groups let several threads take turns seldom: all of a group are prepared, then all of them run
-    without Python's lock.
+    Parameters
+    ----------
+    numbers : those of all systems, one system after the other
+    width : how many numbers a system has
+    state : displacements and velocities at the start; None where all of them are zero
+    columns : of each run, arrays for its outputs, (instants,); empty if there are none
+    """
+
+    numbers: memoryview
+    width: int
+    state: tuple[tuple[float, ...], tuple[float, ...]] | None
+    columns: Sequence[tuple[npt.NDArray[np.float64], ...]]
+
+
+class _Bench:
+    """Where runs are made, as many as can be from systems made for all of them at once.
+
+    They go in groups, so that threads take turns seldom: all of a group are prepared, then all of them
+    run without Python's lock.
     """
 
     def __init__(self, task: _Task, group: int) -> None:
-        self._model = task.model
-        self._parameters = Remembering()
+        self._task = task
         self._places = [_Place(task) for _ in range(group)]
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         """Make a run for each set; what its parameters do not allow is its failure."""
-        size = len(self._places)
-        groups = (sets[k : k + size] for k in range(0, len(sets), size))
-        return [outcome for group in groups for outcome in self._run_group(group)]
+        found: dict[int, Outcome] = {}
+        for runs in _with_equal_texts(self._task.model, sets):
+            found |= self._run_together(sets, runs)
+        return [found[run] for run in range(len(sets))]
 
-    def _run_group(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
-        begun = [self._begin(*each) for each in zip(self._places, sets, strict=False)]
-        places = [place for place in begun if isinstance(place, _Place)]
-        statuses = iter(run_all([place.integrator for place in places]))
-        return [one.outcome(next(statuses)) if isinstance(one, _Place) else one for one in begun]
-
-    def _begin(self, place: _Place, given: Mapping[str, object]) -> _Place | Outcome:
+    def _run_together(
+        self, sets: Sequence[Mapping[str, object]], runs: Sequence[int]
+    ) -> dict[int, Outcome]:
+        """Runs as one where that can be, else in parts, at last each by itself."""
+        parts: Iterable[Sequence[int]]
         try:
-            self._parameters.update(checked_parameters(self._model, given))
-            place.begin(build_checked(self._model, self._parameters), self._parameters)
-        except ValueError as error:  # a ParameterError among them
-            return Outcome({}, str(error))
-        return place
+            alike = self._made_alike([sets[run] for run in runs])
+        except PartingError as parting:
+            which = dict(zip(runs, parting.which.tolist(), strict=True))
+            parts = [[run for run in runs if which[run] is side] for side in (True, False)]
+        except (ValueError, TypeError, ArithmeticError) as error:
+            if len(runs) == 1:
+                if not isinstance(error, ValueError):
+                    raise
+                return {runs[0]: Outcome({}, str(error))}
+            parts = [[run] for run in runs]
+        else:
+            return dict(zip(runs, self._run_alike(alike, len(runs)), strict=True))
+        return {run: one for part in parts for run, one in self._run_together(sets, part).items()}
+
+    def _made_alike(self, sets: Sequence[Mapping[str, object]]) -> _Alike:
+        """Systems for all sets at once, and places that are ready for them."""
+        model, places = self._task.model, self._places[: len(sets)]
+        with np.errstate(all="raise", under="ignore"):
+            parameters = _together(model, sets)
+            system = build_checked(model, parameters)
+            state = start_state(system, parameters, self._task.times[0])
+            example = cache(lambda: build(model, checked_parameters(model, sets[0])))
+            for place in places:
+                place.enter(system, _solver(parameters), example)
+            numbers = places[0].integrator.numbers(system)
+        if len(numbers) * len(sets) > _MOST_NUMBERS and len(sets) > 1:
+            raise PartingError(np.arange(len(sets)) < len(sets) // 2)
+        rows = table(numbers, len(sets)).reshape(-1).data
+        columns = np.empty((len(self._task.outputs), len(sets), len(self._task.times)))
+        return _Alike(rows, len(numbers), state, list(zip(*columns, strict=True)))
+
+    def _run_alike(self, alike: _Alike, runs: int) -> Iterable[Outcome]:
+        for first in range(0, runs, len(self._places)):
+            group = self._places[: runs - first]
+            reasons = [place.begin(alike, first + k) for k, place in enumerate(group)]
+            begun = zip(group, reasons, strict=True)
+            statuses = iter(run_all([place.integrator for place, reason in begun if not reason]))
+            for place, reason in zip(group, reasons, strict=True):
+                yield Outcome({}, reason) if reason else place.outcome(alike, next(statuses))
 
 
 _solver = itemgetter(
     "solver.method", "solver.step", "solver.tolerance", "solver.theta", "solver.beyond_stable"
 )
+
+
+def _with_equal_texts(model: str, sets: Sequence[Mapping[str, object]]) -> Iterable[list[int]]:
+    """The runs that give the same parameters, and the same for all that are no numbers of the system."""
+    declared = _declared(model)
+    texts: dict[tuple[str, ...], list[str]] = {}
+    together: dict[object, list[int]] = {}
+    for run, given in enumerate(sets):
+        names = tuple(given)
+        if names not in texts:
+            texts[names] = [name for name in names if not _is_number(declared.get(name))]
+        values = [given[name] for name in texts[names]]
+        # what is equal need not be the same: True, 1 and 1.0
+        key = (names, str(values) if values else "")
+        together.setdefault(key, []).append(run)
+    return together.values()
+
+
+def _declared(model: str) -> dict[str, Variable]:
+    return {v.name: v for v in variables(model) if v.causality == "parameter"}
+
+
+def _is_number(declared: Variable | None) -> bool:
+    """Whether a parameter may differ among runs that are made together."""
+    return (
+        declared is not None
+        and isinstance(declared.start, float)
+        and not declared.name.startswith("solver.")
+    )
+
+
+def _together(model: str, sets: Sequence[Mapping[str, object]]) -> dict[str, Value]:
+    """All parameters of sets that give the same ones, with many numbers in place of one.
+
+    Raises
+    ------
+    ParameterError : a value that one of them does not allow.
+    """
+    declared = _declared(model)
+    parameters = checked_parameters(model, sets[0])
+    for name in sets[0]:
+        if _is_number(declared[name]):
+            check = declared[name].checked
+            given = [one[name] for one in sets]
+            if not {*map(type, given)} <= {float, int}:
+                given = [check(value) for value in given]
+            values = np.array(given, dtype=float) + 0.0  # never -0.0
+            for extreme in (values.min(), values.max()):
+                check(float(extreme))
+            parameters[name] = cast("float", many(values))
+    return parameters

@@ -17,9 +17,9 @@ from .parts import (
     tyre_element,
     tyre_stiffness,
 )
-from .remembering import remembered
 from .signals import Signal
 from .systems import Axle, Element, Load, Motion, System
+from .variable import number
 from .variables import ParameterError, Value, checked_parameters
 
 __all__ = [
@@ -63,7 +63,7 @@ def one_dof(p: Mapping[str, Value]) -> System:
     road, forces = road_from(p), _body_forces(p)
     return System(
         coordinates=("body",),
-        mass=((float(p["sprung_mass"]),),),
+        mass=((number(p, "sprung_mass"),),),
         elements=suspension_elements(p, (1.0,), road="road"),
         signals={"road": road, **forces},
         loads=tuple(Load((1.0,), name) for name in forces),
@@ -81,7 +81,7 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     ----------
     p : checked parameters of `QuarterCar`
     """
-    body, wheel, load = float(p["sprung_mass"]), float(p["unsprung_mass"]), _load(p)
+    body, wheel, load = number(p, "sprung_mass"), number(p, "unsprung_mass"), _load(p)
     road, forces = road_from(p), _body_forces(p)
     scale = road.scale or load / tyre_stiffness(p) or _SMALL
     return System(
@@ -97,10 +97,9 @@ def quarter_car(p: Mapping[str, Value]) -> System:
 
 def _load(p: Mapping[str, Value]) -> float:
     """Weight on the tyre of a quarter car, N."""
-    return (float(p["sprung_mass"]) + float(p["unsprung_mass"])) * float(p["gravity"])
+    return (number(p, "sprung_mass") + number(p, "unsprung_mass")) * number(p, "gravity")
 
 
-@remembered
 def _tyre_of_quarter_car(p: Mapping[str, Value]) -> Element:
     return tyre_element(p, (0.0, 1.0), _load(p))
 
@@ -118,8 +117,9 @@ def axle_masses(
     pitch_radius_of_gyration : rho, m
     cg_to_front, cg_to_rear : a and b, m; L = a + b is the wheelbase
     """
-    a, b, rho2 = cg_to_front, cg_to_rear, pitch_radius_of_gyration**2
-    per_area = sprung_mass / (a + b) ** 2
+    a, b, rho = cg_to_front, cg_to_rear, pitch_radius_of_gyration
+    rho2, wheelbase = rho * rho, a + b
+    per_area = sprung_mass / (wheelbase * wheelbase)
     return (rho2 + b * b) * per_area, (rho2 + a * a) * per_area, (a * b - rho2) * per_area
 
 
@@ -143,12 +143,15 @@ class _Body:
 
     @classmethod
     def of(cls, p: Mapping[str, Value]) -> _Body:
-        front, rear = float(p["cg_to_front"]), float(p["cg_to_rear"])
+        front, rear = number(p, "cg_to_front"), number(p, "cg_to_rear")
         wheelbase = front + rear
-        radius = float(p["pitch_radius_of_gyration"])
-        masses = axle_masses(float(p["sprung_mass"]), radius, front, rear)
+        radius = number(p, "pitch_radius_of_gyration")
+        masses = axle_masses(number(p, "sprung_mass"), radius, front, rear)
         over_front, over_rear, coupling = masses
-        if not over_front * over_rear - coupling**2 > _LEAST_INERTIA * over_front * over_rear:
+        if (
+            not over_front * over_rear - coupling * coupling
+            > _LEAST_INERTIA * over_front * over_rear
+        ):
             raise ParameterError(
                 f"pitch_radius_of_gyration = {radius:g}: beside cg_to_front = {front:g} and "
                 f"cg_to_rear = {rear:g} m the body would move as if it had one mass only; "
@@ -173,24 +176,22 @@ class _Body:
         )
 
 
-@remembered
 def _roads(p: Mapping[str, Value]) -> dict[str, Signal]:
     """The road under both axles; the rear one meets it later."""
-    road, wheelbase = road_from(p), float(p["cg_to_front"]) + float(p["cg_to_rear"])
-    return {"front_road": road, "rear_road": road.delayed(wheelbase / float(p["speed"]))}
+    road, wheelbase = road_from(p), number(p, "cg_to_front") + number(p, "cg_to_rear")
+    return {"front_road": road, "rear_road": road.delayed(wheelbase / number(p, "speed"))}
 
 
 def _loads(p: Mapping[str, Value]) -> tuple[float, float]:
     """Weights on the tyres of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind."""
-    a, b, body = float(p["cg_to_front"]), float(p["cg_to_rear"]), float(p["sprung_mass"])
+    a, b, body = number(p, "cg_to_front"), number(p, "cg_to_rear"), number(p, "sprung_mass")
     front, rear = (
-        (share / (a + b) * body + float(p[f"{axle}.unsprung_mass"])) * float(p["gravity"])
+        (share / (a + b) * body + number(p, f"{axle}.unsprung_mass")) * number(p, "gravity")
         for axle, share in (("front", b), ("rear", a))
     )
     return front, rear
 
 
-@remembered
 def _tyres_of_half_car(p: Mapping[str, Value]) -> tuple[Element, Element]:
     front_load, rear_load = _loads(p)
     return (
@@ -241,7 +242,7 @@ def half_car(p: Mapping[str, Value]) -> System:
     """
     body = _Body.of(p)
     front, rear, coupling = body.masses
-    wheels = [float(p[f"{axle}.unsprung_mass"]) for axle in ("front", "rear")]
+    wheels = [number(p, f"{axle}.unsprung_mass") for axle in ("front", "rear")]
     front_load, rear_load = _loads(p)
     front_tyre, rear_tyre = _tyres_of_half_car(p)
     front_strut, rear_strut = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)
@@ -287,16 +288,16 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
     ----------
     p : checked parameters of `Elastoplastic`
     """
-    rate, yield_force = float(p["spring.rate"]), float(p["yield_force"])
-    if not float(p["hardening"]) < rate:
+    rate, yield_force = number(p, "spring.rate"), number(p, "yield_force")
+    if not number(p, "hardening") < rate:
         raise ParameterError(
-            f"hardening = {float(p['hardening']):g}: must be below spring.rate = {rate:g} N/m"
+            f"hardening = {number(p, 'hardening'):g}: must be below spring.rate = {rate:g} N/m"
         )
-    _check_start(p, rate, yield_force, float(p["hardening"]))
+    _check_start(p, rate, yield_force, number(p, "hardening"))
     course = force_course(p, "force.table") or roads.LEVEL
     return System(
         coordinates=("",),
-        mass=((float(p["mass"]),),),
+        mass=((number(p, "mass"),),),
         elements=(_spring_that_yields(p), _linear_damper(p)),
         signals={"force": roads.LEVEL, "force_table": course},
         loads=(Load((1.0,), "force"), Load((1.0,), "force_table")),
@@ -304,24 +305,22 @@ def elastoplastic(p: Mapping[str, Value]) -> System:
     )  # fmt: skip
 
 
-@remembered
 def _spring_that_yields(p: Mapping[str, Value]) -> Element:
     return Element(
-        "spring", (1.0,), characteristics.linear(float(p["spring.rate"])),
-        yield_force=float(p["yield_force"]), hardening=float(p["hardening"]),
-        permanent_set=float(p["initial.permanent_set"]),
+        "spring", (1.0,), characteristics.linear(number(p, "spring.rate")),
+        yield_force=number(p, "yield_force"), hardening=number(p, "hardening"),
+        permanent_set=number(p, "initial.permanent_set"),
     )  # fmt: skip
 
 
-@remembered
 def _linear_damper(p: Mapping[str, Value]) -> Element:
-    return Element("damper", (1.0,), damper=characteristics.linear(float(p["damper.rate"])))
+    return Element("damper", (1.0,), damper=characteristics.linear(number(p, "damper.rate")))
 
 
 def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:
     """Refuse a set at which the spring would start beyond its yield force: it could not have come so."""
     displacement, permanent_set = (
-        float(p[f"initial.{name}"]) for name in ("displacement", "permanent_set")
+        number(p, f"initial.{name}") for name in ("displacement", "permanent_set")
     )
     # between the lines of flow, -+ yield force (1 - hardening / rate) + hardening u
     room = yield_force * (1.0 - hardening / rate)
@@ -359,6 +358,6 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
     """The system of a model from all of its parameters, as `checked_parameters` gives them.
 
-    From parameters that are `Remembering`, only what has changed since is made anew.
+    What it does with numbers it can do with those of many runs at once (see `many`).
     """
     return _BUILDERS[model](parameters)

@@ -8,11 +8,10 @@ from math import inf, isfinite
 
 from . import characteristics, roads
 from .characteristics import Characteristic
-from .remembering import remembered
 from .signals import Signal, passing_time
 from .systems import ALWAYS, Element
 from .units import nearest
-from .variable import ParameterError, Value
+from .variable import ParameterError, Value, number
 
 
 def points(name: str, text: str) -> list[tuple[float, float]]:
@@ -26,7 +25,7 @@ def points(name: str, text: str) -> list[tuple[float, float]]:
         pairs = [(float(x), float(y)) for x, y in (pair.split(":") for pair in text.split(","))]
     except ValueError:
         pairs = []
-    if not pairs or not all(isfinite(number) for pair in pairs for number in pair):
+    if not pairs or not all(isfinite(x) for pair in pairs for x in pair):
         raise ParameterError(
             f"{name} = {text!r}: must be pairs of finite numbers such as "
             "'-0.1:-1500, 0:0, 0.1:1500'"
@@ -78,8 +77,8 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     """The spring of one axle, from static equilibrium."""
     part = f"{of}spring"
     table = _table(p, part)
-    law = table or characteristics.cubic(float(p[f"{part}.rate"]), float(p[f"{part}.cubic"]))
-    preload = float(p[f"{part}.preload"])
+    law = table or characteristics.cubic(number(p, f"{part}.rate"), number(p, f"{part}.cubic"))
+    preload = number(p, f"{part}.preload")
     if preload == 0.0:
         return law if table is None else _through_zero(table, f"{part}.table")
     static = law.argument(-preload)
@@ -106,13 +105,15 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     if table is not None:
         return _braking(_through_zero(table, f"{part}.table"), f"{part}.table")
     rebound, bump, most = (
-        float(p[f"{part}.{name}"]) for name in ("rebound_rate", "bump_rate", "saturation_force")
+        number(p, f"{part}.{name}") for name in ("rebound_rate", "bump_rate", "saturation_force")
     )
     if most > 0.0:
         with blaming(f"{part}.saturation_force"):
             return characteristics.saturating(rebound, most, bump)
     limits = ("rebound_limit", "bump_limit", "limit_slope")
-    return characteristics.damper(rebound, bump, *(float(p[f"{part}.{limit}"]) for limit in limits))
+    return characteristics.damper(
+        rebound, bump, *(number(p, f"{part}.{limit}") for limit in limits)
+    )
 
 
 def _modulation(name: str, text: str) -> Characteristic:
@@ -142,7 +143,6 @@ def suspension_elements(
     return tuple(element for element in found if element is not None)
 
 
-@remembered
 def _spring_element(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
 ) -> Element | None:
@@ -151,7 +151,6 @@ def _spring_element(
     return None if spring.is_zero else Element(f"{prefix}spring", direction, spring, road=road)
 
 
-@remembered
 def _damper_element(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
 ) -> Element | None:
@@ -166,23 +165,21 @@ def _damper_element(
 def _stop_element(name: str, make: Callable[[float, float], Characteristic]) -> _Make:
     """An end stop, given its gap and stiffness."""
 
-    @remembered
     def stop_element(
         p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
     ) -> Element | None:
         of, prefix = _prefixes(axle)
-        stop = make(float(p[f"{of}{name}.gap"]), float(p[f"{of}{name}.stiffness"]))
+        stop = make(number(p, f"{of}{name}.gap"), number(p, f"{of}{name}.stiffness"))
         return None if stop.is_zero else Element(f"{prefix}{name}", direction, stop, road=road)
 
     return stop_element
 
 
-@remembered
 def _friction_element(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
 ) -> Element | None:
     of, prefix = _prefixes(axle)
-    friction = float(p[f"{of}friction"])
+    friction = number(p, f"{of}friction")
     return (
         Element(f"{prefix}friction", direction, road=road, friction=friction) if friction else None
     )
@@ -221,17 +218,15 @@ def tyre_element(
     )
 
 
-@remembered
 def _tyre_damper(p: Mapping[str, Value], of: str) -> Characteristic:
-    return characteristics.linear(float(p[f"{of}tyre.damping"]))
+    return characteristics.linear(number(p, f"{of}tyre.damping"))
 
 
-@remembered
 def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
     part = f"{of}tyre"
     table = _table(p, part)
     if table is None:
-        return characteristics.linear(float(p[f"{part}.stiffness"]))
+        return characteristics.linear(number(p, f"{part}.stiffness"))
     forces = [force for _, force in points(f"{part}.table", str(p[f"{part}.table"]))]
     for force, force_next in pairwise(forces):
         if not force < force_next:
@@ -251,7 +246,6 @@ def _prefixes(axle: str) -> tuple[str, str]:
     return (f"{axle}.", f"{axle}_") if axle else ("", "")
 
 
-@remembered
 def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
     """The force over time that a table of `time:force` gives, N; None without one."""
     text = str(p[name])
@@ -261,7 +255,6 @@ def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
         return roads.table(points(name, text))
 
 
-@remembered
 def road_from(p: Mapping[str, Value]) -> Signal:
     """The road of `road.shape`; level where its signal comes from outside."""
     shape = str(p["road.shape"])
@@ -274,27 +267,30 @@ def road_from(p: Mapping[str, Value]) -> Signal:
 def _hump(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
     """A road of height and length."""
     return lambda p: make(
-        float(p["road.height"]), float(p["road.length"]), float(p["speed"]), float(p["road.start"])
+        number(p, "road.height"),
+        number(p, "road.length"),
+        number(p, "speed"),
+        number(p, "road.start"),
     )
 
 
 def _plank(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
     """A road of height, length and equal ramps at both ends."""
     return lambda p: make(
-        float(p["road.height"]), float(p["road.length"]), float(p["speed"]),
-        float(p["road.start"]), float(p["road.ramp_length"]), float(p["road.ramp_length"]),
+        number(p, "road.height"), number(p, "road.length"), number(p, "speed"),
+        number(p, "road.start"), number(p, "road.ramp_length"), number(p, "road.ramp_length"),
     )  # fmt: skip
 
 
 def _sweep(p: Mapping[str, Value]) -> Signal:
     names = ("height", "first_frequency", "last_frequency", "duration", "start")
-    return roads.sweep(*(float(p[f"road.{name}"]) for name in names))
+    return roads.sweep(*(number(p, f"road.{name}") for name in names))
 
 
 def _random(p: Mapping[str, Value]) -> Signal:
     return roads.random_profile(
-        float(p["road.roughness"]) or str(p["road.class"]), float(p["road.profile_length"]),
-        float(p["speed"]), int(p["road.seed"]), float(p["road.start"]),
+        number(p, "road.roughness") or str(p["road.class"]), number(p, "road.profile_length"),
+        number(p, "speed"), int(p["road.seed"]), number(p, "road.start"),
     )  # fmt: skip
 
 
@@ -312,7 +308,7 @@ def _from_table(
             )
         with blaming("road.table"):
             return make(
-                points("road.table", text), float(p["speed"]), float(p["road.start"]), **more
+                points("road.table", text), number(p, "speed"), number(p, "road.start"), **more
             )
 
     return road
@@ -332,7 +328,7 @@ _IN_SEQUENCE: Mapping[str, tuple[Callable[..., Signal], tuple[int, ...]]] = {
 
 def _sequence(p: Mapping[str, Value]) -> Signal:
     """Roads one after the other, from `road.sequence`; gaps before the first one delay it."""
-    speed, text = float(p["speed"]), str(p["road.sequence"])
+    speed, text = number(p, "speed"), str(p["road.sequence"])
     parts: list[Signal] = []
     gaps = [0.0]
     for item in text.split(","):
@@ -362,7 +358,7 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
                 parts.append(make(*numbers[:2], speed, *ramps))
                 gaps.append(0.0)
     with blaming("road.sequence"):
-        start = float(p["road.start"]) + passing_time(gaps[0], speed, or_zero=True)
+        start = number(p, "road.start") + passing_time(gaps[0], speed, or_zero=True)
         return roads.sequence(parts, gaps[1:-1], speed, start)
 
 
@@ -371,7 +367,7 @@ _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
     "obstacle": _hump(roads.obstacle),
     "sine": _hump(roads.sine),
     "sweep": _sweep,
-    "step": lambda p: roads.step(float(p["road.height"]), float(p["road.start"])),
+    "step": lambda p: roads.step(number(p, "road.height"), number(p, "road.start")),
     "ramp": _hump(roads.ramp),
     "plank": _plank(roads.plank),
     "pothole": _plank(roads.pothole),

@@ -76,9 +76,9 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
     ValueError : a length or speed that is not positive.
     """
     duration = passing_time(length, speed)
-    z = 16.0 * height / duration**2
+    z = 16.0 * height / (duration * duration)
     quarter = 0.25 * duration
-    flank = 0.5 * z * quarter**2
+    flank = 0.5 * z * quarter * quarter
     return Signal(
         (
             Segment(-inf),

@@ -10,13 +10,16 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import repeat
-from operator import add, attrgetter, mul
+from operator import attrgetter
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from .engine import KINDS
+from .many import of_run
 from .outputs import SUSPENSION, Contact
-from .signals import Signal
+from .signals import Segment, Signal
 from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
@@ -26,7 +29,7 @@ _CONTACT = {  # attributes of `Contact` by the outputs' names
     "airborne": "airborne", "lift_off_count": "lift_offs", "last_lift_off": "last_lift_off",
     "last_touchdown": "last_touchdown",
 }  # fmt: skip
-Column = Sequence[float]
+Column = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +115,7 @@ class Series:
 
     Parameters
     ----------
-    system : what is to be stepped; further ones may differ from it in their numbers
+    system : what is to be stepped, one or many (see `many`); others may differ in their numbers
     times : s, ascending
     names : the outputs that are wanted over time
     at_end : those that are wanted at the last instant
@@ -121,70 +124,86 @@ class Series:
     def __init__(
         self, system: System, times: array[float], names: Sequence[str], at_end: Sequence[str] = ()
     ) -> None:
-        self._system, self._times, self._names, self._at_end = system, times, names, at_end
-        self._roads: dict[tuple[str, int], tuple[Signal, Column]] = {}
-        self._find_lines()
+        self._times, self._names, self._at_end = times, names, at_end
+        self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
-        kinds = {line.kind for line in self._lines.values()}
+        kinds = {line.kind for name, line in _lines(system) if name in names}
         if ACCELERATION in kinds:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
         n, elements, rows = len(system.mass), len(system.elements), len(times)
-        self._width = {kind: elements if kind == FORCE else n for kind in range(4)}
         self._filled = {
-            kind: array("d", bytes(8 * self._width[kind] * rows)) for kind in {*kinds, DISPLACEMENT}
+            kind: np.empty((elements if kind == FORCE else n, rows))
+            for kind in {*kinds, DISPLACEMENT}
         }
+        self.enter(system)
 
-    def _find_lines(self) -> None:
-        self._lines = {name: line for name, line in _lines(self._system) if name in self._names}
+    def enter(self, system: System) -> None:
+        """Get ready for runs of another system."""
+        self._system = system
+        found = dict(_lines(system))
+        lines = [found.get(name) for name in self._names]
+        alone = [None if line is None else self._filled_alone(line) for line in lines]
+        self._alone = [(k, filled) for k, filled in enumerate(alone) if filled is not None]
+        self._made = [(k, lines[k]) for k, filled in enumerate(alone) if filled is None]
 
-    def prepare(self, system: System, integrator: Any) -> None:
-        """Let an integrator of this system, at the start, fill the columns when it runs."""
-        moved, self._system = system.motions != self._system.motions, system
-        if moved:
-            self._find_lines()
+    def _filled_alone(self, line: Line) -> Column | None:
+        """The one column that a line is, if it is no more."""
+        if line.road or line.axle is not None or list(line.direction.values()) != [1.0]:
+            return None
+        alone: Column = self._filled[line.kind][next(iter(line.direction))]
+        return alone
+
+    def prepare(self, integrator: Any) -> None:
+        """Let an integrator fill the columns whenever it runs."""
         self._integrator = integrator
-        integrator.prepare(self._times, *map(self._filled.get, range(4)))
+        filled = (self._filled.get(kind) for kind in range(4))
+        integrator.prepare(self._times, *(x if x is None else x.reshape(-1) for x in filled))
 
-    def columns(self) -> dict[str, Column]:
-        """The outputs over time at all instants that were reached."""
-        return {name: self._column(name) for name in self._names}
+    def columns(self, into: Sequence[Column], run: int = 0) -> dict[str, Column]:
+        """The outputs over time at all instants that were reached, of one of the runs of a system.
+
+        Parameters
+        ----------
+        into : an array for each of the outputs, which becomes its column
+        """
+        rows = self._integrator.filled
+        if rows < len(self._times):
+            into = [column[:rows] for column in into]
+        for k, filled in self._alone:
+            into[k][:] = filled[:rows]
+        for k, line in self._made:
+            if line is not None:
+                self._fill(into[k], line, run)
+            else:
+                into[k][:] = self._of_contact(self._names[k], self._times[:rows])
+        return dict(zip(self._names, into, strict=True))
 
     def ends(self) -> dict[str, float]:
         """The outputs at the last instant, of those that add up over the run."""
         return {name: self._end(name) for name in self._at_end}
 
-    def _column(self, name: str) -> Column:
-        line = self._lines.get(name)
-        if line is not None:
-            return self._of_line(line)
-        return self._of_contact(name, self._times[: self._integrator.filled])
+    def _fill(self, column: Column, line: Line, run: int) -> None:
+        rows = len(column)
+        column[:] = 0.0
+        with np.errstate(all="ignore"):  # a motion may have diverged
+            for i, b in line.direction.items():
+                column += self._filled[line.kind][i][:rows] * of_run(b, run)
+            if line.road:
+                column += line.road_factor * self._under(line.road, line.kind, run)[:rows]
+            if line.axle is not None:
+                column += of_run(self._system.axles[line.axle].static_load, run)
 
-    def _of_line(self, line: Line) -> Column:
-        rows, width = self._integrator.filled, self._width[line.kind]
-        found = self._filled.get(line.kind, array("d"))
-        terms = [(b, found[i : width * rows : width]) for i, b in line.direction.items()]
-        if not line.road and line.axle is None and [b for b, _ in terms] == [1.0]:
-            return terms[0][1]
-        column = [0.0] * rows
-        for b, x in terms:
-            column = list(map(add, column, map(mul, x, repeat(b))))
-        if line.road:
-            under = map(mul, repeat(line.road_factor), self._under(line.road, line.kind))
-            column = list(map(add, column, under))
-        if line.axle is None:
-            return column
-        return list(map(add, column, repeat(self._system.axles[line.axle].static_load)))
-
-    def _under(self, road: str, order: int) -> Column:
+    def _under(self, road: str, order: int, run: int) -> Column:
         """A road or its rate at all instants, found once for as long as it is the same road."""
-        signal = self._system.signals[road]
-        known, column = self._roads.get((road, order), (None, []))
-        if known is not signal:
-            column = [signal.derivatives(t)[order] for t in self._times]
-            self._roads[road, order] = signal, column
-        return column
+        segments = of_run(self._system.signals[road].segments, run)
+        known = self._roads.get((road, order))
+        if known is None or known[0] is not segments:
+            signal = Signal(segments)
+            column = np.array([signal.derivatives(t)[order] for t in self._times])
+            known = self._roads[road, order] = segments, column
+        return known[1]
 
-    def _of_contact(self, name: str, times: array[float]) -> Column:
+    def _of_contact(self, name: str, times: array[float]) -> array[float]:
         """Contact as it stands at these instants, from the switches located."""
         tyre, what = self._tyres[name]
         read = attrgetter(_CONTACT[what])

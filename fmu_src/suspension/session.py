@@ -21,6 +21,7 @@ from .models import build
 from .outputs import Contact, State, readers
 from .signals import Segment, Signal
 from .systems import System
+from .variable import number
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
 _AT_REST = 1e-12  # s by which a communication point may lie before the present, from rounding
@@ -288,13 +289,13 @@ class Session:
             elevation = self._inputs[f"{name}_elevation"]
             held[name] = (elevation, self._velocity(name, elevation), 0.0, 0.0)
         moved_at_start = False
-        for number, name in enumerate(self._system.signals):
+        for signal, name in enumerate(self._system.signals):
             if name in held:
                 segment = Segment(-inf, self.time, held[name])
                 if self._signals[name].segments[0] != segment:
                     self._signals[name] = Signal((segment,))
                     # a road that is elsewhere at the start has always been there: no jump
-                    self._integrator.set_signal(number, held[name], self.time > self._start)
+                    self._integrator.set_signal(signal, held[name], self.time > self._start)
                     moved_at_start = moved_at_start or self.time == self._start
         if self.time > self._start:
             self._note_switches()
@@ -413,7 +414,7 @@ class Session:
 
 def start_state(
     system: System, parameters: Mapping[str, Value], time: float
-) -> tuple[list[float], list[float]] | None:
+) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Where a run starts: static equilibrium on the road as it is just before, plus what is given.
 
     Forces from outside act from the start on: what they do is no equilibrium.
@@ -424,11 +425,11 @@ def start_state(
     """
     levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
-        [float(parameters[name]) for name in names] for names in _initial(system.coordinates)
+        tuple(number(parameters, name) for name in names) for names in _initial(system.coordinates)
     )
     if any(levels.values()):
         rest = static_equilibrium(system, levels)
-        displacements = [r + q for r, q in zip(rest, displacements, strict=True)]
+        displacements = tuple(r + q for r, q in zip(rest, displacements, strict=True))
     if not any(displacements) and not any(velocities):
         return None
     return displacements, velocities

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import cast
 
 from .units import UnitError, nearest, to_si
 
@@ -106,6 +107,11 @@ class Variable:
         if self.maximum is not None:
             bounds.append(f"at most {self.maximum:g}")
         return " and ".join(bounds[1:] or bounds) + self._in_unit()
+
+
+def number(parameters: Mapping[str, Value], name: str) -> float:
+    """The value of a parameter that is a number."""
+    return cast("float", parameters[name])
 
 
 def parameter(

@@ -33,6 +33,7 @@ from .slaves.vehicle_slave import START_VALUES
 
 SUSPENSION = Path(suspension.__file__).parent
 SLAVES = Path(slaves.__file__).parent
+NOT_CARRIED = ("batch.py", "many.py", "series.py")  # they need numpy, and no FMU needs them
 SCRIPTS = {
     "OneDof": "one_dof.py",
     "QuarterCar": "quarter_car.py",
@@ -140,7 +141,7 @@ def _suspension_sources() -> dict[str, bytes]:
     kernel = SUSPENSION / "kernel"
     binaries = kernel / kernel_name(kernel)
     paths = [
-        *SUSPENSION.glob("*.py"),
+        *(path for path in SUSPENSION.glob("*.py") if path.name not in NOT_CARRIED),
         *kernel.glob("*.py"),
         *kernel.glob("*.pxd"),  # the kernel's name is a hash of these too
         *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),

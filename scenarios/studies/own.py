@@ -42,11 +42,11 @@ def in_process(bench: Workbench, **options: Any) -> Run:
     start, times = integrator.snapshot(), problem.times
 
     def go() -> Vector:
-        out = np.empty((len(times), n))
+        out = np.empty((n, len(times)))
         status = integrator.run(times, out.reshape(-1))
         if status:
             raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
-        return out
+        return out.T
 
     return Prepared(lambda: integrator.restore(start), go)
 

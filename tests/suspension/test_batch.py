@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from suspension.batch import Outcome, outputs_over_time, run_many
-from suspension.models import build_checked
-from suspension.remembering import Remembering
 from suspension.session import simulate
-from suspension.variables import MODELS, ParameterError, checked_parameters
+from suspension.variables import MODELS, ParameterError
 
 TIMES = [0.02 * k for k in range(26)]
 OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]
@@ -30,7 +26,8 @@ def test_a_batch_gives_what_single_runs_give_to_the_bit() -> None:
         assert outcome.ok
         for name in OUTPUTS[:2]:
             assert list(outcome.columns[name]) == alone[name]
-    assert found[0].columns != found[1].columns
+    body = OUTPUTS[0]
+    assert (found[0].columns[body] != found[1].columns[body]).any()
 
 
 def test_failures_are_records_with_their_reason() -> None:
@@ -144,41 +141,6 @@ def test_no_run_shows_what_came_before_it(model: str) -> None:
             assert told(outcome) == alone(model, car, outputs)
 
     check()
-
-
-@pytest.mark.parametrize("model", list(MODELS))
-def test_a_system_is_made_of_nothing_that_has_changed(model: str) -> None:
-    @settings(max_examples=100, deadline=None)
-    @given(many(model))
-    def check(sets: list[dict[str, object]]) -> None:
-        parameters = Remembering()
-        for car in sets:
-            try:
-                checked = checked_parameters(model, car)
-            except ParameterError:
-                continue
-            parameters.update(checked)
-            try:
-                expected = build_checked(model, checked)
-            except ValueError as error:
-                with pytest.raises(type(error), match=re.escape(str(error))):
-                    build_checked(model, parameters)
-                continue
-            assert build_checked(model, parameters) == expected
-            assert repr(build_checked(model, parameters)) == repr(expected)
-
-    check()
-
-
-def test_what_has_not_changed_is_the_same_object() -> None:
-    parameters = Remembering()
-    parameters.update(checked_parameters("HalfCar", {}))
-    before = build_checked("HalfCar", parameters)
-    parameters.update(checked_parameters("HalfCar", {"front.damper.bump_rate": 123.0}))
-    after = build_checked("HalfCar", parameters)
-    same = [a is b for a, b in zip(before.elements, after.elements, strict=True)]
-    assert [e.name for e, s in zip(after.elements, same, strict=True) if not s] == ["front_damper"]
-    assert after.signals["rear_road"] is before.signals["rear_road"]
 
 
 def test_side_by_side_is_one_after_the_other() -> None:

@@ -101,6 +101,17 @@ def test_what_comes_from_outside_is_forgotten() -> None:
         assert used.snapshot() == fresh.snapshot()
 
 
+def test_a_road_that_moves_is_restored_where_it_stood_still() -> None:
+    moving, still = (Integrator(build("QuarterCar", {"road.shape": "input"})) for _ in range(2))
+    moving.set_signal(0, (0.0, 0.5, 0.0, 0.0))
+    still.restore(moving.snapshot())
+    for integrator in (moving, still):
+        integrator.advance(0.1)
+        integrator.sample(0.1)
+    assert list(still.sample_q) == list(moving.sample_q)
+    assert moving.sample_q[0] > 0.005
+
+
 @pytest.mark.parametrize(
     "other",
     [

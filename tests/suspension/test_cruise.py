@@ -101,10 +101,10 @@ def test_a_state_goes_on_to_the_bit(system: System) -> None:
 def test_a_whole_run_is_the_same() -> None:
     system = build("QuarterCar", BUSY)
     times = array("d", np.linspace(0.0, 1.0, 333))
-    rows = np.empty((len(times), 2))
-    assert Integrator(system, "mean", STEP, energy=False).run(times, rows.reshape(-1)) == 0
+    columns = np.empty((2, len(times)))
+    assert Integrator(system, "mean", STEP, energy=False).run(times, columns.reshape(-1)) == 0
     integrator = Integrator(system, "mean", STEP, energy=False)
-    for t, row in zip(times, rows, strict=True):
+    for t, row in zip(times, columns.T, strict=True):
         integrator.advance(t)
         integrator.sample(t)
         assert list(integrator.sample_q) == list(row)

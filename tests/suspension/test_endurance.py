@@ -44,7 +44,7 @@ def run_on(seed: int) -> None:
 
 
 def motion(system: System, tolerance: float) -> np.ndarray:
-    displacements = np.zeros((len(TIMES), len(system.mass)))
+    displacements = np.zeros((len(system.mass), len(TIMES)))
     integrator = Integrator(system, tolerance=tolerance, energy=False)
     assert integrator.run(TIMES, displacements.reshape(-1)) == 0
     return displacements

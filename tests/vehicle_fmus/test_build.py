@@ -35,7 +35,9 @@ def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
     stepper, models = sources / "kernel" / "stepper.py", sources / "models.py"
     shorter_steps = stepper.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
-    heavier = models.read_text().replace('float(p["sprung_mass"])', '2.0 * float(p["sprung_mass"])')
+    heavier = models.read_text().replace(
+        'number(p, "sprung_mass")', '2.0 * number(p, "sprung_mass")'
+    )
     assert shorter_steps != stepper.read_text()
     assert heavier != models.read_text()
     stepper.write_text(shorter_steps)

@@ -83,12 +83,12 @@ class Dense:
             self.v[i] = first / h
             self.a[i] = second / (h * h)
 
-    def read_values(self, t, out, at):
-        """Displacements alone, into out[at:]: the same numbers for less."""
+    def read_values(self, t, out, at, width):
+        """Displacements alone, the same numbers for less: into out at `at` and each `width` further."""
         h = self.end - self.start
         if h <= 0.0:
             for i in range(self.n):
-                out[at + i] = self.qb[i]
+                out[at + i * width] = self.qb[i]
             return
         if not self.known:
             self._find_terms()
@@ -99,4 +99,4 @@ class Dense:
             value = self.terms[k + 6] + u * self.terms[k + 7]
             value = self.terms[k + 4] + u * (self.terms[k + 5] + u * value)
             value = self.terms[k + 2] + x * (self.terms[k + 3] + x * value)
-            out[at + i] = self.terms[k] + x * (self.terms[k + 1] + x * value)
+            out[at + i * width] = self.terms[k] + x * (self.terms[k + 1] + x * value)

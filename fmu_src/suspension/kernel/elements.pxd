@@ -26,7 +26,8 @@ cdef class Elements(Laws):
 
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
-    cdef read_element(self, int e, element)
+    @cython.locals(e=int)
+    cdef int enter_elements(self, double[::1] x, int at) noexcept nogil
     @cython.locals(e=int, kind=int, p=int, first=int, several=bint)
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)

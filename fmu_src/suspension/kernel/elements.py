@@ -13,7 +13,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
-from .laws import Laws
+from .laws import Laws, law_numbers
 
 if not cython.compiled:
     from math import fabs
@@ -97,18 +97,21 @@ class Elements(Laws):
         self.stuck = 0
         self.exchange = 0.0
 
-    def read_element(self, e, element):
-        """Enter the laws of element e, and what modulates, limits, yields and rubs."""
-        self.read_laws(e, element)
-        self.modulated[e] = element.is_modulated
-        self.friction[e], self.limit[e] = element.friction, element.limit
-        if element.limit < 1e300:
-            self.free_length[e] = element.free_length
-            self.free_energy[e] = element.spring.potential(self.free_length[e])
-        self.yields[e] = element.yield_force < 1e300
-        if self.yields[e]:
-            self.initial_set[e] = element.permanent_set
-            self.spring_rate[e] = element.spring.tangent(0.0)
+    def enter_elements(self, x, at):
+        """Take over all elements from x[at:], as `element_numbers` gives them; where they end there."""
+        for e in range(self.elements):
+            at = self.enter_laws(e, x, at)
+            self.modulated[e] = x[at] != 0.0
+            self.friction[e] = x[at + 1]
+            self.limit[e] = x[at + 2]
+            self.free_length[e] = x[at + 3]
+            self.free_energy[e] = x[at + 4]
+            self.yields[e] = x[at + 5] != 0.0
+            self.initial_set[e] = x[at + 6]
+            self.spring_rate[e] = x[at + 7]
+            at += 8
+        self.list_switchable()
+        return at
 
     def list_switchable(self):
         """The branches that there is another one to, and whether all forces are always linear."""
@@ -525,3 +528,20 @@ class Elements(Laws):
                 side = self.branch[_KINDS * e] - _ELASTIC
                 power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * side * w
         return power
+
+
+def element_numbers(element):
+    """The laws of an element, and what modulates, limits, yields and rubs."""
+    limited, yields = element.limit < 1e300, element.yield_force < 1e300
+    free = element.free_length if limited else 0.0
+    return [
+        *law_numbers(element),
+        1.0 if element.is_modulated else 0.0,
+        element.friction,
+        element.limit,
+        free,
+        element.spring.potential(free) if limited else 0.0,
+        1.0 if yields else 0.0,
+        element.permanent_set,
+        element.spring.tangent(0.0) if yields else 0.0,
+    ]

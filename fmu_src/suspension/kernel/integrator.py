@@ -130,7 +130,6 @@ class Integrator(March):
         """
         before = self._energy_now() - self.net.exchange
         self._remember_branches()
-        self.net.signals_read[signal] = None
         jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
         if jumps and jump != 0.0:
             # a damper at rest stands on its corner: the road's new velocity says on which side it acts
@@ -197,15 +196,18 @@ class Integrator(March):
         ValueError : an array that is too short.
         """
         self.prepare(times, displacements, velocities, accelerations, forces)
-        return run_all([self])[0]
+        (status,) = run_all([self])
+        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
+        self.count = 0
+        return status
 
     def prepare(self, times, displacements, velocities=None, accelerations=None, forces=None):
-        """Say what `run_all` is to fill.
+        """Say what `run_all` is to fill, now and again after each restart.
 
         Parameters
         ----------
         times : s, ascending, none before the last step; an array of doubles, as all of them
-        displacements : m, one for each coordinate at the first instant, then at the second and so on
+        displacements : m, of the first coordinate at all instants, then of the second and so on
         velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
         forces : N, one for each element; with them the accelerations are those of the equation of
             motion, as `sample_forces` finds them
@@ -244,7 +246,6 @@ class Integrator(March):
                 break
             with cython.nogil:
                 self.status = self._run()
-        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         return self.status
 
     def _run(self):
@@ -253,24 +254,24 @@ class Integrator(March):
             status = self._advance(t, False)
             if status != 0:
                 return status
-            at = self.filled * self.n
+            at = self.filled
             if not (self.want_v or self.want_a or self.want_f):
-                self.dense.read_values(t, self.out_q, at)
+                self.dense.read_values(t, self.out_q, at, self.count)
                 self.filled += 1
                 continue
             self.sample(t)
             if self.want_f:
                 self.sample_forces(t)
                 for i in range(self.net.elements):
-                    self.out_f[self.filled * self.net.elements + i] = self.sample_f[i]
+                    self.out_f[at + i * self.count] = self.sample_f[i]
             for i in range(self.n):
-                self.out_q[at + i] = self.sample_q[i]
+                self.out_q[at + i * self.count] = self.sample_q[i]
             if self.want_v:
                 for i in range(self.n):
-                    self.out_v[at + i] = self.sample_v[i]
+                    self.out_v[at + i * self.count] = self.sample_v[i]
             if self.want_a:
                 for i in range(self.n):
-                    self.out_a[at + i] = self.sample_a[i]
+                    self.out_a[at + i * self.count] = self.sample_a[i]
             self.filled += 1
         return 0
 
@@ -447,7 +448,7 @@ class Integrator(March):
         self.event_count = 0
         self.logged = []
         d.known = 0
-        net.signals_read = [None] * net.signals
+        net.find_levels()
         # tangents follow from the state; accelerations and multipliers are kept to the bit
         net.list_stuck()
         derived = [s.a, s.j, s.multiplier, s.multiplier_rate]

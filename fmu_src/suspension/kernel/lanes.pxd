@@ -4,7 +4,8 @@ from libc.math cimport isfinite
 cdef int _SUBSTEPS, _LANE, _DIVERGED, _NOT_POSITIVE
 
 @cython.locals(i=int, j=int)
-cdef void multiply(double *m, int at, double *x, int n, double *out) noexcept nogil
+cdef void multiply(double *m, int at, double *x, int first, int n, double *out,
+                   int to) noexcept nogil
 
 @cython.final
 cdef class Lanes:
@@ -17,7 +18,7 @@ cdef class Lanes:
     cdef double[64] stiffness, damping, mass, flexibility
     cdef double[256] inverse
     cdef double[32] q, v, a
-    cdef double[8] pq, pv, ma, fk, fb, f
+    cdef double[8] fk, fb, f
     cdef double[8] at_q, at_v, at_a, at_j
     cdef double[8] error_q, error_v
 

@@ -36,13 +36,13 @@ def extrapolation_weights(sequence):
     return weights
 
 
-def multiply(m, at, x, n, out):
-    """out = m x; the matrix begins at `at` and is symmetric."""
+def multiply(m, at, x, first, n, out, to):
+    """out[to:] = m x[first:]; the matrix begins at `at` and is symmetric."""
     for i in range(n):
-        out[i] = m[at + i] * x[0]
+        out[to + i] = m[at + i] * x[first]
     for j in range(1, n):
         for i in range(n):
-            out[i] += m[at + n * j + i] * x[j]
+            out[to + i] += m[at + n * j + i] * x[first + j]
 
 
 class Lanes:
@@ -83,7 +83,6 @@ class Lanes:
         self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.inverse = [0.0] * 256
         self.q, self.v, self.a = [0.0] * 32, [0.0] * 32, [0.0] * 32
-        self.pq, self.pv, self.ma = [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.fk, self.fb, self.f = [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.at_q, self.at_v, self.at_a, self.at_j = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.error_q, self.error_v = [0.0] * 8, [0.0] * 8
@@ -199,20 +198,17 @@ class Lanes:
     def _substep(self, n, c, load):
         """(15.12), (15.13) with the end-of-step equilibrium, which is linear; loads stand at `load`."""
         at = _LANE * c
-        for i in range(n):
-            self.pv[i] = self.v[at + i] + self.half[c] * self.a[at + i]
-            self.pq[i] = (
-                self.q[at + i] + self.s[c] * self.v[at + i] + self.third[c] * self.a[at + i]
-            )
-        multiply(self.damping, 0, self.pv, n, self.fb)
-        multiply(self.stiffness, 0, self.pq, n, self.fk)
+        for i in range(at, at + n):
+            self.q[i] = self.q[i] + self.s[c] * self.v[i] + self.third[c] * self.a[i]
+            self.v[i] += self.half[c] * self.a[i]
+        multiply(self.damping, 0, self.v, at, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.q, at, n, self.fk, 0)
         for i in range(n):
             self.f[i] = self.loads[load + i] - (self.fb[i] + self.fk[i])
-        multiply(self.inverse, 64 * c, self.f, n, self.ma)
-        for i in range(n):
-            self.a[at + i] = self.ma[i]
-            self.v[at + i] = self.pv[i] + self.half[c] * self.ma[i]
-            self.q[at + i] = self.pq[i] + self.sixth[c] * self.ma[i]
+        multiply(self.inverse, 64 * c, self.f, 0, n, self.a, at)
+        for i in range(at, at + n):
+            self.v[i] += self.half[c] * self.a[i]
+            self.q[i] += self.sixth[c] * self.a[i]
 
     def _extrapolate(self, n):
         """Ends of the macro step, each as that of the last column and small corrections to it."""
@@ -248,13 +244,13 @@ class Lanes:
 
     def _solve_motion(self, n):
         """Acceleration and jerk at the state `at_q`, `at_v`, with the last of the loads."""
-        multiply(self.damping, 0, self.at_v, n, self.fb)
-        multiply(self.stiffness, 0, self.at_q, n, self.fk)
+        multiply(self.damping, 0, self.at_v, 0, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.at_q, 0, n, self.fk, 0)
         for i in range(n):
             self.f[i] = self.loads[self.last + i] - (self.fb[i] + self.fk[i])
-        multiply(self.flexibility, 0, self.f, n, self.at_a)
-        multiply(self.damping, 0, self.at_a, n, self.fb)
-        multiply(self.stiffness, 0, self.at_v, n, self.fk)
+        multiply(self.flexibility, 0, self.f, 0, n, self.at_a, 0)
+        multiply(self.damping, 0, self.at_a, 0, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.at_v, 0, n, self.fk, 0)
         for i in range(n):
             self.f[i] = self.load_rate[i] - (self.fb[i] + self.fk[i])
-        multiply(self.flexibility, 0, self.f, n, self.at_j)
+        multiply(self.flexibility, 0, self.f, 0, n, self.at_j, 0)

@@ -10,10 +10,8 @@ cdef class Laws(Signals):
     cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
     cdef int[::1] straight  # each piece, whether it is
 
-    cdef list laws_read
-
-    @cython.locals(at=int, k=int, p=int, flows=bint, curved=bint, numbers=list)
-    cdef read_laws(self, int e, element)
+    @cython.locals(i=int, k=int, p=int, first=int, last=int, curved=bint)
+    cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, slope=double)

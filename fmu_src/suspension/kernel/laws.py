@@ -32,29 +32,18 @@ class Laws(Signals):
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
         self.straight = integers([1] * sum(count))
-        self.laws_read = [None] * len(count)
 
-    def read_laws(self, e, element):
-        """Enter the pieces of the laws of element e, as many as there were.
-
-        A law that is the very object read before stays; of what yields the pieces have moved.
-        """
-        for k, law in enumerate((element.spring, element.damper, element.modulation)):
-            flows = k == 0 and element.yield_force < 1e300
-            if law is self.laws_read[_LAWS * e + k] and not flows:
-                continue
-            at = self.first[_LAWS * e + k] * _PIECE
-            # of a spring with what is stored up to each piece; a force over a rate stores nothing
-            potentials = law.potentials if k == 0 else repeat(0.0)
-            numbers = _flow_pieces(element) if flows else _numbers(law, potentials)
-            for x in numbers:
-                self.piece[at] = x
-                at += 1
-            for p in range(self.first[_LAWS * e + k], at // _PIECE):
-                at = p * _PIECE
-                curved = self.piece[at + 4] != 0.0 or self.piece[at + 5] != 0.0
-                self.straight[p] = not (curved or self.piece[at + 6] != 0.0)
-            self.laws_read[_LAWS * e + k] = None if flows else law
+    def enter_laws(self, e, x, at):
+        """Take over the pieces of the laws of element e from x[at:], and say where they end there."""
+        first = self.first[_LAWS * e]
+        last = self.first[_LAWS * (e + 1)]
+        for i in range(_PIECE * (last - first)):
+            self.piece[_PIECE * first + i] = x[at + i]
+        for p in range(first, last):
+            k = p * _PIECE
+            curved = self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0
+            self.straight[p] = not (curved or self.piece[k + 6] != 0.0)
+        return at + _PIECE * (last - first)
 
     def law(self, p, x):
         """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""
@@ -137,6 +126,22 @@ def pieces_of(element):
     """How many pieces the laws of an element have: its spring, its damper, what modulates it."""
     spring = len(element.spring.pieces) if element.yield_force > 1e300 else 3
     return spring, len(element.damper.pieces), len(element.modulation.pieces)
+
+
+def law_numbers(element):
+    """The pieces of the laws of an element, one after the other.
+
+    Of a spring with what is stored up to each piece; a force over a rate stores nothing.
+    """
+    if element.yield_force < 1e300:
+        numbers = _flow_pieces(element)
+    else:
+        numbers = _numbers(element.spring, element.spring.potentials)
+    return [
+        *numbers,
+        *_numbers(element.damper, repeat(0.0)),
+        *_numbers(element.modulation, repeat(0.0)),
+    ]
 
 
 def _numbers(law, potentials):

@@ -11,7 +11,7 @@ from .watch cimport Watch
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
 cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
-cdef double _GROWTH, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _NO_ERROR
+cdef double _GROWTH, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE
 
 cdef class March:
     cdef Network net
@@ -23,7 +23,7 @@ cdef class March:
     cdef Ledger ledger
     cdef int n
     cdef bint cruises, reads_switches, controlled, landing, energy, in_step, entered
-    cdef double fixed_step
+    cdef double fixed_step, no_error, most_error
     # its state
     cdef readonly double time
     cdef readonly long long step_count
@@ -42,6 +42,7 @@ cdef class March:
     cdef int stalled, overruns, event_count, since_pause
     cdef double landed
 
+    cpdef restart_with(self, double[::1] numbers, int at, double start)
     @cython.locals(e=int)
     cdef _start(self, double time, double reach)
     @cython.locals(i=int)

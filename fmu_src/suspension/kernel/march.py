@@ -13,7 +13,7 @@ from .cruise import Cruise
 from .dense import Dense
 from .exact import not_straight
 from .ledger import Ledger
-from .network import Network
+from .network import Network, numbers_of
 from .stepper import METHODS, Stepper
 from .switches import Switches
 from .watch import LIMITS, POLICIES, UNLIMITED, Watch
@@ -28,15 +28,15 @@ _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
 _CONTACT, _KINDS = 3, 5  # as in elements
 _EVENT_CAPACITY = 256
 _FLIPS = 24  # of branches at one instant, several elements being at their corners
-_FINE = 1e-5  # tolerances below it are reached faster at order 8 than at order 6
+_FINE = 1e-4  # tolerances below it are reached faster at order 8 than at order 6
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
 _OVERRUNS = 1000  # of a run, each after so many steps
 _LEAST_THETA = 1.37
 _GROWTH = 1e8  # a displacement this many times the scale of the run has diverged
 _RUNAWAY = 1e4  # and here it does, if steps vanish besides
+_EXCESS = 1.5  # times its share that the error of a step may be before it is made again
 _FIRST_PHASE = 0.25  # of the fastest mode in the first step
-_NO_ERROR = 2e-5  # (0.9 / 4)^7: below it steps grow as much as they may
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
 
 
@@ -85,6 +85,8 @@ class March:
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.stepper.controlled = self.controlled
+        self.no_error = (0.9 / 4.0) ** (2 * columns - 1)  # below it steps grow as much as they may
+        self.most_error = _EXCESS if method == "extrapolated" else 1.0
         self.whole = Dense(n, False)  # an attempt in which a switch is looked for
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
         # the ledger wants to see each step
@@ -117,14 +119,36 @@ class March:
         ------
         ValueError : as for a new integrator.
         """
-        if not self.net.fits(system):
+        if not self.fits(system):
             return False
+        self.restart_with(doubles(self.numbers(system)), 0, start)
+        return True
+
+    def fits(self, system):
+        """Whether a system differs from the one before in its numbers alone."""
+        return self.net.fits(system)
+
+    def numbers(self, system):
+        """What `restart_with` takes of a system that fits: its numbers, or what it has in their place.
+
+        Raises
+        ------
+        ValueError : a system that the method cannot take.
+        """
         if self.stepper.method == METHODS["exact"]:
             _refuse_curved(system)
-        self.net.read(system)
+        return [max(system.scales), *numbers_of(system)]
+
+    def restart_with(self, numbers, at, start):
+        """Begin anew with the numbers of a system, which stand in an array of doubles from `at` on.
+
+        Raises
+        ------
+        ValueError : a mass matrix that is not positive definite.
+        """
+        self.net.enter_system(numbers, at + 1)
         self.logged = []
-        self._start(start, max(system.scales))
-        return True
+        self._start(start, numbers[at])
 
     def _start(self, time, reach):
         """Stand still in equilibrium, before anything has happened."""
@@ -289,7 +313,7 @@ class March:
                 if self.fixed_step > 0.0 or h < 1e-14:
                     return status
                 continue
-            if self.controlled and self.stepper.error > 1.0:
+            if self.controlled and self.stepper.error > self.most_error:
                 h *= self._factor_for_error()
                 continue
             at = self.switches.first(self.time, h) if self.landing else 2.0
@@ -398,10 +422,10 @@ class March:
 
     def _factor_for_error(self):
         """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
-        if self.stepper.error <= _NO_ERROR:
+        if self.stepper.error <= self.no_error:
             return 4.0
         factor = 0.9 * pow(self.stepper.error, -1.0 / (2.0 * self.stepper.columns - 1.0))
-        return 4.0 if factor > 4.0 else (0.2 if factor < 0.2 else factor)
+        return 0.2 if factor < 0.2 else factor
 
     def _accept(self, h, t):
         """Make the attempt the last step."""

@@ -13,11 +13,11 @@ cdef class Network(Elements):
     # what the last evaluation left
     cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling, kick
     # what has been read
-    cdef list load_names, signal_sizes, element_shapes, elements_read, signals_read
+    cdef list load_names, signal_sizes, element_shapes
 
     cdef bint fits(self, system) except -1
-    @cython.locals(n=int, i=int, k=int, s=int, e=int, m=int, numbers=list)
-    cdef read(self, system)
+    @cython.locals(n=int, i=int, k=int)
+    cdef int enter_system(self, double[::1] x, int at) except -1
     @cython.locals(e=int)
     cdef void forget(self) noexcept nogil
 

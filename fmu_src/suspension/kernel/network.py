@@ -10,8 +10,9 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, integers, vectors
-from .elements import Elements
+from .elements import Elements, element_numbers
 from .laws import pieces_of
+from .signals import signal_numbers
 
 if not cython.compiled:
     from math import sqrt
@@ -49,11 +50,12 @@ class Network(Elements):
         # works: dissipated by each element, brought in by each row's road, by each load
         self.works = elements + self.rows + self.loads
         self.mass, self.mass_factor, self.flexibility = vectors(3, n * n)
+        if any(len(row) != n for row in system.mass):
+            raise ValueError("mass matrix and directions must have one entry per coordinate")
         self.load_names = [load.signal for load in system.loads]
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
-        self.elements_read, self.signals_read = [None] * elements, [None] * self.signals
-        self.read(system)
+        self.enter_system(doubles(numbers_of(system)), 0)
 
     def fits(self, system):
         """Whether a system differs from the one read in its numbers alone."""
@@ -62,27 +64,20 @@ class Network(Elements):
             and len(system.elements) == self.elements
             and [load.signal for load in system.loads] == self.load_names
             and _sizes(system) == self.signal_sizes
-            and all(
-                element is before or _shape(element) == shape
-                for element, before, shape in zip(
-                    system.elements, self.elements_read, self.element_shapes, strict=True
-                )
-            )
+            and list(map(_shape, system.elements)) == self.element_shapes
         )
 
-    def read(self, system):
-        """Enter the numbers of a system that fits; what is the very object read before stays.
+    def enter_system(self, x, at):
+        """Take over a system that fits from x[at:], as `numbers_of` gives it.
 
         Raises
         ------
-        ValueError : a mass matrix that is not positive definite, or not of that size.
+        ValueError : a mass matrix that is not positive definite.
         """
         n = self.n
-        numbers = [x for row in system.mass for x in row]
-        if len(numbers) != n * n:
-            raise ValueError("mass matrix and directions must have one entry per coordinate")
         for i in range(n * n):
-            self.mass[i] = self.mass_factor[i] = numbers[i]
+            self.mass[i] = self.mass_factor[i] = x[at + i]
+        at += n * n
         if decompose(self.mass_factor, 0, n) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
         for k in range(n):
@@ -91,18 +86,10 @@ class Network(Elements):
             solve(self.mass_factor, 0, n, self.scratch)
             for i in range(n):
                 self.flexibility[i * n + k] = self.scratch[i]
-        for s, signal in enumerate(system.signals.values()):
-            if signal is not self.signals_read[s]:
-                self.read_signal(s, signal)
-                self.signals_read[s] = signal
-        for e, element in enumerate(system.elements):
-            if element is not self.elements_read[e]:
-                self.read_element(e, element)
-                self.elements_read[e] = element
-        self.list_switchable()
-        for m, load in enumerate(system.loads):
-            for i in range(n):
-                self.load_direction[m * n + i] = load.direction[i]
+        for i in range(self.loads * n):
+            self.load_direction[i] = x[at + i]
+        at = self.enter_signals(x, at + self.loads * n)
+        self.enter_elements(x, at)
 
     def forget(self):
         """As before anything has moved: nothing lifted off, slipped or flowed."""
@@ -353,6 +340,16 @@ class Network(Elements):
         for e in range(self.elements):
             energy += self.element_energy(e, self.row_d[self.element_row[e]])
         return energy
+
+
+def numbers_of(system):
+    """All numbers of a system, one after the other."""
+    return [
+        *(x for row in system.mass for x in row),
+        *(x for load in system.loads for x in load.direction),
+        *signal_numbers(system.signals),
+        *(x for element in system.elements for x in element_numbers(element)),
+    ]
 
 
 def _sizes(system):

@@ -6,13 +6,14 @@ cdef double _ROAD_PHASE
 
 cdef class Signals:
     cdef readonly int signals
+    cdef int segments
     cdef double[::1] segment, road
     cdef int[::1] signal_first, signal_count, signal_now, level
 
-    @cython.locals(k=int, at=int, numbers=tuple)
-    cdef read_signal(self, int s, signal)
     @cython.locals(i=int)
-    cdef void _see_whether_level(self, int k) noexcept nogil
+    cdef int enter_signals(self, double[::1] x, int at) noexcept nogil
+    @cython.locals(k=int, i=int)
+    cdef void find_levels(self) noexcept nogil
 
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil

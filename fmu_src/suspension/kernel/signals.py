@@ -29,27 +29,25 @@ class Signals:
         self.signal_count = integers(count or [0])
         self.signal_first = integers(accumulate(count, initial=0))
         self.signal_now = integers([0] * max(self.signals, 1))
+        self.segments = sum(count)
         self.segment = doubles([0.0] * _SEGMENT * max(sum(count), 1))
         self.level = integers([0] * max(sum(count), 1))  # whether nothing changes in a segment
         self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
 
-    def read_signal(self, s, signal):
-        """Enter the segments of signal s, as many as there were."""
-        k = self.signal_first[s]
-        at = k * _SEGMENT
-        for segment in signal.segments:
-            numbers = (segment.start, segment.origin, *segment.coefficients, segment.amplitude)
-            for x in (*numbers, *segment.phase):
-                self.segment[at] = x
-                at += 1
-            self._see_whether_level(k)
-            k += 1
+    def enter_signals(self, x, at):
+        """Take over the segments of all signals from x[at:], and say where they end there."""
+        for i in range(_SEGMENT * self.segments):
+            self.segment[i] = x[at + i]
+        self.find_levels()
+        return at + _SEGMENT * self.segments
 
-    def _see_whether_level(self, k):
-        self.level[k] = 1
-        for i in range(3, 7):
-            if self.segment[k * _SEGMENT + i] != 0.0:
-                self.level[k] = 0
+    def find_levels(self):
+        """Note in which segments nothing changes, after any of their numbers has."""
+        for k in range(self.segments):
+            self.level[k] = 1
+            for i in range(3, 7):
+                if self.segment[k * _SEGMENT + i] != 0.0:
+                    self.level[k] = 0
 
     def enter_segment(self, s, t):
         """Let signal s go on to the segment that holds from t on; the jump of its value there."""
@@ -78,7 +76,7 @@ class Signals:
         self.segment[at + 1] = t
         for i in range(4):
             self.segment[at + 2 + i] = coefficients[i]
-        self._see_whether_level(self.signal_first[s])
+        self.find_levels()
         return coefficients[0] - before
 
     def signal(self, s, t):
@@ -146,3 +144,13 @@ class Signals:
                 if speed * limit > _ROAD_PHASE:
                     limit = _ROAD_PHASE / speed
         return limit
+
+
+def signal_numbers(signals):
+    """The segments of all signals, one after the other."""
+    numbers = []
+    for signal in signals.values():
+        for segment in signal.segments:
+            numbers += (segment.start, segment.origin, *segment.coefficients, segment.amplitude)
+            numbers += segment.phase
+    return numbers
