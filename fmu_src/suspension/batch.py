@@ -316,8 +316,11 @@ def _with_equal_texts(model: str, sets: Sequence[Mapping[str, object]]) -> Itera
             texts[names] = [name for name in names if not _is_number(declared.get(name))]
         values = [given[name] for name in texts[names]]
         # what is equal need not be the same: True, 1 and 1.0
-        key = (names, str(values) if values else "")
-        together.setdefault(key, []).append(run)
+        key = (names, *values, *map(type, values))
+        try:
+            together.setdefault(key, []).append(run)
+        except TypeError:  # no value that any parameter could have
+            together[run] = [run]
     return together.values()
 
 

@@ -170,7 +170,7 @@ class Series:
         if rows < len(self._times):
             into = [column[:rows] for column in into]
         for k, filled in self._alone:
-            into[k][:] = filled[:rows]
+            into[k][:] = filled if rows == len(filled) else filled[:rows]
         for k, line in self._made:
             if line is not None:
                 self._fill(into[k], line, run)
