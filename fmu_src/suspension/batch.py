@@ -55,6 +55,9 @@ class Outcome:
         return not self.failure
 
 
+_NOTHING = Outcome({})
+
+
 def run_many(
     model: str,
     parameter_sets: Sequence[Mapping[str, object]],
@@ -200,7 +203,7 @@ class _Place:
         """Prepare a run, or say why it cannot be made."""
         self._run = run
         try:
-            self.integrator.restart_with(alike.numbers, run * alike.width, self._task.times[0])
+            self.integrator.restart_at(run * alike.width, self._task.times[0])
         except ValueError as error:
             return str(error)
         if alike.state is not None:
@@ -214,7 +217,7 @@ class _Place:
         if status != 0:
             at, step = self.integrator.time, self.integrator.step_count
             return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
-        return Outcome(columns, at_end=self._series.ends())
+        return Outcome(columns, at_end=self._series.ends() if self._task.at_end else {})
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,13 +226,11 @@ class _Alike:
 
     Parameters
     ----------
-    numbers : those of all systems, one system after the other
-    width : how many numbers a system has
+    width : how many numbers a system has; the integrators hold those of all systems in a row
     state : displacements and velocities at the start; None where all of them are zero
     columns : of each run, arrays for its outputs, (instants,); empty if there are none
     """
 
-    numbers: memoryview
     width: int
     state: tuple[tuple[float, ...], tuple[float, ...]] | None
     columns: Sequence[tuple[npt.NDArray[np.float64], ...]]
@@ -248,14 +249,14 @@ class _Bench:
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         """Make a run for each set; what its parameters do not allow is its failure."""
-        found: dict[int, Outcome] = {}
+        found = [_NOTHING] * len(sets)
         for runs in _with_equal_texts(self._task.model, sets):
-            found |= self._run_together(sets, runs)
-        return [found[run] for run in range(len(sets))]
+            self._run_together(sets, runs, found)
+        return found
 
     def _run_together(
-        self, sets: Sequence[Mapping[str, object]], runs: Sequence[int]
-    ) -> dict[int, Outcome]:
+        self, sets: Sequence[Mapping[str, object]], runs: Sequence[int], found: list[Outcome]
+    ) -> None:
         """Runs as one where that can be, else in parts, at last each by itself."""
         parts: Iterable[Sequence[int]]
         try:
@@ -267,11 +268,15 @@ class _Bench:
             if len(runs) == 1:
                 if not isinstance(error, ValueError):
                     raise
-                return {runs[0]: Outcome({}, str(error))}
+                found[runs[0]] = Outcome({}, str(error))
+                return
             parts = [[run] for run in runs]
         else:
-            return dict(zip(runs, self._run_alike(alike, len(runs)), strict=True))
-        return {run: one for part in parts for run, one in self._run_together(sets, part).items()}
+            for run, outcome in zip(runs, self._run_alike(alike, len(runs)), strict=True):
+                found[run] = outcome
+            return
+        for part in parts:
+            self._run_together(sets, part, found)
 
     def _made_alike(self, sets: Sequence[Mapping[str, object]]) -> _Alike:
         """Systems for all sets at once, and places that are ready for them."""
@@ -287,8 +292,10 @@ class _Bench:
         if len(numbers) * len(sets) > _MOST_NUMBERS and len(sets) > 1:
             raise PartingError(np.arange(len(sets)) < len(sets) // 2)
         rows = table(numbers, len(sets)).reshape(-1).data
+        for place in places:
+            place.integrator.take_numbers(rows)
         columns = np.empty((len(self._task.outputs), len(sets), len(self._task.times)))
-        return _Alike(rows, len(numbers), state, list(zip(*columns, strict=True)))
+        return _Alike(len(numbers), state, list(zip(*columns, strict=True)))
 
     def _run_alike(self, alike: _Alike, runs: int) -> Iterable[Outcome]:
         for first in range(0, runs, len(self._places)):

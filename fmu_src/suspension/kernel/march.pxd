@@ -33,6 +33,7 @@ cdef class March:
     cdef int contacts
     cdef int[::1] step_limited, contact_element
     cdef list logged
+    cdef double[::1] given
     # results at the last sampled instant
     cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
     cdef readonly Py_ssize_t filled
@@ -42,7 +43,7 @@ cdef class March:
     cdef int stalled, overruns, event_count, since_pause
     cdef double landed
 
-    cpdef restart_with(self, double[::1] numbers, int at, double start)
+    cpdef restart_at(self, int at, double start)
     @cython.locals(e=int)
     cdef _start(self, double time, double reach)
     @cython.locals(i=int)

@@ -121,7 +121,8 @@ class March:
         """
         if not self.fits(system):
             return False
-        self.restart_with(doubles(self.numbers(system)), 0, start)
+        self.take_numbers(doubles(self.numbers(system)))
+        self.restart_at(0, start)
         return True
 
     def fits(self, system):
@@ -129,7 +130,7 @@ class March:
         return self.net.fits(system)
 
     def numbers(self, system):
-        """What `restart_with` takes of a system that fits: its numbers, or what it has in their place.
+        """All of a system that fits that a restart needs: its numbers, or what it has in their place.
 
         Raises
         ------
@@ -139,16 +140,20 @@ class March:
             _refuse_curved(system)
         return [max(system.scales), *numbers_of(system)]
 
-    def restart_with(self, numbers, at, start):
-        """Begin anew with the numbers of a system, which stand in an array of doubles from `at` on.
+    def take_numbers(self, numbers):
+        """Keep an array of doubles in which the numbers of systems stand."""
+        self.given = numbers
+
+    def restart_at(self, at, start):
+        """Begin anew with the system whose numbers stand from `at` on in the array taken.
 
         Raises
         ------
         ValueError : a mass matrix that is not positive definite.
         """
-        self.net.enter_system(numbers, at + 1)
+        self.net.enter_system(self.given, at + 1)
         self.logged = []
-        self._start(start, numbers[at])
+        self._start(start, self.given[at])
 
     def _start(self, time, reach):
         """Stand still in equilibrium, before anything has happened."""

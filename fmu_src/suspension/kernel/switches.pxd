@@ -28,6 +28,7 @@ cdef class Switches:
     @cython.locals(r=int, s=int, k=int)
     cdef void carry_on(self) noexcept nogil
     cdef void _read_roads(self, double t, double h) noexcept nogil
+    cdef void _read_end(self, double t) noexcept nogil
     cdef void _read_road(self, double t, int end) noexcept nogil
     @cython.locals(s=int, k=int)
     cdef void _note_road(self, int end) noexcept nogil

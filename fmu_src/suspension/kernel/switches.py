@@ -112,13 +112,17 @@ class Switches:
 
     def _read_roads(self, t, h):
         """Signals at both ends of an attempt that has just been made."""
-        if self.stepper.in_lanes() and not self.stepper.loads_hold:
-            self._note_road(1)  # such an attempt leaves the signals as they are at its end
-        else:
-            self._read_road(t + h, 1)
+        self._read_end(t + h)
         if not self.start_known:
             self._read_road(t, 0)
         self.roads_known = 1
+
+    def _read_end(self, t):
+        """Signals where an attempt ends that has just been made or cut short."""
+        if self.stepper.in_lanes() and not self.stepper.loads_hold:
+            self._note_road(1)  # it leaves them as they are there
+        else:
+            self._read_road(t, 1)
 
     def _read_road(self, t, end):
         self.net.all_signals(t)
@@ -235,7 +239,7 @@ class Switches:
         e, kind = self.element, self.kind
         at = 8 * self.net.element_row[e]
         if not self.stepper.loads_hold:
-            self._read_road(t, 1)
+            self._read_end(t)
         self._read_row(self.net.element_row[e], 1)
         if kind == _CONTACT:
             self.net.unlimited_force(e, self.row, at + 4)
