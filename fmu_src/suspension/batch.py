@@ -172,7 +172,6 @@ class _Place:
     def __init__(self, task: _Task) -> None:
         self._task = task
         self._solver: tuple[Value, ...] = ()
-        self._run = 0
         self.integrator: Any = None
         self._series: Any = None
 
@@ -201,7 +200,6 @@ class _Place:
 
     def begin(self, alike: _Alike, run: int) -> str:
         """Prepare a run, or say why it cannot be made."""
-        self._run = run
         try:
             self.integrator.restart_at(run * alike.width, self._task.times[0])
         except ValueError as error:
@@ -210,14 +208,14 @@ class _Place:
             self.integrator.set_state(*of_run(alike.state, run))
         return ""
 
-    def outcome(self, alike: _Alike, status: int) -> Outcome:
-        """What became of the run."""
-        into = alike.columns[self._run] if alike.columns else ()
-        columns = self._series.columns(into, self._run)
+    def outcome(self, alike: _Alike, run: int, status: int) -> Outcome:
+        """What became of a run."""
+        into = alike.columns[run] if alike.columns else ()
+        columns = self._series.columns(into, run)
         if status != 0:
             at, step = self.integrator.time, self.integrator.step_count
             return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
-        return Outcome(columns, at_end=self._series.ends() if self._task.at_end else {})
+        return Outcome(columns, at_end=self._series.ends())
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,12 +297,12 @@ class _Bench:
 
     def _run_alike(self, alike: _Alike, runs: int) -> Iterable[Outcome]:
         for first in range(0, runs, len(self._places)):
-            group = self._places[: runs - first]
-            reasons = [place.begin(alike, first + k) for k, place in enumerate(group)]
+            group = list(enumerate(self._places[: runs - first], first))
+            reasons = [place.begin(alike, run) for run, place in group]
             begun = zip(group, reasons, strict=True)
-            statuses = iter(run_all([place.integrator for place, reason in begun if not reason]))
-            for place, reason in zip(group, reasons, strict=True):
-                yield Outcome({}, reason) if reason else place.outcome(alike, next(statuses))
+            statuses = iter(run_all([place.integrator for (_, place), why in begun if not why]))
+            for (run, place), why in zip(group, reasons, strict=True):
+                yield Outcome({}, why) if why else place.outcome(alike, run, next(statuses))
 
 
 _solver = itemgetter(

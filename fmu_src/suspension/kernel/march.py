@@ -106,25 +106,6 @@ class March:
         self.logged = []  # switches so far: (time, element, kind, from, to); the last ones wait
         self._start(start, max(system.scales))
 
-    def restart(self, system, start):
-        """Begin anew with a system that differs from the one before in its numbers alone.
-
-        All is then as in a new integrator of that system with the same method, step and tolerance.
-
-        Returns
-        -------
-        Whether the system fits; otherwise nothing is done, and it needs an integrator of its own.
-
-        Raises
-        ------
-        ValueError : as for a new integrator.
-        """
-        if not self.fits(system):
-            return False
-        self.take_numbers(doubles(self.numbers(system)))
-        self.restart_at(0, start)
-        return True
-
     def fits(self, system):
         """Whether a system differs from the one before in its numbers alone."""
         return self.net.fits(system)
@@ -146,6 +127,8 @@ class March:
 
     def restart_at(self, at, start):
         """Begin anew with the system whose numbers stand from `at` on in the array taken.
+
+        All is then as in a new integrator of that system with the same method, step and tolerance.
 
         Raises
         ------

@@ -39,6 +39,7 @@ _CAUTION = 4.0  # times that errors count where forces are curved: all columns m
 _MOST = 5  # substeps of one macro step
 # Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
 # to which it does not grow at all if it is damped by no less than this, by columns: see `bound`.
+# One column alone takes no longer steps.
 _SAFE_PHASE = 2.4
 _DAMPED_PHASE = 6.0
 _LEAST_DAMPING = {1: 1e3, 2: 0.04, 3: 0.017, 4: 0.008}
