@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -23,6 +24,7 @@ from suspension.batch import run_many
 
 STEP, DURATION = 1e-3, 2.0
 STEPS = round(DURATION / STEP)
+_MANY_STEPS = 2_000_000
 PACKAGED = ("numbalsoda dop853", "numbalsoda lsoda", "heyoka")
 """Those peers that are not slower by an order of magnitude."""
 _BLOW_OFF = {
@@ -70,6 +72,14 @@ def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:
     else:
         made["numba"] = partial(njit(hard_coded.run), STEPS, STEP)
     return made | {"plain floats": partial(hard_coded.run, STEPS, STEP)}
+
+
+def c_steps_in_threads(folder: Path, threads: int) -> Callable[[], object]:
+    """Two million of the hard-coded steps in C, dealt out to so many threads."""
+    run = hard_coded.compiled_by_cc(folder)
+    pool = ThreadPoolExecutor(threads)
+    shares = [_MANY_STEPS // threads] * threads
+    return lambda: list(pool.map(run, shares, [STEP] * threads))
 
 
 def racers(problem: str) -> list[tuple[Solver, float, float, Callable[[], object]]]:

@@ -2,8 +2,8 @@
 
     python benchmarks/ratios.py [--rounds 25] [--only steps,levels,batch]
 
-Everything in a ratio takes turns; ratios are of medians. A ratio at most its bar holds; the last one,
-of one worker to two, has to be at least its bar.
+Everything in a ratio takes turns; ratios are of medians. A ratio at most its bar holds; those of one
+worker to two have to be at least their bars, and that of C says whether two cores are there at all.
 """
 
 from __future__ import annotations
@@ -108,10 +108,16 @@ def levels(rounds: int) -> Iterator[Ratio]:
 def batch(rounds: int) -> Iterator[Ratio]:
     """Thousands of quarter-car runs of 2 s at 1e-4, drawn at random, against scipy's LSODA for each."""
     one, two = (cases.batch_of_runs(_IN_CHUNK, workers) for workers in (1, 2))
-    times = medians({"one": one, "two": two, "lsoda": cases.lsoda_run()}, rounds)
+    runs = {"one": one, "two": two, "lsoda": cases.lsoda_run()}
+    with tempfile.TemporaryDirectory() as folder:
+        c_one, c_two = (cases.c_steps_in_threads(Path(folder), threads) for threads in (1, 2))
+        times = medians({**runs, "C, one": c_one, "C, two": c_two}, rounds)
     each = times["one"] / _IN_CHUNK
     yield Ratio("one run of a batch at 1e-4 / scipy LSODA", each, times["lsoda"], 1 / 200, 1 / 400)
     yield Ratio("batch by one worker / by two", each, times["two"] / _IN_CHUNK, 1.7, 1.9, True)
+    yield Ratio(
+        "hard-coded C by one thread / by two", times["C, one"], times["C, two"], 1.9, 2.0, True
+    )
 
 
 PARTS = {"steps": steps, "levels": levels, "batch": batch}

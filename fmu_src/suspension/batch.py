@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import os
 from array import array
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import pairwise
 from math import ceil, isfinite
 from operator import itemgetter
@@ -20,8 +19,8 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from .engine import FAILURES, Integrator, run_all
-from .many import PartingError, many, of_run, table
+from .engine import FAILURES, Integrator
+from .many import PartingError, many, table
 from .models import build, build_checked
 from .series import Series, at_the_end, over_time
 from .session import start_state
@@ -30,7 +29,6 @@ from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
 _CHUNK = 1024  # runs that a thread takes at a time
-_GROUP = 4  # of them that it steps without Python's lock
 _MOST_NUMBERS = 4_000_000  # in one table of systems
 
 
@@ -113,8 +111,7 @@ def run_many(
     size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
     found: list[Outcome] = []
-    # those that no thread works at
-    benches = [_Bench(task, 1 if workers == 1 else _GROUP) for _ in range(workers)]
+    benches = [_Bench(task) for _ in range(workers)]  # those that no thread works at
 
     def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         bench = benches.pop()
@@ -166,84 +163,14 @@ class _Task:
     at_end: tuple[str, ...]
 
 
-class _Place:
-    """An integrator and its columns, for one run after the other."""
+class _Bench:
+    """Where runs are made, as many as can be from systems made for all of them at once."""
 
     def __init__(self, task: _Task) -> None:
         self._task = task
         self._solver: tuple[Value, ...] = ()
-        self.integrator: Any = None
+        self._integrator: Any = None
         self._series: Any = None
-
-    def enter(
-        self, system: System, solver: tuple[Value, ...], example: Callable[[], System]
-    ) -> None:
-        """Get ready for runs of a system; the integrator stays as long as it fits.
-
-        Raises
-        ------
-        ValueError : a system that the method cannot take.
-        """
-        task = self._task
-        if solver == self._solver and self.integrator.fits(system):
-            self._series.enter(system)
-            return
-        method, step, tolerance, theta, beyond = solver
-        self._solver = ()
-        self.integrator = Integrator(
-            example(), method, step, tolerance, task.times[0],
-            energy=False, theta=theta, beyond_stable=beyond,
-        )  # fmt: skip
-        self._series = Series(system, task.times, task.outputs, task.at_end)
-        self._series.prepare(self.integrator)
-        self._solver = solver
-
-    def begin(self, alike: _Alike, run: int) -> str:
-        """Prepare a run, or say why it cannot be made."""
-        try:
-            self.integrator.restart_at(run * alike.width, self._task.times[0])
-        except ValueError as error:
-            return str(error)
-        if alike.state is not None:
-            self.integrator.set_state(*of_run(alike.state, run))
-        return ""
-
-    def outcome(self, alike: _Alike, run: int, status: int) -> Outcome:
-        """What became of a run."""
-        into = alike.columns[run] if alike.columns else ()
-        columns = self._series.columns(into, run)
-        if status != 0:
-            at, step = self.integrator.time, self.integrator.step_count
-            return Outcome(columns, f"{FAILURES[status]} at {at:.6g} s, in step {step}")
-        return Outcome(columns, at_end=self._series.ends())
-
-
-@dataclass(frozen=True, slots=True)
-class _Alike:
-    """Runs whose systems differ in their numbers alone.
-
-    Parameters
-    ----------
-    width : how many numbers a system has; the integrators hold those of all systems in a row
-    state : displacements and velocities at the start; None where all of them are zero
-    columns : of each run, arrays for its outputs, (instants,); empty if there are none
-    """
-
-    width: int
-    state: tuple[tuple[float, ...], tuple[float, ...]] | None
-    columns: Sequence[tuple[npt.NDArray[np.float64], ...]]
-
-
-class _Bench:
-    """Where runs are made, as many as can be from systems made for all of them at once.
-
-    They go in groups, so that threads take turns seldom: all of a group are prepared, then all of them
-    run without Python's lock.
-    """
-
-    def __init__(self, task: _Task, group: int) -> None:
-        self._task = task
-        self._places = [_Place(task) for _ in range(group)]
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         """Make a run for each set; what its parameters do not allow is its failure."""
@@ -258,7 +185,7 @@ class _Bench:
         """Runs as one where that can be, else in parts, at last each by itself."""
         parts: Iterable[Sequence[int]]
         try:
-            alike = self._made_alike([sets[run] for run in runs])
+            self._enter([sets[run] for run in runs])
         except PartingError as parting:
             which = dict(zip(runs, parting.which.tolist(), strict=True))
             parts = [[run for run in runs if which[run] is side] for side in (True, False)]
@@ -270,39 +197,67 @@ class _Bench:
                 return
             parts = [[run] for run in runs]
         else:
-            for run, outcome in zip(runs, self._run_alike(alike, len(runs)), strict=True):
+            for run, outcome in zip(runs, self._outcomes(len(runs)), strict=True):
                 found[run] = outcome
             return
         for part in parts:
             self._run_together(sets, part, found)
 
-    def _made_alike(self, sets: Sequence[Mapping[str, object]]) -> _Alike:
-        """Systems for all sets at once, and places that are ready for them."""
-        model, places = self._task.model, self._places[: len(sets)]
+    def _enter(self, sets: Sequence[Mapping[str, object]]) -> None:
+        """Make systems for all sets at once, and get ready for their runs.
+
+        Raises
+        ------
+        PartingError : systems that differ in more than their numbers.
+        ValueError : a system that the method cannot take.
+        """
+        model = self._task.model
         with np.errstate(all="raise", under="ignore"):
             parameters = _together(model, sets)
             system = build_checked(model, parameters)
-            state = start_state(system, parameters, self._task.times[0])
-            example = cache(lambda: build(model, checked_parameters(model, sets[0])))
-            for place in places:
-                place.enter(system, _solver(parameters), example)
-            numbers = places[0].integrator.numbers(system)
+            rest = (0.0,) * len(system.mass)
+            state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
+            if self._solver != _solver(parameters) or not self._integrator.fits(system):
+                self._have_integrator(system, parameters, sets[0])
+            numbers = self._integrator.row(system, *state)
         if len(numbers) * len(sets) > _MOST_NUMBERS and len(sets) > 1:
             raise PartingError(np.arange(len(sets)) < len(sets) // 2)
-        rows = table(numbers, len(sets)).reshape(-1).data
-        for place in places:
-            place.integrator.take_numbers(rows)
-        columns = np.empty((len(self._task.outputs), len(sets), len(self._task.times)))
-        return _Alike(len(numbers), state, list(zip(*columns, strict=True)))
+        self._series.enter(system)
+        self._series.take(table(numbers, len(sets)))
 
-    def _run_alike(self, alike: _Alike, runs: int) -> Iterable[Outcome]:
-        for first in range(0, runs, len(self._places)):
-            group = list(enumerate(self._places[: runs - first], first))
-            reasons = [place.begin(alike, run) for run, place in group]
-            begun = zip(group, reasons, strict=True)
-            statuses = iter(run_all([place.integrator for (_, place), why in begun if not why]))
-            for (run, place), why in zip(group, reasons, strict=True):
-                yield Outcome({}, why) if why else place.outcome(alike, run, next(statuses))
+    def _have_integrator(
+        self, system: System, parameters: Mapping[str, Value], example: Mapping[str, object]
+    ) -> None:
+        """An integrator that systems like the example fit, and columns for its runs."""
+        task = self._task
+        self._solver = ()
+        method, step, tolerance, theta, beyond = solver = _solver(parameters)
+        self._integrator = Integrator(
+            build(task.model, checked_parameters(task.model, example)),
+            method, step, tolerance, task.times[0],
+            energy=False, theta=theta, beyond_stable=beyond,
+        )  # fmt: skip
+        self._series = Series(self._integrator, system, task.times, task.outputs, task.at_end)
+        self._solver = solver
+
+    def _outcomes(self, runs: int) -> Iterator[Outcome]:
+        """Make all runs, and say what became of them."""
+        names, times = self._task.outputs, self._task.times
+        columns = np.empty((len(names), runs, len(times)))
+        of_runs = list(zip(*columns, strict=True)) or [()] * runs
+        first = 0
+        while first < runs:
+            ended = self._series.go(first, columns)
+            for k, one in enumerate(ended):
+                values = of_runs[first + k]
+                if one.status == 0:
+                    found = dict(zip(names, values, strict=True))
+                    yield Outcome(found, at_end=self._series.ends(k, one))
+                    continue
+                found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
+                why = f"{FAILURES[one.status]} at {one.time:.6g} s, in step {one.steps}"
+                yield Outcome(found, why)
+            first += len(ended)
 
 
 _solver = itemgetter(

@@ -78,6 +78,6 @@ def _choose() -> tuple[ModuleType, str]:
 _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
-run_all = _integrator.run_all
+Rows = _integrator.Rows
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS

@@ -1,4 +1,4 @@
-"""Outputs over a whole run as columns, from the arrays that the integrator fills in one call.
+"""Outputs over whole runs as columns, from the arrays that the integrator fills in one go.
 
 Every output over time that is a number is linear in displacements, velocities, accelerations, forces of
 the elements and the road; contact follows from the instants at which it was lost and regained.
@@ -10,19 +10,22 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from operator import attrgetter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from .engine import KINDS
-from .many import of_run
+from .engine import KINDS, Rows
+from .many import Many, of_run
 from .outputs import SUSPENSION, Contact
 from .signals import Segment, Signal
 from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
+_MOST_RUNS = 16  # in one go
+_MOST_NUMBERS = 100_000  # that the integrator fills in one
 DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
 _ORDERS = ("displacement", "velocity", "acceleration")
 _CONTACT = {  # attributes of `Contact` by the outputs' names
@@ -30,6 +33,7 @@ _CONTACT = {  # attributes of `Contact` by the outputs' names
     "last_touchdown": "last_touchdown",
 }  # fmt: skip
 Column = npt.NDArray[np.float64]
+_Log = Sequence[tuple[float, int, int, int, int]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +53,10 @@ class Line:
     road: str = ""
     road_factor: float = -1.0
     axle: int | None = None
+
+    def is_alone(self) -> bool:
+        """Whether it is one of x and no more."""
+        return not self.road and self.axle is None and list(self.direction.values()) == [1.0]
 
 
 def lines(system: System) -> dict[str, Line]:
@@ -93,12 +101,12 @@ def _terms(direction: Sequence[float]) -> dict[int, float]:
 
 
 def over_time(system: System) -> list[str]:
-    """Names of the outputs that `Series.column` gives."""
+    """Names of the outputs that `Series.go` gives."""
     return [*lines(system), *_of_tyres(system, _CONTACT)]
 
 
 def at_the_end(system: System) -> list[str]:
-    """Names of the outputs that `Series.at_end` gives."""
+    """Names of the outputs that `Series.ends` gives."""
     return ["step_count", *_of_tyres(system, ("airborne_time", *_CONTACT))]
 
 
@@ -110,11 +118,31 @@ def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[int | Non
     }  # fmt: skip
 
 
-class Series:
-    """The columns of runs over the same instants.
+class Ended(NamedTuple):
+    """How a run has ended.
 
     Parameters
     ----------
+    status : 0, or the key of `engine.FAILURES` that says why it could not go on
+    filled : how many instants it reached
+    time : where it ended, s
+    steps : how many it took
+    log_end : where its switches end in the log of the go
+    """
+
+    status: int
+    filled: int
+    time: float
+    steps: int
+    log_end: int
+
+
+class Series:
+    """The columns of runs over the same instants, which one integrator makes one after the other.
+
+    Parameters
+    ----------
+    integrator : makes them
     system : what is to be stepped, one or many (see `many`); others may differ in their numbers
     times : s, ascending
     names : the outputs that are wanted over time
@@ -122,76 +150,86 @@ class Series:
     """
 
     def __init__(
-        self, system: System, times: array[float], names: Sequence[str], at_end: Sequence[str] = ()
+        self,
+        integrator: Any,
+        system: System,
+        times: array[float],
+        names: Sequence[str],
+        at_end: Sequence[str] = (),
     ) -> None:
         self._times, self._names, self._at_end = times, names, at_end
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
-        kinds = {line.kind for name, line in _lines(system) if name in names}
+        self._tells = any(name in self._tyres for name in (*names, *at_end))
+        self._integrator = integrator
+        self.enter(system)
+        kinds = {line.kind for line in self._lines if line is not None}
         if ACCELERATION in kinds:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
-        n, elements, rows = len(system.mass), len(system.elements), len(times)
-        self._filled = {
-            kind: np.empty((elements if kind == FORCE else n, rows))
-            for kind in {*kinds, DISPLACEMENT}
-        }
-        self.enter(system)
+        n, elements = len(system.mass), len(system.elements)
+        wide = {kind: elements if kind == FORCE else n for kind in {*kinds, DISPLACEMENT}}
+        room = _MOST_NUMBERS // (len(times) * sum(wide.values()))
+        most = min(max(room, 1), _MOST_RUNS)
+        self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
+        filled = (self._filled.get(kind) for kind in range(4))
+        integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
+        self._rows = Rows(integrator, most)
 
     def enter(self, system: System) -> None:
         """Get ready for runs of another system."""
         self._system = system
         found = dict(_lines(system))
-        lines = [found.get(name) for name in self._names]
-        alone = [None if line is None else self._filled_alone(line) for line in lines]
-        self._alone = [(k, filled) for k, filled in enumerate(alone) if filled is not None]
-        self._made = [(k, lines[k]) for k, filled in enumerate(alone) if filled is None]
+        self._lines = [found.get(name) for name in self._names]
+        self._alone = [line is not None and line.is_alone() for line in self._lines]
 
-    def _filled_alone(self, line: Line) -> Column | None:
-        """The one column that a line is, if it is no more."""
-        if line.road or line.axle is not None or list(line.direction.values()) != [1.0]:
-            return None
-        alone: Column = self._filled[line.kind][next(iter(line.direction))]
-        return alone
+    def take(self, numbers: npt.NDArray[np.float64]) -> None:
+        """Keep the `row` of each run, (runs, numbers)."""
+        self._rows.take(numbers.reshape(-1).data, numbers.shape[1], self._times[0])
 
-    def prepare(self, integrator: Any) -> None:
-        """Let an integrator fill the columns whenever it runs."""
-        self._integrator = integrator
-        filled = (self._filled.get(kind) for kind in range(4))
-        integrator.prepare(self._times, *(x if x is None else x.reshape(-1) for x in filled))
-
-    def columns(self, into: Sequence[Column], run: int = 0) -> dict[str, Column]:
-        """The outputs over time at all instants that were reached, of one of the runs of a system.
+    def go(self, first: int, into: npt.NDArray[np.float64]) -> list[Ended]:
+        """Make the runs from `first` on, as many as there is room for, and say how they ended.
 
         Parameters
         ----------
-        into : an array for each of the outputs, which becomes its column
+        into : the columns of all runs, (outputs, runs, instants); those of a run that has failed are
+            right as far as it came
         """
-        rows = self._integrator.filled
-        if rows < len(self._times):
-            into = [column[:rows] for column in into]
-        for k, filled in self._alone:
-            into[k][:] = filled if rows == len(filled) else filled[:rows]
-        for k, line in self._made:
-            if line is not None:
-                self._fill(into[k], line, run)
-            else:
-                into[k][:] = self._of_contact(self._names[k], self._times[:rows])
-        return dict(zip(self._names, into, strict=True))
-
-    def ends(self) -> dict[str, float]:
-        """The outputs at the last instant, of those that add up over the run."""
-        return {name: self._end(name) for name in self._at_end}
-
-    def _fill(self, column: Column, line: Line, run: int) -> None:
-        rows = len(column)
-        column[:] = 0.0
+        ended = [*map(Ended._make, self._rows.go(first, into.shape[1]))]
+        self._logs = self._taken_apart(ended) if self._tells else []
+        last = first + len(ended)
         with np.errstate(all="ignore"):  # a motion may have diverged
-            for i, b in line.direction.items():
-                column += self._filled[line.kind][i][:rows] * of_run(b, run)
-            if line.road:
-                column += line.road_factor * self._under(line.road, line.kind, run)[:rows]
-            if line.axle is not None:
-                column += of_run(self._system.axles[line.axle].static_load, run)
+            for k, line in enumerate(self._lines):
+                if line is None:
+                    for run, log in enumerate(self._logs, first):
+                        into[k, run] = self._of_contact(self._names[k], self._times, log)
+                elif self._alone[k]:
+                    into[k, first:last] = self._filled[line.kind][
+                        : last - first, min(line.direction)
+                    ]
+                else:
+                    self._fill(into[k, first:last], line, first)
+        return ended
+
+    def _taken_apart(self, ended: Sequence[Ended]) -> list[_Log]:
+        """The switches of each run of the last go."""
+        log, ends = self._integrator.log, [0, *(one.log_end for one in ended)]
+        return [log[a:b] for a, b in pairwise(ends)]
+
+    def ends(self, k: int, ended: Ended) -> dict[str, float]:
+        """The outputs at the last instant of run k of the last go, of those that add up over it."""
+        return {name: self._end(name, k, ended) for name in self._at_end}
+
+    def _fill(self, column: Column, line: Line, first: int) -> None:
+        """A column of so many runs, (runs, instants), of which this is the first one."""
+        runs, filled = len(column), self._filled[line.kind]
+        column[:] = 0.0
+        for i, b in line.direction.items():
+            column += filled[:runs, i] * _of_runs(b, first, runs)
+        if line.road:
+            for k in range(runs):
+                column[k] += line.road_factor * self._under(line.road, line.kind, first + k)
+        if line.axle is not None:
+            column += _of_runs(self._system.axles[line.axle].static_load, first, runs)
 
     def _under(self, road: str, order: int, run: int) -> Column:
         """A road or its rate at all instants, found once for as long as it is the same road."""
@@ -203,22 +241,29 @@ class Series:
             known = self._roads[road, order] = segments, column
         return known[1]
 
-    def _of_contact(self, name: str, times: array[float]) -> array[float]:
+    def _of_contact(self, name: str, times: array[float], log: _Log) -> array[float]:
         """Contact as it stands at these instants, from the switches located."""
         tyre, what = self._tyres[name]
         read = attrgetter(_CONTACT[what])
         contact, column = Contact(), array("d")
-        for instant, element, kind, _, after in self._integrator.log:
+        for instant, element, kind, _, after in log:
             if element == tyre and kind == _OF_CONTACT:
                 before = array("d", [read(contact)])
                 column += before * (bisect_left(times, instant) - len(column))
                 contact.switch(instant, bool(after))
         return column + array("d", [read(contact)]) * (len(times) - len(column))
 
-    def _end(self, name: str) -> float:
+    def _end(self, name: str, k: int, ended: Ended) -> float:
         if name == "step_count":
-            return int(self._integrator.step_count)
+            return ended.steps
         tyre, what = self._tyres[name]
         if what in _CONTACT:
-            return self._of_contact(name, self._times[-1:])[0]
-        return float(self._integrator.limited_time_at(tyre, self._times[-1]))
+            return self._of_contact(name, self._times[-1:], self._logs[k])[0]
+        return float(self._rows.limited_time(k, tyre))
+
+
+def _of_runs(number: float, first: int, runs: int) -> float | npt.NDArray[np.float64]:
+    """A number of so many runs, for columns of them."""
+    if isinstance(number, Many):
+        return np.asarray(number)[first : first + runs, None]
+    return number

@@ -56,6 +56,32 @@ def test_a_batch_starts_where_runs_start() -> None:
     )
 
 
+def test_each_run_has_its_own_start_and_its_own_contact() -> None:
+    """More runs than are made in one go, with more switches than the log of one has room for."""
+    cars = [
+        {
+            "initial.body_displacement": 0.001 * k, "initial.wheel_velocity": 0.1 * (k % 5),
+            "road.shape": "sine", "road.height": 0.02 + 0.001 * k, "damper.rebound_limit": 300.0,
+        }
+        for k in range(45)
+    ]  # fmt: skip
+    times = [0.02 * k for k in range(101)]
+    names, ends = (
+        ["body_displacement", "contact_force", "airborne"],
+        ["airborne_time", "step_count"],
+    )
+    found = run_many("QuarterCar", cars, times, names, workers=1, at_end=ends)
+    lifted = 0
+    for car, outcome in zip(cars, found, strict=True):
+        (single,) = run_many("QuarterCar", [car], times, names, at_end=ends)
+        assert told(outcome) == told(single)
+        wanted = simulate("QuarterCar", car, times, [*names, *ends])
+        assert all(list(outcome.columns[name]) == wanted[name] for name in names)
+        assert all(outcome.at_end[name] == wanted[name][-1] for name in ends)
+        lifted += outcome.at_end["airborne_time"] > 0.0
+    assert 5 < lifted < len(cars)
+
+
 def test_progress_reaches_one() -> None:
     seen: list[float] = []
     run_many("OneDof", [{}] * 40, TIMES, ["body_displacement"], progress=seen.append)

@@ -363,6 +363,23 @@ def test_drawn_cars_with_everything_acting(seed: int) -> None:
         assert error(parameters, truth, tolerance=tolerance) < 2.0 * tolerance
 
 
+def test_the_error_goes_with_the_tolerance() -> None:
+    """In proportion, at either order: a finer tolerance is not kept by ever more."""
+    times = np.linspace(0.0, 1.0, 51)
+    systems = [build("QuarterCar", drawn(seed)) for seed in range(20)]
+    truths = [motion(system, times, tolerance=1e-12)[0] for system in systems]
+    typical = []
+    for tolerance in (1e-3, 1e-4, 1e-5, 1e-7, 1e-9):
+        errors = [
+            np.abs(motion(system, times, tolerance=tolerance)[0] - truth).max()
+            / np.abs(truth).max()
+            for system, truth in zip(systems, truths, strict=True)
+        ]
+        typical.append(np.median(errors) / tolerance)
+    assert min(typical) > 0.03
+    assert max(typical) < min(0.5, 2.5 * min(typical))
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     st.floats(-1.0, 5.0), st.floats(-2.0, 5.0), st.floats(-2.0, 9.0), st.floats(-2.0, 9.0),

@@ -4,7 +4,7 @@ from libc.math cimport sqrt
 from .march cimport March
 from .stepper cimport Stepper
 
-cdef int _PAUSED, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
+cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(March):
@@ -12,27 +12,43 @@ cdef class Integrator(March):
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count
     cdef double[::1] instants, out_q, out_v, out_a, out_f
-    # how it goes, from where its pace is judged, and whose run comes next
-    cdef int status
+    # from where its pace is judged
     cdef long long begun
     cdef double started
-    cdef Integrator following
 
     @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
     cpdef take_over(self, Integrator earlier, list pairs)
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
+    cdef void _look_at_pace(self) noexcept nogil
     @cython.locals(taken="long long")
-    cdef bint _is_hopeless(self, double until)
-    cdef void _run_in_turn(self) noexcept nogil
-    cdef int _finish(self) except -1
-    @cython.locals(status=int, i=int, at=Py_ssize_t, t=double)
-    cdef int _run(self) noexcept nogil
+    cdef bint _may_go_on(self, double until) except -1
+    @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
+    cdef int _run(self, Py_ssize_t place) noexcept nogil
     @cython.locals(k=int, i=int, what="int[::1]")
     cdef _log_events(self)
     @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
     cpdef void sample_forces(self, double t) noexcept nogil
+    @cython.locals(late=double)
+    cpdef double limited_time_at(self, int e, double t) noexcept nogil
 
-@cython.locals(one=Integrator, first=Integrator, following=Integrator)
-cpdef list run_all(list integrators)
+@cython.final
+cdef class Rows:
+    cdef Integrator integrator
+    cdef int most, contacts
+    cdef int[::1] status, filled, steps, log_end
+    cdef double[::1] time, limited
+    cdef double[::1] numbers
+    cdef Py_ssize_t width, first, wanted, made
+    cdef double start
+    cdef bint underway
+
+    @cython.locals(one=Integrator, paused=bint, k=int)
+    cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
+    @cython.locals(status=int)
+    cdef bint _go(self) noexcept nogil
+    @cython.locals(status=int)
+    cdef int _begin(self) noexcept nogil
+    @cython.locals(i=int, k=int)
+    cdef void _end(self, int status) noexcept nogil

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from array import array
 from struct import pack, unpack_from
 
 import cython
 
-from .arrays import doubles
+from .arrays import doubles, integers
 from .elements import KINDS
 from .march import March
 
 if not cython.compiled:
     from math import sqrt
 
-__all__ = ["FAILURES", "KINDS", "Integrator", "run_all"]
+__all__ = ["FAILURES", "KINDS", "Integrator", "Rows"]
 
 # How a run of steps ended that did not reach its end.
 FAILURES = {
@@ -25,10 +26,11 @@ FAILURES = {
     7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
     8: "switches follow one another while no time passes",
     9: "it would take far too many steps: a motion is too fast for so long a time",
+    10: "the mass matrix is not positive definite",
 }
 
-_PAUSED = 1  # as in march
-_TOO_MANY = 9
+_PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
+_TOO_MANY, _NO_MASS = 9, 10
 _ENOUGH_STEPS = 200000  # from which it is judged, again and again, how many are still to come
 _MOST_STEPS = 30000000  # still to come in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
@@ -85,13 +87,7 @@ class Integrator(March):
         """
         if len(displacements) != self.n or len(velocities) != self.n:
             raise ValueError(f"{self.n} displacements and {self.n} velocities are wanted")
-        s = self.stepper
-        for i in range(self.n):
-            s.q[i], s.v[i] = displacements[i], velocities[i]
-            s.reach = max(s.reach, abs(displacements[i]))
-        self.first_reach = s.reach
-        self.in_step = True
-        self._begin()
+        self._enter_state(array("d", [*displacements, *velocities]), 0)
 
     def take_over(self, earlier, pairs):
         """Go on from where the integrator of a system with the same coordinates and signals stands.
@@ -130,7 +126,7 @@ class Integrator(March):
         """
         before = self._energy_now() - self.net.exchange
         self._remember_branches()
-        jump = self.net.replace_signal(signal, self.time, doubles(coefficients))
+        jump = self.net.replace_signal(signal, self.time, array("d", coefficients))
         if jumps and jump != 0.0:
             # a damper at rest stands on its corner: the road's new velocity says on which side it acts
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
@@ -161,26 +157,34 @@ class Integrator(March):
         -------
         0, or the key of `FAILURES` that says why the run cannot go on.
         """
-        status = _PAUSED
-        self.begun, self.started = self.step_count, self.time
-        while status == _PAUSED:
+        self._look_at_pace()
+        while True:
             with cython.nogil:
                 status = self._advance(until, stop)
-            if status == _PAUSED:
-                self._pause()
-                if self._is_hopeless(until):
-                    return _TOO_MANY
-        return status
+            if status != _PAUSED:
+                return status
+            if not self._may_go_on(until):
+                return _TOO_MANY
 
-    def _is_hopeless(self, until):
-        """Whether the steps to come would be far too many, at the pace of the last ones."""
-        taken = self.step_count - self.begun
-        if taken < _ENOUGH_STEPS:
-            return False
-        if taken * (until - self.time) > _MOST_STEPS * (self.time - self.started):
-            return True
+    def _look_at_pace(self):
+        """From now on it is judged how fast the run goes."""
         self.begun, self.started = self.step_count, self.time
-        return False
+
+    def _may_go_on(self, until):
+        """Between parts of a long run: switches make room, and an interrupt may end it.
+
+        Whether the steps to come are not far too many, at the pace of the last ones.
+        """
+        self._log_events()
+        self.since_pause = 0
+        if cython.compiled:
+            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
+        taken = self.step_count - self.begun
+        if taken >= _ENOUGH_STEPS:
+            if taken * (until - self.time) > _MOST_STEPS * (self.time - self.started):
+                return False
+            self._look_at_pace()
+        return True
 
     def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
@@ -195,19 +199,29 @@ class Integrator(March):
         ------
         ValueError : an array that is too short.
         """
-        self.prepare(times, displacements, velocities, accelerations, forces)
-        (status,) = run_all([self])
+        self.prepare(1, times, displacements, velocities, accelerations, forces)
+        self._look_at_pace()
+        while True:
+            with cython.nogil:
+                status = self._run(0)
+            if status != _PAUSED:
+                break
+            if not self._may_go_on(times[len(times) - 1]):
+                status = _TOO_MANY
+                break
         self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         self.count = 0
         return status
 
-    def prepare(self, times, displacements, velocities=None, accelerations=None, forces=None):
-        """Say what `run_all` is to fill, now and again after each restart.
+    def prepare(self, runs, times, displacements, velocities=None, accelerations=None, forces=None):
+        """Say what so many runs are to fill, one after the other.
 
         Parameters
         ----------
+        runs : the arrays have room for
         times : s, ascending, none before the last step; an array of doubles, as all of them
-        displacements : m, of the first coordinate at all instants, then of the second and so on
+        displacements : m, of the first coordinate at all instants, then of the second and so on; then
+            likewise of the next run
         velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
         forces : N, one for each element; with them the accelerations are those of the equation of
             motion, as `sample_forces` finds them
@@ -218,8 +232,8 @@ class Integrator(March):
         """
         self.count = len(times)
         for out in (displacements, velocities, accelerations):
-            self._check_room(out, self.count * self.n)
-        self._check_room(forces, self.count * len(self.sample_f))
+            self._check_room(out, runs * self.count * self.n)
+        self._check_room(forces, runs * self.count * len(self.sample_f))
         self.want_v, self.want_a = velocities is not None, accelerations is not None
         self.want_f = forces is not None
         self.instants, self.out_q = times, displacements
@@ -230,31 +244,15 @@ class Integrator(March):
         if out is not None and len(out) < numbers:
             raise ValueError(f"{numbers} numbers do not fit into an array of {len(out)}")
 
-    def _run_in_turn(self):
-        """The first part of the run, and that of all those that follow."""
-        self.begun, self.started = self.step_count, self.time
-        self.status = self._run()
-        if self.following is not None:
-            self.following._run_in_turn()
-
-    def _finish(self):
-        """The rest of the run, where it paused."""
-        while self.status == _PAUSED:
-            self._pause()
-            if self._is_hopeless(self.instants[self.count - 1]):
-                self.status = _TOO_MANY
-                break
-            with cython.nogil:
-                self.status = self._run()
-        return self.status
-
-    def _run(self):
+    def _run(self, place):
+        """Step over the instants and fill what is wanted, in the room of one of the runs."""
+        before = place * self.count
         while self.filled < self.count:
             t = self.instants[self.filled]
             status = self._advance(t, False)
             if status != 0:
                 return status
-            at = self.filled
+            at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
                 self.dense.read_values(t, self.out_q, at, self.count)
                 self.filled += 1
@@ -262,8 +260,9 @@ class Integrator(March):
             self.sample(t)
             if self.want_f:
                 self.sample_forces(t)
+                force_at = before * self.net.elements + self.filled
                 for i in range(self.net.elements):
-                    self.out_f[at + i * self.count] = self.sample_f[i]
+                    self.out_f[force_at + i * self.count] = self.sample_f[i]
             for i in range(self.n):
                 self.out_q[at + i * self.count] = self.sample_q[i]
             if self.want_v:
@@ -275,19 +274,12 @@ class Integrator(March):
             self.filled += 1
         return 0
 
-    def _pause(self):
-        """Between parts of a long run: switches make room, and an interrupt may end it."""
-        self._log_events()
-        self.since_pause = 0
-        if cython.compiled:
-            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
-
     def _log_events(self):
         for k in range(self.event_count):
             what = self.event_what
             i = 4 * k
             self.logged.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
-        self.event_count = 0
+        self.event_count, self.flushed = 0, len(self.logged)
 
     @property
     def log(self):
@@ -299,6 +291,7 @@ class Integrator(March):
         """The switches since it was last taken."""
         taken = self.log
         self.logged = []
+        self.flushed = 0
         return taken
 
     # -- reading results ---------------------------------------------------------------------------
@@ -445,7 +438,7 @@ class Integrator(March):
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]
             at += len(view)
-        self.event_count = 0
+        self.event_count = self.flushed = 0
         self.logged = []
         d.known = 0
         net.find_levels()
@@ -458,25 +451,94 @@ class Integrator(March):
             memoryview(part).cast("B")[:] = content
 
 
-def run_all(integrators):
-    """Make the runs that integrators are prepared for, one after the other.
+class Rows:
+    """Runs of systems that differ in their numbers alone, one after the other without Python between.
 
-    Meanwhile other threads of Python have their way: the lock is given back once for all runs.
+    Other threads of Python have their way meanwhile.
 
-    Returns
-    -------
-    For each 0, or the key of `FAILURES` that says why its run could not go on.
+    Parameters
+    ----------
+    integrator : prepared for `most` runs
+    most : runs in one go
     """
-    following = None
-    for one in reversed(integrators):
-        one.following = following
-        following = one
-    first = following
-    if first is not None:
-        with cython.nogil:
-            first._run_in_turn()
-    statuses = []
-    for one in integrators:
-        one.following = None
-        statuses.append(one._finish())
-    return statuses
+
+    def __init__(self, integrator, most):
+        self.integrator, self.most = integrator, most
+        self.contacts = self.integrator.contacts
+        self.status, self.filled, self.steps, self.log_end = (
+            integers([0] * most) for _ in range(4)
+        )
+        self.time, self.limited = (
+            doubles([0.0] * most),
+            doubles([0.0] * most * max(self.contacts, 1)),
+        )
+
+    def take(self, numbers, width, start):
+        """Keep an array of doubles with the `row` of each run, so wide, and when they start."""
+        self.numbers, self.width, self.start = numbers, width, start
+
+    def go(self, first, last):
+        """Make the runs from `first` on that come before `last`, as far as there is room for them.
+
+        Returns
+        -------
+        For each 0, or the key of `FAILURES` that says why it could not go on; how many instants it
+        reached, the time, s, and the number of steps at its end; and where its switches end in `log`.
+        """
+        one = self.integrator
+        one.take_log()
+        self.first, self.wanted = first, min(last - first, self.most)
+        self.made = 0
+        self.underway = False
+        while True:
+            with cython.nogil:
+                paused = self._go()
+            if not paused:
+                break
+            if not one._may_go_on(one.instants[one.count - 1]):
+                self._end(_TOO_MANY)
+        return [
+            (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
+            for k in range(self.made)
+        ]
+
+    def limited_time(self, k, e):
+        """How long element e was at its limit, s, in run k of the last go up to its last instant."""
+        contact = list(self.integrator.contact_element).index(e)
+        return self.limited[k * self.contacts + contact]
+
+    def _go(self):
+        """Whether a run has paused; else all are made, or the log has no room for another one."""
+        while self.made < self.wanted:
+            status = 0
+            if not self.underway:
+                if self.integrator.event_count > _EVENT_CAPACITY // 4:
+                    return 0
+                status = self._begin()
+            if status == 0:
+                status = self.integrator._run(self.made)
+            if status == _PAUSED:
+                return 1
+            self._end(status)
+        return 0
+
+    def _begin(self):
+        at = (self.first + self.made) * self.width
+        status = self.integrator.begin_row(self.numbers, at, self.start)
+        self.integrator._look_at_pace()
+        self.underway = True
+        return _NO_MASS if status != 0 else 0
+
+    def _end(self, status):
+        """Note how the run that is underway has ended."""
+        k = self.made
+        self.status[k], self.filled[k] = status, self.integrator.filled
+        self.time[k], self.steps[k] = self.integrator.time, self.integrator.step_count
+        self.log_end[k] = self.integrator.flushed + self.integrator.event_count
+        for i in range(self.integrator.contacts):
+            self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
+                self.integrator.contact_element[i],
+                self.integrator.instants[self.integrator.count - 1],
+            )
+        self.made += 1
+        self.underway = False

@@ -33,21 +33,22 @@ cdef class March:
     cdef int contacts
     cdef int[::1] step_limited, contact_element
     cdef list logged
-    cdef double[::1] given
     # results at the last sampled instant
     cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
     cdef readonly Py_ssize_t filled
     # workspace
     cdef double[::1] event_time
     cdef int[::1] event_what, branch_before
-    cdef int stalled, overruns, event_count, since_pause
+    cdef int stalled, overruns, event_count, flushed, since_pause
     cdef double landed
 
-    cpdef restart_at(self, int at, double start)
-    @cython.locals(e=int)
-    cdef _start(self, double time, double reach)
+    cdef int begin_row(self, double[::1] x, int at, double start) noexcept nogil
     @cython.locals(i=int)
-    cdef _begin(self)
+    cdef void _enter_state(self, double[::1] x, int at) noexcept nogil
+    @cython.locals(e=int)
+    cdef void _stand_still(self, double time, double reach) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _begin(self) noexcept nogil
     cdef void _enter_branches(self) noexcept nogil
     @cython.locals(status=int, before=double)
     cdef int _advance(self, double until, bint stop) noexcept nogil

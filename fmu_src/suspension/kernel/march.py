@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import begin_apart, doubles, integers, vectors
 from .cruise import Cruise
 from .dense import Dense
 from .exact import not_straight
@@ -26,7 +26,7 @@ _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
 
 _CONTACT, _KINDS = 3, 5  # as in elements
-_EVENT_CAPACITY = 256
+_EVENT_CAPACITY = 512
 _FLIPS = 24  # of branches at one instant, several elements being at their corners
 _FINE = 1e-4  # tolerances below it are reached faster at order 8 than at order 6
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
@@ -70,6 +70,7 @@ class March:
             columns = order // 2
         else:
             columns = 4 if tolerance < _FINE or step > 0.0 else 3
+        begin_apart()
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
@@ -100,18 +101,20 @@ class March:
             e for e, element in enumerate(system.elements) if element.limit < 1e300
         )
         self.contacts = len(self.contact_element)
+        self.event_count = self.flushed = 0
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
         self.branch_before = integers([0] * _KINDS * elements)
         self.logged = []  # switches so far: (time, element, kind, from, to); the last ones wait
-        self._start(start, max(system.scales))
+        self._stand_still(start, max(system.scales))
+        self._begin()
 
     def fits(self, system):
         """Whether a system differs from the one before in its numbers alone."""
         return self.net.fits(system)
 
-    def numbers(self, system):
-        """All of a system that fits that a restart needs: its numbers, or what it has in their place.
+    def row(self, system, displacements, velocities):
+        """What `begin_row` reads of a system that fits, and of where it starts (m, m/s), as a list.
 
         Raises
         ------
@@ -119,28 +122,33 @@ class March:
         """
         if self.stepper.method == METHODS["exact"]:
             _refuse_curved(system)
-        return [max(system.scales), *numbers_of(system)]
+        return [max(system.scales), *displacements, *velocities, *numbers_of(system)]
 
-    def take_numbers(self, numbers):
-        """Keep an array of doubles in which the numbers of systems stand."""
-        self.given = numbers
+    def begin_row(self, x, at, start):
+        """Begin anew with the system and state whose `row` stands in x from `at` on.
 
-    def restart_at(self, at, start):
-        """Begin anew with the system whose numbers stand from `at` on in the array taken.
-
-        All is then as in a new integrator of that system with the same method, step and tolerance.
-
-        Raises
-        ------
-        ValueError : a mass matrix that is not positive definite.
+        All is then as in a new integrator of that system with the same method, step and tolerance, but
+        for the log, which goes on. 1 if the mass matrix is not positive definite.
         """
-        self.net.enter_system(self.given, at + 1)
-        self.logged = []
-        self._start(start, self.given[at])
+        if self.net.enter_system(x, at + 1 + 2 * self.n) != 0:
+            return 1
+        self._stand_still(start, x[at])
+        self._enter_state(x, at + 1)
+        return 0
 
-    def _start(self, time, reach):
+    def _enter_state(self, x, at):
+        """Start from the displacements and velocities that stand in x from `at` on."""
+        for i in range(self.n):
+            self.stepper.q[i] = x[at + i]
+            self.stepper.v[i] = x[at + self.n + i]
+            self.stepper.reach = max(self.stepper.reach, fabs(x[at + i]))
+        self.first_reach = self.stepper.reach
+        self.in_step = True
+        self._begin()
+
+    def _stand_still(self, time, reach):
         """Stand still in equilibrium, before anything has happened."""
-        self.event_count = self.stalled = self.overruns = self.filled = self.since_pause = 0
+        self.stalled = self.overruns = self.filled = self.since_pause = 0
         self.time = self.grid_start = time
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
@@ -154,23 +162,21 @@ class March:
         self.stepper.start(reach)
         self.watch.start()
         self.ledger.start()
-        self._begin()
 
     def _begin(self):
         """Branches, accelerations and energy of the present state, which both ends of the step show."""
-        s, d, net = self.stepper, self.dense, self.net
-        net.settle(self.time, s.q, s.v)
-        net.locate_branches(self.time, s.q, s.v)
+        self.net.settle(self.time, self.stepper.q, self.stepper.v)
+        self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         self._enter_branches()
         for i in range(self.n):
-            d.qa[i] = d.qb[i] = s.q[i]
-            d.va[i] = d.vb[i] = s.v[i]
-            d.aa[i] = d.ab[i] = s.a[i]
-            d.ja[i] = d.jb[i] = s.j[i]
-            s.drift[i] = 0.0
-        d.start = d.end = self.time
-        net.row_states(s.q, s.v)
-        self.ledger.initial_energy = net.energy(s.v)
+            self.dense.qa[i] = self.dense.qb[i] = self.stepper.q[i]
+            self.dense.va[i] = self.dense.vb[i] = self.stepper.v[i]
+            self.dense.aa[i] = self.dense.ab[i] = self.stepper.a[i]
+            self.dense.ja[i] = self.dense.jb[i] = self.stepper.j[i]
+            self.stepper.drift[i] = 0.0
+        self.dense.start = self.dense.end = self.time
+        self.net.row_states(self.stepper.q, self.stepper.v)
+        self.ledger.initial_energy = self.net.energy(self.stepper.v)
 
     def _enter_branches(self):
         """Everything that follows from the branches, after any of them has changed."""

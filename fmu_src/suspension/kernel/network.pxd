@@ -17,7 +17,7 @@ cdef class Network(Elements):
 
     cdef bint fits(self, system) except -1
     @cython.locals(n=int, i=int, k=int)
-    cdef int enter_system(self, double[::1] x, int at) except -1
+    cdef int enter_system(self, double[::1] x, int at) noexcept nogil
     @cython.locals(e=int)
     cdef void forget(self) noexcept nogil
 

@@ -7,6 +7,8 @@ slips again.
 
 from __future__ import annotations
 
+from array import array
+
 import cython
 
 from .arrays import doubles, integers, vectors
@@ -55,7 +57,8 @@ class Network(Elements):
         self.load_names = [load.signal for load in system.loads]
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
-        self.enter_system(doubles(numbers_of(system)), 0)
+        if self.enter_system(array("d", numbers_of(system)), 0) != 0:
+            raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def fits(self, system):
         """Whether a system differs from the one read in its numbers alone."""
@@ -70,16 +73,14 @@ class Network(Elements):
     def enter_system(self, x, at):
         """Take over a system that fits from x[at:], as `numbers_of` gives it.
 
-        Raises
-        ------
-        ValueError : a mass matrix that is not positive definite.
+        1 if its mass matrix is not positive definite.
         """
         n = self.n
         for i in range(n * n):
             self.mass[i] = self.mass_factor[i] = x[at + i]
         at += n * n
         if decompose(self.mass_factor, 0, n) != 0:
-            raise ValueError("the mass matrix must be symmetric and positive definite")
+            return 1
         for k in range(n):
             for i in range(n):
                 self.scratch[i] = 1.0 if i == k else 0.0
@@ -90,6 +91,7 @@ class Network(Elements):
             self.load_direction[i] = x[at + i]
         at = self.enter_signals(x, at + self.loads * n)
         self.enter_elements(x, at)
+        return 0
 
     def forget(self):
         """As before anything has moved: nothing lifted off, slipped or flowed."""

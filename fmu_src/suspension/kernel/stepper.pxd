@@ -8,7 +8,7 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
-cdef double _SHARE, _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
+cdef double _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
 
 @cython.final
 cdef class Stepper:
@@ -18,7 +18,7 @@ cdef class Stepper:
     cdef Propagator propagator
     cdef int n, method, columns, fractions, stamp, affine, loads_hold, damping_known
     cdef bint side_by_side, controlled
-    cdef double theta, tolerance, reach, omega_squared, quickest, error, time, longest, least_damping
+    cdef double theta, tolerance, share, reach, omega_squared, quickest, error, time, longest, least_damping
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
     cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a

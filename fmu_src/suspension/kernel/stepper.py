@@ -35,6 +35,7 @@ if not cython.compiled:
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
+_COARSE = 1e-3  # tolerance up to which it is that much; see `share`
 _CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
 _MOST = 5  # substeps of one macro step
 # Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
@@ -68,6 +69,7 @@ class Stepper:
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
+        self.share = share(columns, tolerance)
         self.controlled = False  # whether the error decides on steps
         self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
@@ -485,9 +487,9 @@ class Stepper:
             # nothing adds up here, so one step may use up the whole tolerance; in v the difference
             # of q over a short step is rounded
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i])) / h
-            self._note_error(_SHARE * fabs(self.septic_q[i] - self.middle_q[i]))
+            self._note_error(self.share * fabs(self.septic_q[i] - self.middle_q[i]))
             self._note_error(
-                _SHARE
+                self.share
                 * self.velocity_scale[i]
                 * (fabs(self.septic_v[i] - self.middle_v[i]) - rounding)
             )
@@ -524,13 +526,13 @@ class Stepper:
         if self.net.stuck:
             self.net.stick(self.net.mass_factor, 0, self.middle_a, self.net.zero, 2, self.net.kick)
         for i in range(self.n):
-            lack = _SHARE * h * fabs(self.septic_a[i] - self.middle_a[i])
+            lack = self.share * h * fabs(self.septic_a[i] - self.middle_a[i])
             self._note_error(h / 32.0 * lack)
             self._note_error(0.12 * self.velocity_scale[i] * lack)
 
     def _note_error(self, size):
         """Keep the largest error in units of the tolerance."""
-        error = size / (_SHARE * self.tolerance * self.reach)
+        error = size / (self.share * self.tolerance * self.reach)
         if not error <= self.error:
             self.error = error
 
@@ -541,3 +543,13 @@ class Stepper:
         self.net.row_forces()
         self.net.accelerate(self.ab)
         self.net.jerk(self.vb, self.ab, self.jb)
+
+
+def share(columns, tolerance):
+    """How much of the tolerance one step may use up.
+
+    What is estimated is the error of the last column but one, which goes with a power of the step less
+    than the error of a whole run of the last: so that the latter goes with the tolerance, the estimate
+    may be a larger part of a finer one.
+    """
+    return _SHARE * max(_COARSE / tolerance, 1.0) ** (0.5 / columns)
