@@ -24,7 +24,6 @@ from suspension.batch import run_many
 
 STEP, DURATION = 1e-3, 2.0
 STEPS = round(DURATION / STEP)
-_MANY_STEPS = 2_000_000
 PACKAGED = ("numbalsoda dop853", "numbalsoda lsoda", "heyoka")
 """Those peers that are not slower by an order of magnitude."""
 _BLOW_OFF = {
@@ -75,11 +74,11 @@ def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:
 
 
 def c_steps_in_threads(folder: Path, threads: int) -> Callable[[], object]:
-    """Two million of the hard-coded steps in C, dealt out to so many threads."""
+    """Hard-coded steps in C, many runs of a few milliseconds dealt out to so many threads."""
     run = hard_coded.compiled_by_cc(folder)
     pool = ThreadPoolExecutor(threads)
-    shares = [_MANY_STEPS // threads] * threads
-    return lambda: list(pool.map(run, shares, [STEP] * threads))
+    # not so long that the motion becomes denormal numbers, which are slow
+    return lambda: list(pool.map(run, [100 * STEPS] * 10, [STEP] * 10))
 
 
 def racers(problem: str) -> list[tuple[Solver, float, float, Callable[[], object]]]:

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from math import ceil
 from statistics import median
 
 from scenarios.studies.workbench import timed
 
+_TURN = 2e-3  # s that a turn takes at least
+
 
 def medians(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Median time of each function over rounds in which all of them run once, s.
+    """Median time of each function over rounds in which all of them have their turn, s.
 
-    Each runs once more before it is timed: what the one before it has left in the processor's
-    caches says nothing about either.
+    A turn of what is over sooner than in two milliseconds is as many calls as take so long, and the
+    mean of them: what the one before it has left in the processor says nothing about either. Anything
+    else is called once more before it is timed, for the same reason.
     """
     times: dict[str, list[float]] = {name: [] for name in functions}
     for _ in range(rounds):
         for name, function in functions.items():
-            timed(function)
-            times[name].append(timed(function)[1])
+            calls = ceil(_TURN / timed(function)[1])
+            times[name].append(sum(timed(function)[1] for _ in range(calls)) / calls)
     return {name: median(taken) for name, taken in times.items()}

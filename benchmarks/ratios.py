@@ -26,7 +26,7 @@ from suspension.engine import Integrator
 HERE = Path(__file__).parent
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
 _FEWER = 5  # times fewer rounds for what takes longest
-_IN_CHUNK = 2000  # runs of a batch that take a turn: ten thousand in five rounds
+_RUNS = 10_000  # of a batch
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +107,14 @@ def levels(rounds: int) -> Iterator[Ratio]:
 
 def batch(rounds: int) -> Iterator[Ratio]:
     """Thousands of quarter-car runs of 2 s at 1e-4, drawn at random, against scipy's LSODA for each."""
-    one, two = (cases.batch_of_runs(_IN_CHUNK, workers) for workers in (1, 2))
+    one, two = (cases.batch_of_runs(_RUNS, workers) for workers in (1, 2))
     runs = {"one": one, "two": two, "lsoda": cases.lsoda_run()}
     with tempfile.TemporaryDirectory() as folder:
         c_one, c_two = (cases.c_steps_in_threads(Path(folder), threads) for threads in (1, 2))
         times = medians({**runs, "C, one": c_one, "C, two": c_two}, rounds)
-    each = times["one"] / _IN_CHUNK
+    each = times["one"] / _RUNS
     yield Ratio("one run of a batch at 1e-4 / scipy LSODA", each, times["lsoda"], 1 / 200, 1 / 400)
-    yield Ratio("batch by one worker / by two", each, times["two"] / _IN_CHUNK, 1.7, 1.9, True)
+    yield Ratio("batch by one worker / by two", each, times["two"] / _RUNS, 1.7, 1.9, True)
     yield Ratio(
         "hard-coded C by one thread / by two", times["C, one"], times["C, two"], 1.9, 2.0, True
     )

@@ -24,8 +24,8 @@ from .signals import Segment, Signal
 from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
-_MOST_RUNS = 16  # in one go
-_MOST_NUMBERS = 100_000  # that the integrator fills in one
+_MOST_RUNS = 64  # in one go
+_MOST_NUMBERS = 50_000  # that the integrator fills in one
 DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
 _ORDERS = ("displacement", "velocity", "acceleration")
 _CONTACT = {  # attributes of `Contact` by the outputs' names
@@ -173,7 +173,7 @@ class Series:
         self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
         filled = (self._filled.get(kind) for kind in range(4))
         integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
-        self._rows = Rows(integrator, most)
+        self._rows = Rows(integrator, most, self._tells)
 
     def enter(self, system: System) -> None:
         """Get ready for runs of another system."""

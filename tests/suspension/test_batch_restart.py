@@ -25,7 +25,7 @@ def restart(used: Any, system: System, start: float) -> bool:
     rest = (0.0,) * len(system.mass)
     row = array("d", used.row(system, rest, rest))
     used.prepare(1, array("d", [start]), array("d", rest))
-    rows = Rows(used, 1)
+    rows = Rows(used, 1, True)
     rows.take(row, len(row), start)
     assert rows.go(0, 1) == [(0, 1, start, 0, 0)]
     return True

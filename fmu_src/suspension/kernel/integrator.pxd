@@ -42,7 +42,7 @@ cdef class Rows:
     cdef double[::1] numbers
     cdef Py_ssize_t width, first, wanted, made
     cdef double start
-    cdef bint underway
+    cdef bint logs, underway
 
     @cython.locals(one=Integrator, paused=bint, k=int)
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)

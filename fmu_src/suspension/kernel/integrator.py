@@ -460,10 +460,11 @@ class Rows:
     ----------
     integrator : prepared for `most` runs
     most : runs in one go
+    logs : whether the switches of all runs of a go are wanted
     """
 
-    def __init__(self, integrator, most):
-        self.integrator, self.most = integrator, most
+    def __init__(self, integrator, most, logs):
+        self.integrator, self.most, self.logs = integrator, most, logs
         self.contacts = self.integrator.contacts
         self.status, self.filled, self.steps, self.log_end = (
             integers([0] * most) for _ in range(4)
@@ -512,7 +513,9 @@ class Rows:
         while self.made < self.wanted:
             status = 0
             if not self.underway:
-                if self.integrator.event_count > _EVENT_CAPACITY // 4:
+                if not self.logs:
+                    self.integrator.event_count = 0
+                elif self.integrator.event_count > _EVENT_CAPACITY // 4:
                     return 0
                 status = self._begin()
             if status == 0:

@@ -11,7 +11,7 @@ from .watch cimport Watch
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
 cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
-cdef double _GROWTH, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE
+cdef double _GROWTH, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _ROAD_PHASE
 
 cdef class March:
     cdef Network net

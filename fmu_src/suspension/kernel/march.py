@@ -37,6 +37,7 @@ _GROWTH = 1e8  # a displacement this many times the scale of the run has diverge
 _RUNAWAY = 1e4  # and here it does, if steps vanish besides
 _EXCESS = 1.5  # times its share that the error of a step may be before it is made again
 _FIRST_PHASE = 0.25  # of the fastest mode in the first step
+_ROAD_PHASE = 1.5  # as in signals
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
 
 
@@ -86,7 +87,7 @@ class March:
         self.landing, self.energy = landing, energy
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.stepper.controlled = self.controlled
-        self.no_error = (0.9 / 4.0) ** (2 * columns - 1)  # below it steps grow as much as they may
+        self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow as much as they may
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
         self.whole = Dense(n, False)  # an attempt in which a switch is looked for
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
@@ -276,6 +277,7 @@ class March:
             return self.watch.fit(self.time, h)
         omega = sqrt(self.stepper.omega_squared)
         road = self.net.road_limit(self.time)
+        self.stepper.road_rate = _ROAD_PHASE / road
         if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
@@ -415,11 +417,11 @@ class March:
             self._note_changes()
 
     def _factor_for_error(self):
-        """Change of step that brings the error to the tolerance: err grows as h^(2 columns - 1)."""
+        """Change of step that brings the error to the tolerance."""
         if self.stepper.error <= self.no_error:
             return 4.0
-        factor = 0.9 * pow(self.stepper.error, -1.0 / (2.0 * self.stepper.columns - 1.0))
-        return 0.2 if factor < 0.2 else factor
+        factor = 0.9 * pow(self.stepper.error, -1.0 / self.stepper.error_order)
+        return min(max(factor, 0.2), 4.0)
 
     def _accept(self, h, t):
         """Make the attempt the last step."""

@@ -8,7 +8,7 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
-cdef double _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
+cdef double _SHARE, _SLOW_PHASE, _MOST_BETTER, _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
 
 @cython.final
 cdef class Stepper:
@@ -16,9 +16,9 @@ cdef class Stepper:
     cdef Lanes lanes
     cdef Iteration iteration
     cdef Propagator propagator
-    cdef int n, method, columns, fractions, stamp, affine, loads_hold, damping_known
+    cdef int n, method, columns, error_order, fractions, stamp, affine, loads_hold, damping_known
     cdef bint side_by_side, controlled
-    cdef double theta, tolerance, share, reach, omega_squared, quickest, error, time, longest, least_damping
+    cdef double theta, tolerance, road_rate, reach, omega_squared, quickest, error, time, longest, least_damping
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb
     cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a
@@ -57,7 +57,7 @@ cdef class Stepper:
     cdef void _add_loads(self, double[::1] out, int at, int order) noexcept nogil
     @cython.locals(n=int, i=int, k=int, m=int, at=int, fraction=int, status=int, step=double)
     cdef int _column(self, int column, double h) noexcept nogil
-    @cython.locals(i=int, status=int)
+    @cython.locals(i=int, status=int, phase=double, better=double)
     cdef int attempt(self, double t, double h) noexcept nogil
     cdef bint in_lanes(self) noexcept nogil
     @cython.locals(i=int)

@@ -13,7 +13,9 @@ of acceleration as the unknown, as H83 recommends, short steps lose no digits. I
 with gamma = 1/2, beta = 1/6: second order, symmetric, stable while omega_max h < 2 sqrt 3.
 
 Being symmetric its error expands in h^2, so a macro step made with 1, 2, 3 and 5 equal substeps and
-extrapolated (Aitken, Neville) has order 8, and the last two columns of the table give the error.
+extrapolated (Aitken, Neville) has order 8, and the last two columns of the table give the error: that
+of the last but one, to which the last is better by the square of the phase of the fastest mode, as soon
+as that is small. So errors go with the tolerance in proportion, and stiff modes are not trusted.
 A mode damped without bound is multiplied by -1 in each substep, by the sum of w (-1)^n in a macro
 step, w the weights of the extrapolation: -0.59 here, but 6.2 if the last were made with 4 substeps.
 """
@@ -35,7 +37,10 @@ if not cython.compiled:
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
-_COARSE = 1e-3  # tolerance up to which it is that much; see `share`
+# Phase of all that moves fast per macro step from which downwards the last column is better than the one
+# it is compared with, by the square of the phase; but no more than so many times is counted on.
+_SLOW_PHASE = 2.0
+_MOST_BETTER = 10.0
 _CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
 _MOST = 5  # substeps of one macro step
 # Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
@@ -69,7 +74,8 @@ class Stepper:
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
-        self.share = share(columns, tolerance)
+        self.error_order = 0  # the power of the step with which the error of the attempt goes
+        self.road_rate = 0.0  # the fastest sinusoid of roads and loads, rad/s
         self.controlled = False  # whether the error decides on steps
         self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
@@ -366,6 +372,7 @@ class Stepper:
     def attempt(self, t, h):
         """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb."""
         self.time = t
+        self.error_order = 2 * self.columns - 1
         if self.method == _EXACT:
             return self._propagate(t, h)
         self._prepare_signals(h)
@@ -378,6 +385,11 @@ class Stepper:
         for i in range(self.n):
             self._note_error(fabs(self.lanes.error_q[i]))
             self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
+        phase = h * (self.quickest + self.road_rate) / _SLOW_PHASE
+        better = max(phase * phase, 1.0 / _MOST_BETTER)
+        if better < 1.0:
+            self.error *= better
+            self.error_order += 2
         return status
 
     def in_lanes(self):
@@ -487,9 +499,9 @@ class Stepper:
             # nothing adds up here, so one step may use up the whole tolerance; in v the difference
             # of q over a short step is rounded
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i])) / h
-            self._note_error(self.share * fabs(self.septic_q[i] - self.middle_q[i]))
+            self._note_error(_SHARE * fabs(self.septic_q[i] - self.middle_q[i]))
             self._note_error(
-                self.share
+                _SHARE
                 * self.velocity_scale[i]
                 * (fabs(self.septic_v[i] - self.middle_v[i]) - rounding)
             )
@@ -526,13 +538,13 @@ class Stepper:
         if self.net.stuck:
             self.net.stick(self.net.mass_factor, 0, self.middle_a, self.net.zero, 2, self.net.kick)
         for i in range(self.n):
-            lack = self.share * h * fabs(self.septic_a[i] - self.middle_a[i])
+            lack = _SHARE * h * fabs(self.septic_a[i] - self.middle_a[i])
             self._note_error(h / 32.0 * lack)
             self._note_error(0.12 * self.velocity_scale[i] * lack)
 
     def _note_error(self, size):
         """Keep the largest error in units of the tolerance."""
-        error = size / (self.share * self.tolerance * self.reach)
+        error = size / (_SHARE * self.tolerance * self.reach)
         if not error <= self.error:
             self.error = error
 
@@ -543,13 +555,3 @@ class Stepper:
         self.net.row_forces()
         self.net.accelerate(self.ab)
         self.net.jerk(self.vb, self.ab, self.jb)
-
-
-def share(columns, tolerance):
-    """How much of the tolerance one step may use up.
-
-    What is estimated is the error of the last column but one, which goes with a power of the step less
-    than the error of a whole run of the last: so that the latter goes with the tolerance, the estimate
-    may be a larger part of a finer one.
-    """
-    return _SHARE * max(_COARSE / tolerance, 1.0) ** (0.5 / columns)
