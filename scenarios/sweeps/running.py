@@ -1,6 +1,6 @@
 """The runs of a sweep, side by side in processes, each a row; what is done is never done again.
 
-Every row goes into a journal beside the results as soon as it is there, so that a sweep that was
+Every row goes into a journal beside the results as soon as its chunk is done, so that a sweep that was
 interrupted goes on where it stopped. A run that fails is a row with its reason.
 """
 
@@ -97,9 +97,9 @@ def sweep(
         futures = [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
         try:
             for future in as_completed(futures):
-                for row in future.result():
-                    rows[row.run] = row
-                    keep(row)
+                chunk = future.result()
+                rows.update((row.run, row) for row in chunk)
+                keep(chunk)
                 if progress is not None:
                     progress(len(rows) / len(plan.points))
         except BaseException:
@@ -266,7 +266,7 @@ def _leave_interrupts_to_us() -> None:
 
 
 @contextmanager
-def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Row], None]]:
+def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
     """The journal, open for further rows; without work to be kept it is not there."""
     journal.parent.mkdir(parents=True, exist_ok=True)
     fresh = not journal.exists() or not _is_of(plan, journal)
@@ -274,8 +274,8 @@ def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Row], None]]:
         if fresh:
             file.write(json.dumps({"plan": plan.hash}) + "\n")
 
-        def keep(row: Row) -> None:
-            file.write(json.dumps([row.run, list(row.values), row.reason]) + "\n")
+        def keep(rows: Sequence[Row]) -> None:
+            file.writelines(json.dumps([r.run, r.values, r.reason]) + "\n" for r in rows)
             file.flush()
 
         yield keep
