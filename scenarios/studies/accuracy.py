@@ -145,8 +145,10 @@ class _Timed:
     spent: float
 
     def again(self) -> None:
-        _, took = timed(self.run)
-        self.seconds, self.spent = min(self.seconds, took), self.spent + took
+        """Twice, for the one that ran before has left its own in the processor's caches."""
+        for _ in range(2):
+            _, took = timed(self.run)
+            self.seconds, self.spent = min(self.seconds, took), self.spent + took
 
 
 def measure(
