@@ -73,9 +73,9 @@ def one_source(paths: list[Path]) -> str:
                 case ast.Import() | ast.ImportFrom(level=0):
                     imports[written] = None
                 case ast.Assign():
-                    names = ast.unparse(node.targets[0])
-                    if known.setdefault(names, written) != written:
-                        raise ValueError(f"{path.name}: {written}, but elsewhere {known[names]}")
+                    for name, value in assigned(node):
+                        if known.setdefault(name, value) != value:
+                            raise ValueError(f"{path.name}: {name} = {value}, not {known[name]}")
                     continue
                 case ast.ImportFrom():
                     pass
@@ -87,6 +87,15 @@ def one_source(paths: list[Path]) -> str:
                 lines[line] = ""
         bodies.append("\n".join(lines))
     return "\n".join([*imports, *bodies])
+
+
+def assigned(node: ast.Assign) -> list[tuple[str, str]]:
+    """The names that an assignment gives values, each with its own."""
+    target, value = node.targets[0], node.value
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        pairs = zip(target.elts, value.elts, strict=True)
+        return [(ast.unparse(name), ast.unparse(x)) for name, x in pairs]
+    return [(ast.unparse(target), ast.unparse(value))]
 
 
 def one_set_of_types(paths: list[Path]) -> str:

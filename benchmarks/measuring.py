@@ -8,14 +8,14 @@ from statistics import median
 
 from scenarios.studies.workbench import timed
 
-_TURN = 2e-3  # s that a turn takes at least
+_TURN = 2e-3  # s that a turn takes, about or more
 
 
 def medians(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
     """Median time of each function over rounds in which all of them have their turn, s.
 
-    A turn of what is over sooner than in two milliseconds is as many calls as take so long, and the
-    mean of them: what the one before it has left in the processor says nothing about either. Anything
+    A turn of what is over sooner than in two milliseconds is as many calls as take about so long, and
+    the mean of them: what the one before it has left in the processor says nothing about either. Anything
     else is called once more before it is timed, for the same reason.
     """
     times: dict[str, list[float]] = {name: [] for name in functions}

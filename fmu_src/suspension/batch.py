@@ -217,18 +217,19 @@ class _Bench:
             system = build_checked(model, parameters)
             rest = (0.0,) * len(system.mass)
             state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
-            if self._solver != _solver(parameters) or not self._integrator.fits(system):
+            if self._solver == _solver(parameters) and self._integrator.fits(system):
+                self._series.enter(system)
+            else:
                 self._have_integrator(system, parameters, sets[0])
             numbers = self._integrator.row(system, *state)
         if len(numbers) * len(sets) > _MOST_NUMBERS and len(sets) > 1:
             raise PartingError(np.arange(len(sets)) < len(sets) // 2)
-        self._series.enter(system)
         self._series.take(table(numbers, len(sets)))
 
     def _have_integrator(
         self, system: System, parameters: Mapping[str, Value], example: Mapping[str, object]
     ) -> None:
-        """An integrator that systems like the example fit, and columns for its runs."""
+        """An integrator that systems like the example fit, and what makes columns of its runs."""
         task = self._task
         self._solver = ()
         method, step, tolerance, theta, beyond = solver = _solver(parameters)

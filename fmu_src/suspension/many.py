@@ -42,6 +42,19 @@ class Many(np.ndarray[Any, np.dtype[np.float64]]):
             raise PartingError(which)
         return False
 
+    def __iadd__(self, other: Any) -> Any:  # type: ignore[misc]
+        """Another number, as of floats: nobody who has the old one sees it change."""
+        return self + other
+
+    def __isub__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self - other
+
+    def __imul__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self * other
+
+    def __itruediv__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self / other
+
     def __float__(self) -> float:
         raise TypeError("several runs have no single number")
 

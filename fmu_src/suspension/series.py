@@ -25,7 +25,7 @@ from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
 _MOST_RUNS = 64  # in one go
-_MOST_NUMBERS = 50_000  # that the integrator fills in one
+_MOST_FILLED = 50_000  # numbers that the integrator fills in one
 DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
 _ORDERS = ("displacement", "velocity", "acceleration")
 _CONTACT = {  # attributes of `Contact` by the outputs' names
@@ -160,7 +160,8 @@ class Series:
         self._times, self._names, self._at_end = times, names, at_end
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
-        self._tells = any(name in self._tyres for name in (*names, *at_end))
+        told = {what for name, (_, what) in self._tyres.items() if name in {*names, *at_end}}
+        self._tells = not told <= {"airborne_time"}
         self._integrator = integrator
         self.enter(system)
         kinds = {line.kind for line in self._lines if line is not None}
@@ -168,12 +169,12 @@ class Series:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
         n, elements = len(system.mass), len(system.elements)
         wide = {kind: elements if kind == FORCE else n for kind in {*kinds, DISPLACEMENT}}
-        room = _MOST_NUMBERS // (len(times) * sum(wide.values()))
+        room = _MOST_FILLED // (len(times) * sum(wide.values()))
         most = min(max(room, 1), _MOST_RUNS)
         self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
         filled = (self._filled.get(kind) for kind in range(4))
         integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
-        self._rows = Rows(integrator, most, self._tells)
+        self._rows = Rows(integrator, self._tells)
 
     def enter(self, system: System) -> None:
         """Get ready for runs of another system."""
@@ -184,10 +185,10 @@ class Series:
 
     def take(self, numbers: npt.NDArray[np.float64]) -> None:
         """Keep the `row` of each run, (runs, numbers)."""
-        self._rows.take(numbers.reshape(-1).data, numbers.shape[1], self._times[0])
+        self._rows.take(numbers.reshape(-1).data, self._times[0])
 
     def go(self, first: int, into: npt.NDArray[np.float64]) -> list[Ended]:
-        """Make the runs from `first` on, as many as there is room for, and say how they ended.
+        """Make the runs from `first` on, at least one, and say how those made have ended.
 
         Parameters
         ----------
@@ -203,9 +204,8 @@ class Series:
                     for run, log in enumerate(self._logs, first):
                         into[k, run] = self._of_contact(self._names[k], self._times, log)
                 elif self._alone[k]:
-                    into[k, first:last] = self._filled[line.kind][
-                        : last - first, min(line.direction)
-                    ]
+                    filled = self._filled[line.kind][: last - first]
+                    into[k, first:last] = filled[:, next(iter(line.direction))]
                 else:
                     self._fill(into[k, first:last], line, first)
         return ended

@@ -6,12 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from suspension.batch import Outcome, outputs_over_time, run_many
+from suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
+from suspension.series import Series
 from suspension.session import simulate
 from suspension.variables import MODELS, ParameterError
 
 TIMES = [0.02 * k for k in range(26)]
 OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]
+SHAPES = ["flat", "bump", "obstacle", "sine", "step", "ramp", "plank", "sequence", "table"]
 
 
 def test_a_batch_gives_what_single_runs_give_to_the_bit() -> None:
@@ -56,8 +58,11 @@ def test_a_batch_starts_where_runs_start() -> None:
     )
 
 
-def test_each_run_has_its_own_start_and_its_own_contact() -> None:
-    """More runs than are made in one go, with more switches than the log of one has room for."""
+def test_each_run_has_its_own_start_and_its_own_contact(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Several in one go, which the switches of a few end: the log of one has no room for all."""
+    goes = []
+    go = Series.go
+    monkeypatch.setattr(Series, "go", lambda *given: goes.append(go(*given)) or goes[-1])
     cars = [
         {
             "initial.body_displacement": 0.001 * k, "initial.wheel_velocity": 0.1 * (k % 5),
@@ -65,12 +70,11 @@ def test_each_run_has_its_own_start_and_its_own_contact() -> None:
         }
         for k in range(45)
     ]  # fmt: skip
-    times = [0.02 * k for k in range(101)]
-    names, ends = (
-        ["body_displacement", "contact_force", "airborne"],
-        ["airborne_time", "step_count"],
-    )
+    times = [0.02 * k for k in range(16)]
+    names, ends = ["body_displacement", "contact_force", "airborne"], outputs_at_end("QuarterCar")
     found = run_many("QuarterCar", cars, times, names, workers=1, at_end=ends)
+    assert max(map(len, goes)) > 4
+    assert len(goes) > 4
     lifted = 0
     for car, outcome in zip(cars, found, strict=True):
         (single,) = run_many("QuarterCar", [car], times, names, at_end=ends)
@@ -80,6 +84,60 @@ def test_each_run_has_its_own_start_and_its_own_contact() -> None:
         assert all(outcome.at_end[name] == wanted[name][-1] for name in ends)
         lifted += outcome.at_end["airborne_time"] > 0.0
     assert 5 < lifted < len(cars)
+
+
+def test_more_runs_than_are_made_in_one_go() -> None:
+    """As many as a go may have and some more, with a run among them that fails."""
+    cars: list[dict[str, object]] = [{"speed": 10.0 + 0.1 * k} for k in range(150)]
+    cars[70] = {"speed": 10.0, "spring.cubic": -1e9, "road.height": 0.3}
+    ends = ["airborne_time", "step_count"]
+    found = run_many("QuarterCar", cars, TIMES, ["body_displacement"], workers=1, at_end=ends)
+    for car, outcome in zip(cars, found, strict=True):
+        (single,) = run_many("QuarterCar", [car], TIMES, ["body_displacement"], at_end=ends)
+        assert told(outcome) == told(single)
+
+
+def test_a_pause_for_the_log_comes_when_it_comes_to_the_run_alone() -> None:
+    """Fixed steps stop there to look about, and give up a run that takes too many."""
+
+    def car(speed: float, **other: float) -> dict[str, object]:
+        return {
+            "road.shape": "sine", "road.length": 0.5, "road.height": 0.004, "speed": speed,
+            "solver.method": "equilibrium", "solver.step": 1e-3, **other,
+        }  # fmt: skip
+
+    first = car(5.9, sprung_mass=300.0)
+    for speed in (9.0, 10.0, 10.7, 12.0):
+        second = car(speed, sprung_mass=294.0)
+        given = "QuarterCar", [0.0, 154.9], ["body_displacement"]
+        ends = ["lift_off_count", "step_count"]
+        cars = [first, second] * 2  # half of them in one go
+        _, behind, *_ = run_many(given[0], cars, *given[1:], workers=1, at_end=ends)
+        (single,) = run_many(given[0], [second], *given[1:], workers=1, at_end=ends)
+        assert told(behind) == told(single)
+
+
+@pytest.mark.parametrize("shape", [*SHAPES, "pothole", "random"])
+def test_runs_over_every_road_are_what_each_is_alone(shape: str) -> None:
+    """The road is made for all of them at once."""
+    common = {"road.shape": shape, "road.table": "0:0, 0.2:0.03, 0.5:0", "road.profile_length": 3.0,
+              "road.sequence": "bump 0.05 1, gap 0.5, plank 0.03 0.5, pothole 0.02 0.4"}  # fmt: skip
+    cars = [
+        {
+            **common, "speed": 10.0 + 2.0 * k, "road.length": 0.3 + 0.1 * k,
+            "road.start": 0.01 * (k + 1), "road.height": 0.03 + 0.01 * k,
+            "road.ramp_length": 0.05 + 0.01 * k,
+        }
+        for k in range(4)
+    ]  # fmt: skip
+    names = ["ground_elevation", "ground_velocity", "body_displacement", "contact_force"]
+    times = [0.003 * k for k in range(60)]
+    found = run_many("QuarterCar", cars, times, names, workers=1)
+    for car, outcome in zip(cars, found, strict=True):
+        assert outcome.ok
+        wanted = simulate("QuarterCar", car, times, names)
+        for name in names:
+            assert list(outcome.columns[name]) == wanted[name], name
 
 
 def test_progress_reaches_one() -> None:
@@ -106,7 +164,6 @@ def test_bad_input_is_refused(
         run_many(model, [{}], times, outputs)
 
 
-SHAPES = ["flat", "bump", "obstacle", "sine", "step", "ramp", "plank", "sequence", "table"]
 TEXTS: dict[str, list[object]] = {
     "road.shape": list[object](SHAPES),
     "road.sequence": ["bump 0.05 1, gap 0.5, plank 0.03 0.5", "step 0.01"],
@@ -145,7 +202,8 @@ def many(draw: st.DrawFn, model: str) -> list[dict[str, object]]:
 
 def alone(model: str, car: dict[str, object], outputs: list[str]) -> tuple[object, ...]:
     """What a batch of one run gives."""
-    (outcome,) = run_many(model, [car], TIMES[:6], outputs, at_end=["step_count"], workers=1)
+    ends = outputs_at_end(model)
+    (outcome,) = run_many(model, [car], TIMES[:6], outputs, at_end=ends, workers=1)
     return told(outcome)
 
 
@@ -157,12 +215,12 @@ def told(outcome: Outcome) -> tuple[object, ...]:
 @pytest.mark.parametrize("model", list(MODELS))
 def test_no_run_shows_what_came_before_it(model: str) -> None:
     """Whatever changes from run to run, each is to the bit what it is alone, failures among them."""
-    outputs = outputs_over_time(model)
+    outputs, ends = outputs_over_time(model), outputs_at_end(model)
 
     @settings(max_examples=25, deadline=None)
     @given(many(model))
     def check(sets: list[dict[str, object]]) -> None:
-        found = run_many(model, sets, TIMES[:6], outputs, at_end=["step_count"], workers=1)
+        found = run_many(model, sets, TIMES[:6], outputs, at_end=ends, workers=1)
         for car, outcome in zip(sets, found, strict=True):
             assert told(outcome) == alone(model, car, outputs)
 
@@ -170,7 +228,7 @@ def test_no_run_shows_what_came_before_it(model: str) -> None:
 
 
 def test_side_by_side_is_one_after_the_other() -> None:
-    """In groups and threads, with runs among them that fail, diverge, or pause for many steps."""
+    """In threads, with runs among them that fail, diverge, or pause for many steps."""
     cars: list[dict[str, object]] = [{"speed": 10.0 + 0.5 * k} for k in range(60)]
     cars[3] = {"unsprung_mass": -1.0}
     cars[5] = {"spring.cubic": -1e9, "road.height": 0.3}

@@ -10,7 +10,7 @@ from drawn_parts import FEATURES, SHAPES, starting_numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from suspension.engine import Integrator, Rows
+from suspension.engine import FAILURES, Integrator, Rows
 from suspension.models import build
 from suspension.systems import System
 from suspension.variables import METHODS, MODELS
@@ -25,8 +25,8 @@ def restart(used: Any, system: System, start: float) -> bool:
     rest = (0.0,) * len(system.mass)
     row = array("d", used.row(system, rest, rest))
     used.prepare(1, array("d", [start]), array("d", rest))
-    rows = Rows(used, 1, True)
-    rows.take(row, len(row), start)
+    rows = Rows(used, True)
+    rows.take(row, start)
     assert rows.go(0, 1) == [(0, 1, start, 0, 0)]
     return True
 
@@ -163,3 +163,40 @@ def test_no_number_of_an_end_that_came_before_is_left() -> None:
     assert told(used, wild)[0] == 2
     assert restart(used, fine, 0.0)
     assert told(used, fine) == told(fresh, fine)
+
+
+def test_a_row_without_a_proper_mass_tells_nothing_of_the_run_before() -> None:
+    system = build("QuarterCar", {})
+    integrator, rest = Integrator(system), (0.0, 0.0)
+    good = integrator.row(system, rest, rest)
+    bad = [*good[:5], -1.0, *good[6:]]
+    integrator.prepare(3, TIMES, array("d", bytes(8 * 3 * 2 * len(TIMES))))
+    rows = Rows(integrator, True)
+    rows.take(array("d", good + bad + good), 0.0)
+    first, refused, last = rows.go(0, 3)
+    assert FAILURES[refused[0]] == "the mass matrix must be symmetric and positive definite"
+    assert refused[1:4] == (0, 0.0, 0)
+    assert first[:4] == last[:4]
+    assert last[1] == len(TIMES)
+
+
+def test_rows_that_are_not_there_are_refused() -> None:
+    system = build("QuarterCar", {})
+    integrator, rest = Integrator(system), (0.0, 0.0)
+    row = array("d", integrator.row(system, rest, rest))
+    rows = Rows(integrator, False)
+    rows.take(row, 0.0)
+    with pytest.raises(ValueError, match="no room"):
+        rows.go(0, 1)  # nothing prepared
+    integrator.prepare(2, TIMES, array("d", bytes(8 * 2 * 2 * len(TIMES))))
+    rows = Rows(integrator, False)
+    with pytest.raises(ValueError, match="no rows"):
+        rows.take(row[:-1], 0.0)
+    rows.take(row, 0.0)
+    for first, last in ((0, 2), (1, 1), (-1, 1)):
+        with pytest.raises(ValueError, match="no room, or no rows"):
+            rows.go(first, last)
+    assert len(rows.go(0, 1)) == 1
+    integrator.run(TIMES, array("d", bytes(8 * 2 * len(TIMES))))
+    with pytest.raises(ValueError, match="no room"):
+        rows.go(0, 1)  # what was prepared is gone

@@ -21,6 +21,9 @@ CARS: list[tuple[str, Mapping[str, object]]] = [
     ("OneDof", {}),
     ("QuarterCar", {}),
     ("QuarterCar", STOPS),
+    ("QuarterCar", {**STOPS, "initial.body_displacement": -0.03, "initial.wheel_velocity": 0.5}),
+    ("QuarterCar", {"spring.cubic": 1e6, "initial.body_displacement": 0.02}),
+    ("QuarterCar", {"lift_off": False, "solver.tolerance": 1e-3}),
     ("HalfCarRigidTyres", {}),
     ("HalfCar", {"road.height": 0.08}),
     ("HalfCar", {name: x for name, x in BOTH.items() if "road" not in name}),
@@ -41,7 +44,7 @@ def test_every_output_is_what_stepping_gives_to_the_bit(
         assert list(run.columns[name]) == wanted[name], name
     for name in ends:
         assert run.at_end[name] == wanted[name][-1], name
-    if "lift_off_count" in ends:
+    if "lift_off_count" in ends and not any(n.startswith(("lift", "initial")) for n in given):
         assert run.at_end["lift_off_count"] >= 1
 
 

@@ -45,7 +45,7 @@ def vectors(count, size):
 
 def _placed(values):
     """The same numbers where there is room for them; uncompiled, an array as it is is read faster."""
-    if not cython.compiled:
+    if not (cython.compiled and values):
         return values
     content = memoryview(values)
     if content.nbytes > len(_place.room):

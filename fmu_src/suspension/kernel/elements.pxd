@@ -14,7 +14,7 @@ cdef class Elements(Laws):
     cdef int switchable  # how many kinds of branches of elements can change
     cdef int[::1] switch_element, switch_kind
     # its branches
-    cdef int[::1] branch, departing, limited_count, stuck_element, row_stuck
+    cdef int[::1] branch, departing, stuck_element, row_stuck
     cdef int stuck
     cdef double exchange
     cdef int[::1] kept_branch, kept_signal

@@ -53,7 +53,6 @@ class Elements(Laws):
             integers([0] * _KINDS * elements),
             integers([0] * _KINDS * elements),
         )
-        self.limited_count = integers([0] * elements)
         self.stuck = 0
         self.stuck_element, self.row_stuck = integers([0] * elements), integers([0] * self.rows)
         self.exchange = 0.0
@@ -90,7 +89,6 @@ class Elements(Laws):
         for s in range(self.signals):
             self.signal_now[s] = self.kept_signal[s] = 0
         for e in range(self.elements):
-            self.limited_count[e] = 0
             self.kept_set[e] = 0.0
         for k in range(_KINDS * self.elements):
             self.branch[k] = self.departing[k] = self.kept_branch[k] = 0
@@ -324,7 +322,6 @@ class Elements(Laws):
             return self.branch[at]
         if kind == _CONTACT:
             self.branch[at] = 1 if side > 0 else 0
-            self.limited_count[e] += self.branch[at]
             self._book_exchange(e, t, q, v)
         else:
             self.branch[at] += side
@@ -346,8 +343,6 @@ class Elements(Laws):
             if self.limit[e] < 1e300:
                 force = self.law(self.piece_now(e, _SPRING), d) + self.damper_force(e)
                 off = 1 if force > self.limit[e] else 0
-                if off and not self.branch[at + _CONTACT]:
-                    self.limited_count[e] += 1
                 self.branch[at + _CONTACT] = off
             if self.friction[e] > 0.0:
                 self._follow_slip(e, w)

@@ -10,7 +10,7 @@ cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MAN
 cdef class Integrator(March):
     # what a run fills
     cdef bint want_v, want_a, want_f
-    cdef Py_ssize_t count
+    cdef Py_ssize_t count, places
     cdef double[::1] instants, out_q, out_v, out_a, out_f
     # from where its pace is judged
     cdef long long begun
@@ -36,11 +36,11 @@ cdef class Integrator(March):
 @cython.final
 cdef class Rows:
     cdef Integrator integrator
-    cdef int most, contacts
+    cdef int most, contacts, width
     cdef int[::1] status, filled, steps, log_end
     cdef double[::1] time, limited
     cdef double[::1] numbers
-    cdef Py_ssize_t width, first, wanted, made
+    cdef Py_ssize_t rows, first, wanted, made
     cdef double start
     cdef bint logs, underway
 

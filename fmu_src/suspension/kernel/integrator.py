@@ -26,7 +26,7 @@ FAILURES = {
     7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
     8: "switches follow one another while no time passes",
     9: "it would take far too many steps: a motion is too fast for so long a time",
-    10: "the mass matrix is not positive definite",
+    10: "the mass matrix must be symmetric and positive definite",
 }
 
 _PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
@@ -210,7 +210,7 @@ class Integrator(March):
                 status = _TOO_MANY
                 break
         self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
-        self.count = 0
+        self.count = self.places = 0
         return status
 
     def prepare(self, runs, times, displacements, velocities=None, accelerations=None, forces=None):
@@ -218,7 +218,7 @@ class Integrator(March):
 
         Parameters
         ----------
-        runs : the arrays have room for
+        runs : how many the arrays have room for
         times : s, ascending, none before the last step; an array of doubles, as all of them
         displacements : m, of the first coordinate at all instants, then of the second and so on; then
             likewise of the next run
@@ -230,7 +230,7 @@ class Integrator(March):
         ------
         ValueError : an array that is too short.
         """
-        self.count = len(times)
+        self.count, self.places = len(times), runs
         for out in (displacements, velocities, accelerations):
             self._check_room(out, runs * self.count * self.n)
         self._check_room(forces, runs * self.count * len(self.sample_f))
@@ -279,7 +279,7 @@ class Integrator(March):
             what = self.event_what
             i = 4 * k
             self.logged.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
-        self.event_count, self.flushed = 0, len(self.logged)
+        self.event_count, self.event_base, self.flushed = 0, 0, len(self.logged)
 
     @property
     def log(self):
@@ -403,7 +403,7 @@ class Integrator(March):
         return (
             d.qa, d.va, d.aa, d.ja, d.qb, d.vb, d.ab, d.jb, s.q, s.v, s.a, s.j,
             self.ledger.work, self.limited_time, self.step_limited, net.segment, net.piece,
-            net.branch, net.departing, net.signal_now, net.limited_count, s.multiplier,
+            net.branch, net.departing, net.signal_now, s.multiplier,
             s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest, s.drift,
         )  # fmt: skip
 
@@ -438,7 +438,7 @@ class Integrator(March):
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]
             at += len(view)
-        self.event_count = self.flushed = 0
+        self.event_count = self.event_base = self.flushed = 0
         self.logged = []
         d.known = 0
         net.find_levels()
@@ -458,13 +458,14 @@ class Rows:
 
     Parameters
     ----------
-    integrator : prepared for `most` runs
-    most : runs in one go
+    integrator : it makes as many in one go as it is prepared for
     logs : whether the switches of all runs of a go are wanted
     """
 
-    def __init__(self, integrator, most, logs):
-        self.integrator, self.most, self.logs = integrator, most, logs
+    def __init__(self, integrator, logs):
+        self.integrator, self.logs = integrator, logs
+        most = self.most = self.integrator.places
+        self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
         self.contacts = self.integrator.contacts
         self.status, self.filled, self.steps, self.log_end = (
             integers([0] * most) for _ in range(4)
@@ -474,19 +475,40 @@ class Rows:
             doubles([0.0] * most * max(self.contacts, 1)),
         )
 
-    def take(self, numbers, width, start):
-        """Keep an array of doubles with the `row` of each run, so wide, and when they start."""
-        self.numbers, self.width, self.start = numbers, width, start
+    def take(self, numbers, start):
+        """Take the rows of all runs that are to come.
+
+        Parameters
+        ----------
+        numbers : the `row` of each, one after the other; an array of doubles
+        start : of all runs, s
+
+        Raises
+        ------
+        ValueError : rows of another system.
+        """
+        if len(numbers) % self.width:
+            raise ValueError(f"{len(numbers)} numbers are no rows of {self.width}")
+        self.numbers, self.start, self.rows = numbers, start, len(numbers) // self.width
 
     def go(self, first, last):
-        """Make the runs from `first` on that come before `last`, as far as there is room for them.
+        """Make the runs from `first` on that come before `last`, at least one of them.
+
+        There may be no room for all: they are no more than the integrator is prepared for, and another
+        one begins only while three quarters of the log, if it is wanted, are empty.
 
         Returns
         -------
         For each 0, or the key of `FAILURES` that says why it could not go on; how many instants it
         reached, the time, s, and the number of steps at its end; and where its switches end in `log`.
+
+        Raises
+        ------
+        ValueError : an integrator that is not prepared, or runs that there are no rows for.
         """
         one = self.integrator
+        if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
+            raise ValueError(f"runs {first} to {last} of {self.rows}: no room, or no rows")
         one.take_log()
         self.first, self.wanted = first, min(last - first, self.most)
         self.made = 0
@@ -505,11 +527,13 @@ class Rows:
 
     def limited_time(self, k, e):
         """How long element e was at its limit, s, in run k of the last go up to its last instant."""
-        contact = list(self.integrator.contact_element).index(e)
-        return self.limited[k * self.contacts + contact]
+        for i in range(self.contacts):
+            if self.integrator.contact_element[i] == e:
+                return self.limited[k * self.contacts + i]
+        return 0.0  # it has no limit
 
     def _go(self):
-        """Whether a run has paused; else all are made, or the log has no room for another one."""
+        """Whether a run has paused; else all are made, or as many as there is room for."""
         while self.made < self.wanted:
             status = 0
             if not self.underway:

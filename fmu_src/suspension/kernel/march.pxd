@@ -39,9 +39,10 @@ cdef class March:
     # workspace
     cdef double[::1] event_time
     cdef int[::1] event_what, branch_before
-    cdef int stalled, overruns, event_count, flushed, since_pause
+    cdef int stalled, overruns, event_count, event_base, flushed, since_pause
     cdef double landed
 
+    @cython.locals(i=int)
     cdef int begin_row(self, double[::1] x, int at, double start) noexcept nogil
     @cython.locals(i=int)
     cdef void _enter_state(self, double[::1] x, int at) noexcept nogil
@@ -50,9 +51,9 @@ cdef class March:
     @cython.locals(i=int)
     cdef void _begin(self) noexcept nogil
     cdef void _enter_branches(self) noexcept nogil
-    @cython.locals(status=int, before=double)
+    @cython.locals(status=int, events=int, before=double)
     cdef int _advance(self, double until, bint stop) noexcept nogil
-    @cython.locals(target=double, omega=double, road=double, h=double)
+    @cython.locals(target=double, omega=double, road=double, h=double, rounding=double)
     cdef double _proposed_step(self) noexcept nogil
     @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int, runs_away=bint,
                    h=double, longer=double, joint=double, end=double, at=double)

@@ -102,7 +102,7 @@ class March:
             e for e, element in enumerate(system.elements) if element.limit < 1e300
         )
         self.contacts = len(self.contact_element)
-        self.event_count = self.flushed = 0
+        self.event_count = self.event_base = self.flushed = 0
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
         self.branch_before = integers([0] * _KINDS * elements)
@@ -131,10 +131,17 @@ class March:
         All is then as in a new integrator of that system with the same method, step and tolerance, but
         for the log, which goes on. 1 if the mass matrix is not positive definite.
         """
+        self.event_base = self.event_count
+        self.filled = self.step_count = 0
+        self.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.n) != 0:
             return 1
         self._stand_still(start, x[at])
-        self._enter_state(x, at + 1)
+        self._begin()
+        for i in range(2 * self.n):
+            if x[at + 1 + i] != 0.0:
+                self._enter_state(x, at + 1)
+                return 0
         return 0
 
     def _enter_state(self, x, at):
@@ -187,7 +194,8 @@ class March:
 
     def _advance(self, until, stop):
         while self.time < until:
-            if self.event_count > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
+            events = self.event_count - self.event_base
+            if events > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
                 return _PAUSED
             if self.cruises and not self.entered and self._cruise(until, stop):
                 if self._has_diverged():
@@ -272,12 +280,13 @@ class March:
                 self.grid_index += 1
                 target = self.grid_start + (self.grid_index + 1) * self.fixed_step
             h = target - self.time
-            if fabs(h / self.fixed_step - 1.0) < 1e-11:
+            rounding = 1e-11 + 4e-16 * fabs(self.time) / self.fixed_step
+            if fabs(h / self.fixed_step - 1.0) < rounding:
                 h = self.fixed_step  # to the bit, so that what was factorised for it is kept
             return self.watch.fit(self.time, h)
         omega = sqrt(self.stepper.omega_squared)
         road = self.net.road_limit(self.time)
-        self.stepper.road_rate = _ROAD_PHASE / road
+        self.stepper.road_rate = _ROAD_PHASE / road if road > 0.0 else 0.0
         if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road

@@ -7,7 +7,7 @@ cdef int _DAMPER, _MODULATION, _LAWS, _PIECE
 
 @cython.final
 cdef class Network(Elements):
-    cdef readonly int loads, works
+    cdef readonly int loads, works, size
     cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
     # what the last evaluation left

@@ -57,7 +57,9 @@ class Network(Elements):
         self.load_names = [load.signal for load in system.loads]
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
-        if self.enter_system(array("d", numbers_of(system)), 0) != 0:
+        numbers = array("d", numbers_of(system))
+        self.size = len(numbers)
+        if self.enter_system(numbers, 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def fits(self, system):

@@ -14,8 +14,8 @@ with gamma = 1/2, beta = 1/6: second order, symmetric, stable while omega_max h 
 
 Being symmetric its error expands in h^2, so a macro step made with 1, 2, 3 and 5 equal substeps and
 extrapolated (Aitken, Neville) has order 8, and the last two columns of the table give the error: that
-of the last but one, to which the last is better by the square of the phase of the fastest mode, as soon
-as that is small. So errors go with the tolerance in proportion, and stiff modes are not trusted.
+of the last but one. In a linear branch the last is better by the square of the phase of what is fast, as
+soon as that is small; so errors go with the tolerance in proportion, and stiff modes are not trusted.
 A mode damped without bound is multiplied by -1 in each substep, by the sum of w (-1)^n in a macro
 step, w the weights of the extrapolation: -0.59 here, but 6.2 if the last were made with 4 substeps.
 """
@@ -37,8 +37,8 @@ if not cython.compiled:
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
-# Phase of all that moves fast per macro step from which downwards the last column is better than the one
-# it is compared with, by the square of the phase; but no more than so many times is counted on.
+# Phase per macro step of the fastest mode, its decay and the road together from which downwards the last
+# column is better than the one it is compared with, by the square; so many times at most are counted on.
 _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
 _CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
@@ -75,7 +75,7 @@ class Stepper:
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
         self.error_order = 0  # the power of the step with which the error of the attempt goes
-        self.road_rate = 0.0  # the fastest sinusoid of roads and loads, rad/s
+        self.road_rate = 0.0  # of the fastest sinusoid where a step begins, rad/s
         self.controlled = False  # whether the error decides on steps
         self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
@@ -386,10 +386,13 @@ class Stepper:
             self._note_error(fabs(self.lanes.error_q[i]))
             self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
         phase = h * (self.quickest + self.road_rate) / _SLOW_PHASE
-        better = max(phase * phase, 1.0 / _MOST_BETTER)
-        if better < 1.0:
+        if phase < 1.0:
+            better = phase * phase
+            if better > 1.0 / _MOST_BETTER:
+                self.error_order += 2
+            else:
+                better = 1.0 / _MOST_BETTER
             self.error *= better
-            self.error_order += 2
         return status
 
     def in_lanes(self):
