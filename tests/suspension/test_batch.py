@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
 from suspension.series import Series
 from suspension.session import simulate
-from suspension.variables import MODELS, ParameterError
+from suspension.variables import MODELS, ROAD_SHAPES, ParameterError
 
 TIMES = [0.02 * k for k in range(26)]
 OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]
@@ -117,8 +117,9 @@ def test_a_pause_for_the_log_comes_when_it_comes_to_the_run_alone() -> None:
         assert told(behind) == told(single)
 
 
-@pytest.mark.parametrize("shape", [*SHAPES, "pothole", "random"])
-def test_runs_over_every_road_are_what_each_is_alone(shape: str) -> None:
+@pytest.mark.parametrize("model", ["QuarterCar", "HalfCar"])
+@pytest.mark.parametrize("shape", [shape for shape in ROAD_SHAPES if shape != "input"])
+def test_runs_over_every_road_are_what_each_is_alone(shape: str, model: str) -> None:
     """The road is made for all of them at once."""
     common = {"road.shape": shape, "road.table": "0:0, 0.2:0.03, 0.5:0", "road.profile_length": 3.0,
               "road.sequence": "bump 0.05 1, gap 0.5, plank 0.03 0.5, pothole 0.02 0.4"}  # fmt: skip
@@ -130,12 +131,16 @@ def test_runs_over_every_road_are_what_each_is_alone(shape: str) -> None:
         }
         for k in range(4)
     ]  # fmt: skip
-    names = ["ground_elevation", "ground_velocity", "body_displacement", "contact_force"]
-    times = [0.003 * k for k in range(60)]
-    found = run_many("QuarterCar", cars, times, names, workers=1)
+    side = "rear_" * (model == "HalfCar")
+    if side:
+        cars = [car | {"cg_to_front": 1.1 + 0.1 * k} for k, car in enumerate(cars)]
+    outputs = ["ground_elevation", "ground_velocity", "body_displacement", "contact_force"]
+    names = [side + name for name in outputs]
+    times = [0.003 * k for k in range(80)]
+    found = run_many(model, cars, times, names, workers=1)
     for car, outcome in zip(cars, found, strict=True):
         assert outcome.ok
-        wanted = simulate("QuarterCar", car, times, names)
+        wanted = simulate(model, car, times, names)
         for name in names:
             assert list(outcome.columns[name]) == wanted[name], name
 
