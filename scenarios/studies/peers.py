@@ -87,7 +87,7 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
     equations, problem, n = bench.equations, bench.problem, bench.equations.n
     par = [hy.par[k] for k in range(equations.size)]
     symbols = hy.make_vars(*(f"y{k}" for k in range(2 * n)))
-    functions = equations.functions(cos=hy.cos, sin=hy.sin)
+    functions = equations.functions(cos=hy.cos, sin=hy.sin, tanh=hy.tanh)
     rates: list[Any] = [0.0] * (2 * n)
     functions["rhs"](hy.time, symbols, rates, par)
     guards: list[Any] = [0.0] * len(equations.guards)

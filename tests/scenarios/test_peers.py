@@ -52,6 +52,18 @@ def test_a_peer_comes_as_near_as_its_setting_says(solver: Solver, car: Workbench
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", PEERS, ids=names)
+def test_every_peer_knows_every_function(solver: Solver) -> None:
+    """A damper that saturates brings a hyperbolic tangent in."""
+    if solver.missing:
+        pytest.skip(f"not installed: {', '.join(solver.missing)}")
+    problem = PROBLEMS["saturating"]()
+    bench = Workbench(problem, truth(problem))
+    value, bound = (1e-3 / 16, 1e-5) if solver.knob == "step" else (1e-7, 1e-4)
+    assert largest_error(solver.prepare(bench, value)(), bench.true) < bound
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("solver", PEERS, ids=names)
 def test_dry_friction_needs_events(solver: Solver, leaf: Workbench) -> None:
     if solver.missing:
         pytest.skip(f"not installed: {', '.join(solver.missing)}")
