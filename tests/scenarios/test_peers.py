@@ -12,10 +12,19 @@ from scenarios.studies.reference import largest_error, truth
 from scenarios.studies.workbench import UnableError, Workbench
 
 PEERS = [s for s in solvers(with_peers=True) if s.family == "peer"]
-
-
-def names(solver: Solver) -> str:
-    return solver.name
+of_every_peer = pytest.mark.parametrize(
+    "solver",
+    [
+        pytest.param(
+            s,
+            id=s.name,
+            marks=pytest.mark.skipif(
+                bool(s.missing), reason=f"not installed: {', '.join(s.missing)}"
+            ),
+        )
+        for s in PEERS
+    ],
+)
 
 
 @pytest.fixture(scope="module")
@@ -40,10 +49,8 @@ def test_scipy_runs_without_a_compiler_too(car: Workbench, monkeypatch: pytest.M
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", PEERS, ids=names)
+@of_every_peer
 def test_a_peer_comes_as_near_as_its_setting_says(solver: Solver, car: Workbench) -> None:
-    if solver.missing:
-        pytest.skip(f"not installed: {', '.join(solver.missing)}")
     value, bound = (1e-3 / 16, 1e-5) if solver.knob == "step" else (1e-8, 1e-5)
     run = solver.prepare(car, value)
     assert largest_error(run(), car.true) < bound
@@ -51,11 +58,9 @@ def test_a_peer_comes_as_near_as_its_setting_says(solver: Solver, car: Workbench
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", PEERS, ids=names)
+@of_every_peer
 def test_every_peer_knows_every_function(solver: Solver) -> None:
     """A damper that saturates brings a hyperbolic tangent in."""
-    if solver.missing:
-        pytest.skip(f"not installed: {', '.join(solver.missing)}")
     problem = PROBLEMS["saturating"]()
     bench = Workbench(problem, truth(problem))
     value, bound = (1e-3 / 16, 1e-5) if solver.knob == "step" else (1e-7, 1e-4)
@@ -63,10 +68,8 @@ def test_every_peer_knows_every_function(solver: Solver) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("solver", PEERS, ids=names)
+@of_every_peer
 def test_dry_friction_needs_events(solver: Solver, leaf: Workbench) -> None:
-    if solver.missing:
-        pytest.skip(f"not installed: {', '.join(solver.missing)}")
     if solver.name.startswith(("numbalsoda", "rk4")):
         with pytest.raises(UnableError, match="depends on its past"):
             solver.prepare(leaf, 1e-3)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
-from suspension.series import Series
+from suspension.series import Ended, Series
 from suspension.session import simulate
 from suspension.variables import MODELS, ROAD_SHAPES, ParameterError
 
@@ -58,11 +60,22 @@ def test_a_batch_starts_where_runs_start() -> None:
     )
 
 
-def test_each_run_has_its_own_start_and_its_own_contact(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Several in one go, which the switches of a few end: the log of one has no room for all."""
-    goes = []
+@pytest.fixture
+def goes(monkeypatch: pytest.MonkeyPatch) -> list[list[Ended]]:
+    """The runs that are made in one go, again and again."""
+    made: list[list[Ended]] = []
     go = Series.go
-    monkeypatch.setattr(Series, "go", lambda *given: goes.append(go(*given)) or goes[-1])
+
+    def noted(*given: Any) -> list[Ended]:
+        made.append(go(*given))
+        return made[-1]
+
+    monkeypatch.setattr(Series, "go", noted)
+    return made
+
+
+def test_each_run_has_its_own_start_and_its_own_contact(goes: list[list[Ended]]) -> None:
+    """Several in one go, which the switches of a few end: the log of one has no room for all."""
     cars = [
         {
             "initial.body_displacement": 0.001 * k, "initial.wheel_velocity": 0.1 * (k % 5),
@@ -74,7 +87,7 @@ def test_each_run_has_its_own_start_and_its_own_contact(monkeypatch: pytest.Monk
     names, ends = ["body_displacement", "contact_force", "airborne"], outputs_at_end("QuarterCar")
     found = run_many("QuarterCar", cars, times, names, workers=1, at_end=ends)
     assert max(map(len, goes)) > 4
-    assert len(goes) > 4
+    assert len(goes) > 4  # of two halves
     lifted = 0
     for car, outcome in zip(cars, found, strict=True):
         (single,) = run_many("QuarterCar", [car], times, names, at_end=ends)
@@ -86,12 +99,13 @@ def test_each_run_has_its_own_start_and_its_own_contact(monkeypatch: pytest.Monk
     assert 5 < lifted < len(cars)
 
 
-def test_more_runs_than_are_made_in_one_go() -> None:
+def test_more_runs_than_are_made_in_one_go(goes: list[list[Ended]]) -> None:
     """As many as a go may have and some more, with a run among them that fails."""
     cars: list[dict[str, object]] = [{"speed": 10.0 + 0.1 * k} for k in range(150)]
     cars[70] = {"speed": 10.0, "spring.cubic": -1e9, "road.height": 0.3}
     ends = ["airborne_time", "step_count"]
     found = run_many("QuarterCar", cars, TIMES, ["body_displacement"], workers=1, at_end=ends)
+    assert 60 < max(map(len, goes)) < len(cars) // 2
     for car, outcome in zip(cars, found, strict=True):
         (single,) = run_many("QuarterCar", [car], TIMES, ["body_displacement"], at_end=ends)
         assert told(outcome) == told(single)
@@ -137,6 +151,7 @@ def test_runs_over_every_road_are_what_each_is_alone(shape: str, model: str) -> 
     outputs = ["ground_elevation", "ground_velocity", "body_displacement", "contact_force"]
     names = [side + name for name in outputs]
     times = [0.003 * k for k in range(80)]
+    cars *= 2  # a worker takes half of them at a time
     found = run_many(model, cars, times, names, workers=1)
     for car, outcome in zip(cars, found, strict=True):
         assert outcome.ok
@@ -225,6 +240,7 @@ def test_no_run_shows_what_came_before_it(model: str) -> None:
     @settings(max_examples=25, deadline=None)
     @given(many(model))
     def check(sets: list[dict[str, object]]) -> None:
+        sets = sets * 2  # a worker takes half of them at a time
         found = run_many(model, sets, TIMES[:6], outputs, at_end=ends, workers=1)
         for car, outcome in zip(sets, found, strict=True):
             assert told(outcome) == alone(model, car, outputs)

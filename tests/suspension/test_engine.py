@@ -17,6 +17,7 @@ from suspension import engine
 from suspension.models import build
 
 PACKAGE = Path(suspension.__file__).parent
+with_both = pytest.mark.skipif(not engine.compiled, reason="nothing compiled to compare with")
 RUN = """
 import json, sys
 from suspension import engine
@@ -56,7 +57,7 @@ def copy(tmp_path: Path) -> Path:
     return tmp_path
 
 
-@pytest.mark.skipif(not engine.compiled, reason="nothing compiled to compare with")
+@with_both
 @pytest.mark.parametrize(
     "options",
     [
@@ -127,7 +128,7 @@ def test_importing_needs_the_standard_library_alone() -> None:
     assert done.stdout.strip() == "[]"
 
 
-@pytest.mark.skipif(not engine.compiled, reason="nothing compiled to compare with")
+@with_both
 @pytest.mark.parametrize("points", [2, 100, 407, 408, 409, 410, 411, 3000])
 def test_roads_of_any_number_of_points_have_room(points: int) -> None:
     """By both kernels, about as long as the memory that the compiled one has at a time, and longer."""

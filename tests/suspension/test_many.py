@@ -114,7 +114,7 @@ def test_runs_that_part_are_what_each_is_alone(name: str, values: list[object]) 
             "road.shape": "table" * (name == "road.table") or "bump",
         }
         for k, value in enumerate(values)
-    ]
+    ] * 2  # a worker takes half of them at a time
     outputs = ["body_displacement", "contact_force", "tyre_deflection"]
     together = run_many("QuarterCar", cars, TIMES, outputs, workers=1)
     for car, one in zip(cars, together, strict=True):
@@ -128,7 +128,13 @@ def test_runs_that_part_are_what_each_is_alone(name: str, values: list[object]) 
 def test_a_table_too_large_for_one_is_made_in_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     cars = [{"speed": 10.0 + k} for k in range(9)]
     whole = run_many("QuarterCar", cars, TIMES, ["body_displacement"], workers=1)
+    sizes = []
+    monkeypatch.setattr(
+        batch, "table", lambda *given: sizes.append(table(*given).size) or table(*given)
+    )
     monkeypatch.setattr(batch, "_MOST_NUMBERS", 300)
     parts = run_many("QuarterCar", cars, TIMES, ["body_displacement"], workers=1)
+    assert len(sizes) > 2
+    assert max(sizes) <= 300
     for a, b in zip(whole, parts, strict=True):
         assert a.columns["body_displacement"].tolist() == b.columns["body_displacement"].tolist()

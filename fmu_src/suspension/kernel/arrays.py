@@ -14,7 +14,7 @@ import cython
 
 _LINE = 64  # bytes of the processor's cache that go together
 _BLOCK = 1 << 15  # bytes had at a time
-_WORD = 8  # bytes; no number goes across two of them
+_WORD = 8  # bytes; every array begins at a multiple of them
 
 
 class _Place(local):
