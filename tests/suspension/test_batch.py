@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from suspension import series
 from suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
 from suspension.series import Ended, Series
 from suspension.session import simulate
@@ -133,8 +134,11 @@ def test_a_pause_for_the_log_comes_when_it_comes_to_the_run_alone() -> None:
 
 @pytest.mark.parametrize("model", ["QuarterCar", "HalfCar"])
 @pytest.mark.parametrize("shape", [shape for shape in ROAD_SHAPES if shape != "input"])
-def test_runs_over_every_road_are_what_each_is_alone(shape: str, model: str) -> None:
-    """The road is made for all of them at once."""
+def test_runs_over_every_road_are_what_each_is_alone(
+    shape: str, model: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The road is made for all of them at once, the runs two in one go."""
+    monkeypatch.setattr(series, "_MOST_RUNS", 2)
     common = {"road.shape": shape, "road.table": "0:0, 0.2:0.03, 0.5:0", "road.profile_length": 3.0,
               "road.sequence": "bump 0.05 1, gap 0.5, plank 0.03 0.5, pothole 0.02 0.4"}  # fmt: skip
     cars = [
