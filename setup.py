@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from Cython.Build import cythonize
-from setuptools import Extension, setup
+from setuptools import Extension, find_packages, setup
 from setuptools.command.build_ext import build_ext
 
 HERE = Path(__file__).parent
@@ -122,7 +122,7 @@ class KernelBuild(build_ext):
 
     def get_ext_fullpath(self, ext_name: str) -> str:
         file = Path(self.get_ext_filename(ext_name)).name
-        return str(Path(self.build_lib, "suspension", "kernel", NAME, file))
+        return str(Path(self.build_lib, "phaseplane", "suspension", "kernel", NAME, file))
 
     def copy_extensions_to_source(self) -> None:
         for ext in self.extensions:
@@ -150,7 +150,15 @@ class KernelBuild(build_ext):
         self.warn(f"the integrator stays uncompiled: the same results, only slower ({error})")
 
 
+def packages() -> list[str]:
+    """Every package there is under its installed name, so that a new one is never left out."""
+    here = find_packages(include=["phaseplane", "phaseplane.*"])
+    mapped = [*find_packages("fmu_src"), *find_packages(include=["scenarios", "scenarios.*"])]
+    return [*here, *(f"phaseplane.{name}" for name in mapped)]
+
+
 setup(
+    packages=packages(),
     cmdclass={"build_ext": KernelBuild},
     ext_modules=cythonize(
         [Extension(f"{NAME}.integrator", [staged()], extra_compile_args=FLAGS, optional=True)],

@@ -13,14 +13,13 @@ from types import ModuleType
 from typing import Any
 
 import hard_coded
-
-from scenarios.studies import peers
-from scenarios.studies.accuracy import Solver, solvers
-from scenarios.studies.problems import PROBLEMS
-from scenarios.studies.reference import largest_error, truth
-from scenarios.studies.workbench import Prepared, UnableError, Workbench
-from suspension import engine
-from suspension.batch import run_many
+from phaseplane.scenarios.studies import peers
+from phaseplane.scenarios.studies.accuracy import Solver, solvers
+from phaseplane.scenarios.studies.problems import PROBLEMS
+from phaseplane.scenarios.studies.reference import largest_error, truth
+from phaseplane.scenarios.studies.workbench import Prepared, UnableError, Workbench
+from phaseplane.suspension import engine
+from phaseplane.suspension.batch import run_many
 
 STEP, DURATION = 1e-3, 2.0
 STEPS = round(DURATION / STEP)

@@ -14,10 +14,11 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
+from phaseplane.scenarios.draw.planes import planes_of
+from phaseplane.suspension.variables import checked_parameters
+
 from phaseplane.constructions import RULES, march
 from phaseplane.recording import record
-from scenarios.planes import planes_of
-from suspension.variables import checked_parameters
 
 REPEATS = 5
 

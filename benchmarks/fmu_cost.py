@@ -22,9 +22,8 @@ from typing import Any
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.simulation import instantiate_fmu
 from native_fmu import OUTPUTS, native_fmu
-
-from suspension.session import simulate
-from vehicle_fmus.build import build
+from phaseplane.suspension.session import simulate
+from phaseplane.vehicle_fmus.build import build
 
 STEP, STRETCH, ROUNDS = 1e-3, 40, 25  # s, steps
 READ = (

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from math import ceil
 from statistics import median
 
-from scenarios.studies.workbench import timed
+from phaseplane.scenarios.studies.workbench import timed
 
 _TURN = 2e-3  # s that a turn takes, about or more
 

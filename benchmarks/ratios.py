@@ -18,10 +18,9 @@ from pathlib import Path
 
 import cases
 from measuring import medians
-
-from scenarios.studies.telling import machine, versions
-from suspension import engine
-from suspension.engine import Integrator
+from phaseplane.scenarios.studies.telling import machine, versions
+from phaseplane.suspension import engine
+from phaseplane.suspension.engine import Integrator
 
 HERE = Path(__file__).parent
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)

@@ -20,11 +20,10 @@ from statistics import median
 from time import perf_counter
 
 import cases
-
-from scenarios.studies.telling import machine, versions
-from scenarios.sweeps.job import run_sweep
-from scenarios.sweeps.plan import Plan, load_plan
-from suspension.batch import run_many
+from phaseplane.scenarios.studies.telling import machine, versions
+from phaseplane.scenarios.sweeps.job import run_sweep
+from phaseplane.scenarios.sweeps.plan import Plan, load_plan
+from phaseplane.suspension.batch import run_many
 
 HERE = Path(__file__).parent
 SWEEP = """

@@ -7,9 +7,8 @@ from pathlib import Path
 import cases
 import hard_coded
 import pytest
-
-from scenarios.studies.problems import PROBLEMS
-from suspension.engine import Integrator
+from phaseplane.scenarios.studies.problems import PROBLEMS
+from phaseplane.suspension.engine import Integrator
 
 STEPS, STEP = 400, 2.5e-4
 

@@ -13,6 +13,9 @@ from time import process_time, sleep
 import numpy as np
 import pytest
 import rerun as rr
+from phaseplane.scenarios.draw.live import shown_live
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.runner import run
 from recorded import quarter_car
 from rerun.chunk import RrdReader
 
@@ -22,9 +25,6 @@ from phaseplane.recording import DETAILS, Content, new_recording, serving
 from phaseplane.recording.sheet import arcs, points, vertices
 from phaseplane.recording.sinks import encoded
 from phaseplane.recording.words import stage_texts, step_text
-from scenarios.live import shown_live
-from scenarios.loading import load_scene
-from scenarios.runner import run
 
 pytestmark = pytest.mark.slow
 

@@ -10,13 +10,12 @@ from pathlib import Path
 
 import cases
 import pytest
+from phaseplane.scenarios.studies import own, peers
+from phaseplane.scenarios.studies.problems import PROBLEMS
+from phaseplane.scenarios.studies.reference import truth
+from phaseplane.scenarios.studies.workbench import UnableError, Workbench
+from phaseplane.suspension.engine import Integrator
 from pytest_benchmark.fixture import BenchmarkFixture
-
-from scenarios.studies import own, peers
-from scenarios.studies.problems import PROBLEMS
-from scenarios.studies.reference import truth
-from scenarios.studies.workbench import UnableError, Workbench
-from suspension.engine import Integrator
 
 
 @pytest.mark.benchmark(group="2000 fixed steps")

@@ -7,8 +7,19 @@ from __future__ import annotations
 
 import click
 
-from .commands import authoring, modelling, results, running, studies, sweeping, viewing
-from .console import Commands
+from .commands import (
+    authoring,
+    build,
+    listing,
+    modelling,
+    replay,
+    results,
+    run,
+    studies,
+    sweeping,
+    viewing,
+)
+from .commands.console import Commands
 
 
 def _version(ctx: click.Context, _option: click.Parameter, wanted: bool) -> None:
@@ -46,10 +57,10 @@ def main(ctx: click.Context) -> None:
 
 
 for _command in (
-    running.run,
-    running.replay,
-    running.build,
-    running.list_cases,
+    run.run,
+    replay.replay,
+    build.build,
+    listing.list_cases,
     viewing.serve,
     results.show,
     results.compare,

@@ -56,3 +56,18 @@ def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
         raise InputError(one_line(f"--figure {path}: must end in {', '.join(allowed)}"))
     if not path.parent.is_dir():
         raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))
+
+
+def check_recording(path: Path | None) -> None:
+    """Refuse the name of a recording before anything is computed.
+
+    Raises
+    ------
+    InputError : it does not end in .rrd, or its folder does not exist.
+    """
+    if path is None:
+        return
+    if path.suffix != ".rrd":
+        raise InputError(one_line(f"--save {path}: the name must end in .rrd"))
+    if not path.parent.is_dir():
+        raise InputError(one_line(f"{path}: no folder {path.parent}; make it first"))

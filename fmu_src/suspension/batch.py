@@ -91,7 +91,7 @@ def run_many(
 
     Examples
     --------
-    >>> from suspension.batch import run_many
+    >>> from phaseplane.suspension.batch import run_many
     >>> cars = [{"damper.rebound_rate": rate} for rate in (500.0, 1000.0, -1.0)]
     >>> soft, hard, wrong = run_many("QuarterCar", cars, [0.0, 0.1, 0.2], ["body_displacement"])
     >>> len(soft.columns["body_displacement"])

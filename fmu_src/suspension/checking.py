@@ -1,8 +1,8 @@
 """Tests of a system or characteristic of one's own: what is wrong with it, in sentences.
 
 >>> from math import inf
->>> from suspension.characteristics import Characteristic, Piece
->>> from suspension.checking import check_characteristic
+>>> from phaseplane.suspension.characteristics import Characteristic, Piece
+>>> from phaseplane.suspension.checking import check_characteristic
 >>> torn = Characteristic((Piece(-inf, 0.0, (0.0, 2e4, 0.0, 0.0)),
 ...                        Piece(0.05, 0.05, (900.0, 5e4, 0.0, 0.0))))
 >>> print(*check_characteristic(torn, "spring"), sep="\\n")

@@ -181,9 +181,9 @@ class System:
     leave the road. The body over a wheel that is x ahead of the centre of gravity and y to its left
     moves by heave + x pitch + y roll.
 
-    >>> from suspension import characteristics, roads
-    >>> from suspension.engine import Integrator
-    >>> from suspension.systems import Element, System
+    >>> from phaseplane.suspension import characteristics, roads
+    >>> from phaseplane.suspension.engine import Integrator
+    >>> from phaseplane.suspension.systems import Element, System
     >>> mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0  # kg, kg m2
     >>> wheels = {"front_left": (1.25, 0.7), "front_right": (1.25, -0.7),
     ...           "rear_left": (-1.25, 0.7), "rear_right": (-1.25, -0.7)}  # m

@@ -20,9 +20,10 @@ from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
-import suspension
-from suspension.engine import kernel_name
-from suspension.variables import Value, refuse_unknown
+from phaseplane.suspension.engine import kernel_name
+from phaseplane.suspension.variables import Value, refuse_unknown
+
+from phaseplane import suspension
 
 from . import slaves, systems
 from .archives import digest, digest_of, write_all, zipped
@@ -129,9 +130,9 @@ def _hashed(name: str, *parts: bytes) -> str:
 
 
 def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
-    """The source with top-level modules imported by other names."""
+    """The source with modules of this project imported by other names."""
     for old, new in names.items():
-        source = re.sub(rf"^(from|import) {re.escape(old)}\b".encode(), rf"\1 {new}".encode(),
+        source = re.sub(rf"^(\s*from) {re.escape(old)}\b".encode(), rf"\1 {new}".encode(),
                         source, flags=re.MULTILINE)  # fmt: skip
     return source
 
@@ -154,14 +155,14 @@ def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, 
     package = _suspension_sources()
     sources = [part for path, text in package.items() if not path.endswith((".so", ".pyd"))
                for part in (path.encode(), text)]  # fmt: skip
-    names = {"suspension": _hashed("suspension", *sources)}
+    names = {"phaseplane.suspension": _hashed("suspension", *sources)}
     for path, content in package.items():
-        target = stage / names["suspension"] / path
+        target = stage / names["phaseplane.suspension"] / path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
     base = _renamed_imports((SLAVES / "vehicle_slave.py").read_bytes(), names)
-    names["vehicle_fmus.slaves.vehicle_slave"] = _hashed("vehicle_slave", base)
-    base_file = stage / f"{names['vehicle_fmus.slaves.vehicle_slave']}.py"
+    names["phaseplane.vehicle_fmus.slaves.vehicle_slave"] = _hashed("vehicle_slave", base)
+    base_file = stage / f"{names['phaseplane.vehicle_fmus.slaves.vehicle_slave']}.py"
     base_file.write_bytes(base)
     slave = SLAVES / SCRIPTS[model]
     content = _renamed_imports(slave.read_bytes(), names)
@@ -169,7 +170,7 @@ def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, 
     script.write_bytes(content)
     start_values = stage / START_VALUES
     start_values.write_text(json.dumps(dict(sorted(start.items())), indent=1) + "\n", "utf-8")
-    return script, [stage / names["suspension"], base_file, start_values]
+    return script, [stage / names["phaseplane.suspension"], base_file, start_values]
 
 
 def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
-from suspension.variables import SOURCES, Value, Variable, variables
+from phaseplane.suspension.variables import SOURCES, Value, Variable, variables
 
 from .model_description import in_words
 from .pictures import picture

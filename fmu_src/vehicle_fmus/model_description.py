@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
-from suspension.units import UNITS
-from suspension.variables import Value, Variable, variables
+from phaseplane.suspension.units import UNITS
+from phaseplane.suspension.variables import Value, Variable, variables
 
 
 def completed(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from suspension.road_source import RoadSource
-from suspension.session import Session
-from suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, variables
+from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.session import Session
+from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, variables
 
 STOP_TIME, STEP = 1.0, 0.005  # s
 TOLERANCE = 1e-12

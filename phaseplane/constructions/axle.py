@@ -20,7 +20,7 @@ from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Frame
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from suspension.roads import Signal
+from phaseplane.suspension.roads import Signal
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,8 @@ from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from suspension.characteristics import Characteristic
-from suspension.roads import Signal
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.roads import Signal
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import inf, isfinite
 
-from suspension.characteristics import Characteristic
-from suspension.roads import Segment, Signal, constant
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.roads import Segment, Signal, constant
 
 _ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are none
 

@@ -30,8 +30,8 @@ from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
 from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from suspension.characteristics import Characteristic
-from suspension.roads import Signal
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.roads import Signal
 
 
 def one_plane_scheme(excitation: str) -> Scheme:

@@ -36,8 +36,8 @@ from phaseplane.constructions.laws import (
 from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.two_planes_schemes import axle_scheme
-from suspension.characteristics import Characteristic, linear
-from suspension.roads import Signal
+from phaseplane.suspension.characteristics import Characteristic, linear
+from phaseplane.suspension.roads import Signal
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from phaseplane.constructions.primitives import Curve, Frame, Scheme
 from phaseplane.constructions.schemes import with_mark
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
-from suspension.roads import Signal, constant
+from phaseplane.suspension.roads import Signal, constant
 
 ELASTIC = "elastic"
 FLOWS = {"yielding_up": 1.0, "yielding_down": -1.0}

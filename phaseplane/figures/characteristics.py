@@ -14,10 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from phaseplane.figures.style import BLUE, GREEN, ORANGE, Palette, dress, new_figure, palette_for
-from suspension import characteristics as law
-from suspension.characteristics import Characteristic
-from suspension.session import simulate
-from suspension.systems import damper_family
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.systems import damper_family
 
 _COLOURS = (BLUE, ORANGE, GREEN)
 _COLUMNS = 4

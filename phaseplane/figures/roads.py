@@ -19,7 +19,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
-from suspension.roads import REFERENCE_FREQUENCY, class_roughness, random_profile
+from phaseplane.suspension.roads import REFERENCE_FREQUENCY, class_roughness, random_profile
 
 _COLOURS = (BLUE, GREEN, ORANGE, RED, VIOLET)
 _BAND = (0.01, 2.83)  # cycles/m: ISO 8608 shows its classes between these

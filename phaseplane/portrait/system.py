@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 import numpy.typing as npt
 
-from suspension.systems import System
+from phaseplane.suspension.systems import System
 
 Function = Callable[[float, float, float], float]
 """f(x', x, t) of x'' + f = 0."""

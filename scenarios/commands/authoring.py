@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..console import json_option
 from ..errors import InputError
+from .console import json_option
 
 
 @click.command()
@@ -19,8 +19,8 @@ def schema(model: str | None, sweep: bool, as_data: bool) -> None:
 
     As JSON it is a JSON Schema, which editors can check scene files by.
     """
-    from ..guide import guide, json_schema, sweep_guide, sweep_schema  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from .guide import guide, json_schema, sweep_guide, sweep_schema  # noqa: PLC0415
 
     if sweep and model:
         raise InputError("schema: give a MODEL or --sweep, not both")
@@ -35,7 +35,7 @@ def schema(model: str | None, sweep: bool, as_data: bool) -> None:
 @click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
 def new(path: Path, model: str) -> None:
     """Write a scene to begin with, every choice explained."""
-    from ..template import write_template  # noqa: PLC0415
+    from .template import write_template  # noqa: PLC0415
 
     write_template(path, model)
     click.echo(f"{path}: run it with 'phaseplane run {path}'")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..console import dark_option, figure_option, json_option, set_option
+from .console import dark_option, figure_option, json_option, set_option
 
 
 @click.command()
@@ -22,10 +22,10 @@ from ..console import dark_option, figure_option, json_option, set_option
 @json_option
 def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bool) -> None:
     """Find the smallest model that serves SCENE, by running them all."""
-    from ..ladder import ladder as climb  # noqa: PLC0415
-    from ..ladder import ladder_in_words  # noqa: PLC0415
-    from ..loading import load_scene  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..scene.loading import load_scene  # noqa: PLC0415
+    from ..studies.ladder import ladder as climb  # noqa: PLC0415
+    from ..studies.ladder import ladder_in_words  # noqa: PLC0415
 
     told = climb(load_scene(scene, overrides), tolerance)
     click.echo(as_json(told) if as_data else ladder_in_words(told))
@@ -68,9 +68,9 @@ def portrait(
     as_data: bool,
 ) -> None:
     """Show the phase portrait of SCENE: equilibria with their kinds, limit cycles, sections."""
-    from ..portraits import portrait as make  # noqa: PLC0415
-    from ..portraits import portrait_in_words  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..draw.portraits import portrait as make  # noqa: PLC0415
+    from ..draw.portraits import portrait_in_words  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
 
     told = make(
         scene, overrides, figure,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..console import DONE, FAILED, complain, figure_option, json_option
+from .console import DONE, FAILED, complain, figure_option, json_option
 
 _columns = click.option(
     "--column", "columns", multiple=True, metavar="NAME", help="Only this column. Repeatable."
@@ -20,8 +20,8 @@ _columns = click.option(
 @json_option
 def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
     """Show what is in RESULTS: a folder that a run left, or a table by itself."""
-    from ..inspection import contents, contents_in_words  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..results.inspection import contents, contents_in_words  # noqa: PLC0415
 
     told = contents(what, columns, figure)
     click.echo(as_json(told) if as_data else contents_in_words(told, what))
@@ -50,8 +50,8 @@ def compare(
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column; exit status 1 if they differ."""
-    from ..inspection import difference, difference_in_words  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..results.inspection import difference, difference_in_words  # noqa: PLC0415
 
     told = difference(ours, other, tolerance, columns, figure)
     click.echo(as_json(told) if as_data else difference_in_words(told))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..console import json_option, progress_bar, set_option
+from .console import json_option, progress_bar, set_option
 
 
 @click.command()
@@ -31,11 +31,11 @@ def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
 ) -> None:
     """Compare error against run time, on SCENEs or on the problems that come with the package."""
-    from ..job import accuracy as compare  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..studies.reports import study_accuracy  # noqa: PLC0415
 
     with progress_bar("accuracy") as progress:
-        data, tables, folder = compare(scenes, peers, repeats, output, progress)
+        data, tables, folder = study_accuracy(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")
 
 
@@ -48,8 +48,8 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
 
     [default: ap57_figure13, the 60 points of the worked example]
     """
-    from ..loading import load_scene  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..scene.loading import load_scene  # noqa: PLC0415
     from ..studies import rules as study  # noqa: PLC0415
 
     loaded = load_scene(scene, overrides)
@@ -75,11 +75,11 @@ def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) ->
     Also runs a table of extreme cases; status 1 if one of them went wrong.
     """
     from ..errors import RunError  # noqa: PLC0415
-    from ..job import stability as study  # noqa: PLC0415
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..studies.reports import study_stability  # noqa: PLC0415
 
     with progress_bar("stability") as progress:
-        data, table, folder = study(scenes, output, progress)
+        data, table, folder = study_stability(scenes, output, progress)
     click.echo(as_json(data) if as_data else f"{table}\n\nfiles  {folder}")
     wrong = [case["name"] for case in data["extremes"] if case["outcome"] == "wrong"]
     if wrong:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..console import DONE, FAILED, complain, json_option, progress_bar
+from .console import DONE, FAILED, complain, json_option, progress_bar
 
 
 @click.command()
@@ -46,7 +46,7 @@ def sweep(
     SWEEP is the name of a sweep that comes along (see `list`), or a file: `schema --sweep` tells what it
     may say. An interrupted sweep goes on where it stopped when it is started again.
     """
-    from ..results import as_json  # noqa: PLC0415
+    from ..results.folder import as_json  # noqa: PLC0415
     from ..sweeps.job import run_sweep  # noqa: PLC0415
     from ..sweeps.report import sweep_in_words  # noqa: PLC0415
 

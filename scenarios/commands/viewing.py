@@ -41,7 +41,7 @@ def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @_OPTIONS[-1]
 def serve(folder: Path, address: str) -> None:
     """Show all recordings of a folder on a page, until Ctrl-C."""
-    from ..live import recordings_in  # noqa: PLC0415
+    from ..draw.live import recordings_in  # noqa: PLC0415
 
     with page(True, address, recordings_in(folder)) as shown:
         until_interrupted(shown)
@@ -53,7 +53,7 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
     if not wanted:
         yield None
         return
-    from .. import live  # noqa: PLC0415
+    from ..draw import live  # noqa: PLC0415
 
     if not live.is_loopback(address):
         click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 
-from suspension.variables import Variable
+from phaseplane.suspension.variables import Variable
 
 from .motion import first_instant, instants, last, smallest
 from .reading import COUNT, Measure, Reading, Run

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import partial
 
-from suspension.variables import Variable
+from phaseplane.suspension.variables import Variable
 
 from .axle import of_axles
 from .modal import of_modes

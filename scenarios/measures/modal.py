@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import partial
 
-from suspension.models import build
-from suspension.variables import Variable
+from phaseplane.suspension.models import build
+from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
 
@@ -25,7 +25,7 @@ def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
 
 
 def _of_run(what: str, run: Run) -> Reading:
-    from ..linearised import linearised  # noqa: PLC0415  (heavy)
+    from .linearised import linearised  # noqa: PLC0415  (heavy)
 
     if not run.model:
         return Reading(None)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from math import sqrt
 
-from suspension.variables import Variable
+from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from suspension.variables import Value
+from phaseplane.suspension.variables import Value
 
 if TYPE_CHECKING:
     import numpy as np

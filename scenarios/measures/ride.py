@@ -12,7 +12,7 @@ from functools import cache, partial
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
-from suspension.variables import Variable
+from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
 

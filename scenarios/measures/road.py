@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
-from suspension.variables import Variable
+from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
 

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 from time import perf_counter
 from typing import Any, Literal
 
-from suspension.variables import MODELS
+from phaseplane.suspension.variables import MODELS
 
 from ..errors import one_line
 from . import own, peers
@@ -93,7 +93,7 @@ def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
 
 
 def _own() -> Iterator[Solver]:
-    from ..sections import RULES  # noqa: PLC0415
+    from ..scene.sections import RULES  # noqa: PLC0415
 
     def tolerant(method: str) -> Callable[[Workbench, float], Run]:
         return lambda bench, value: own.in_process(bench, method=method, tolerance=value)

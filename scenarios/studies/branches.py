@@ -8,7 +8,7 @@ from copy import copy
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from suspension.characteristics import Piece
+from phaseplane.suspension.characteristics import Piece
 
 from .equations import LATE, Equations, Guard
 

@@ -17,9 +17,9 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from suspension.characteristics import Characteristic
-from suspension.signals import Signal
-from suspension.systems import Element, System
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.signals import Signal
+from phaseplane.suspension.systems import Element, System
 
 from .expressions import Course, Law, degrees_of, sum_of
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from suspension.characteristics import Piece
-from suspension.signals import Segment
+from phaseplane.suspension.characteristics import Piece
+from phaseplane.suspension.signals import Segment
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,10 +8,10 @@ from math import sqrt
 from time import perf_counter
 from typing import Any
 
-from suspension.engine import FAILURES, Integrator
-from suspension.models import build
-from suspension.systems import System
-from suspension.variables import checked_parameters
+from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
+from phaseplane.suspension.variables import checked_parameters
 
 _TOLERANCE, _TRUTH = 1e-6, 1e-8
 _INSTANTS = 200

@@ -9,8 +9,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from suspension.engine import FAILURES, Integrator
-from suspension.variables import MODELS
+from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.variables import MODELS
 
 from .workbench import Prepared, Run, UnableError, Workbench
 
@@ -56,7 +56,7 @@ def _unpacked(model: str) -> Path:
     """The folder of a model's FMU, unpacked until this process ends."""
     from fmpy import extract  # noqa: PLC0415  (heavy)
 
-    from ..kept import kept  # noqa: PLC0415
+    from ..simulate.fmu_cache import kept  # noqa: PLC0415
 
     folder = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
@@ -70,8 +70,7 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
     import numpy as np  # noqa: PLC0415  (heavy)
     from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
-
-    from vehicle_fmus.build import SCRIPTS  # noqa: PLC0415  (heavy)
+    from phaseplane.vehicle_fmus.build import SCRIPTS  # noqa: PLC0415  (heavy)
 
     problem = bench.problem
     if problem.model not in SCRIPTS:
@@ -105,7 +104,7 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
     import numpy as np  # noqa: PLC0415  (heavy)
 
-    from ..constructions import constructed, planes_of  # noqa: PLC0415
+    from ..draw.constructions import constructed, planes_of  # noqa: PLC0415
     from ..errors import InputError, one_line  # noqa: PLC0415
 
     problem = bench.problem

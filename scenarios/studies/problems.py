@@ -8,12 +8,12 @@ from functools import cached_property, partial
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
-from suspension import characteristics, roads
-from suspension.models import SYSTEMS, build
-from suspension.session import Session
-from suspension.systems import Element, System
-from suspension.units import nearest
-from suspension.variables import Value
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.models import SYSTEMS, build
+from phaseplane.suspension.session import Session
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, one_line, shown
 
@@ -273,8 +273,8 @@ def find_problem(name: str) -> Problem:
     ------
     InputError : neither, or a scene whose FMU is not one of this project's models.
     """
-    from ..layers import case_names  # noqa: PLC0415
-    from ..loading import load_scene  # noqa: PLC0415
+    from ..scene.layers import case_names  # noqa: PLC0415
+    from ..scene.loading import load_scene  # noqa: PLC0415
 
     if name in PROBLEMS:
         return PROBLEMS[name]()

@@ -11,12 +11,12 @@ from operator import attrgetter
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
-from suspension.session import SimulationError, simulate
+from phaseplane.suspension.session import SimulationError, simulate
 
-from ..constructions import constructed
-from ..equations import EQUATION, solve
+from ..draw.constructions import constructed
+from ..draw.planes import planes_of
 from ..errors import InputError, one_line
-from ..planes import planes_of
+from ..scene.equation import EQUATION, solve
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from ..schema import Scene
+    from ..scene.schema import Scene
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
 

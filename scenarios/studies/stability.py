@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
-from suspension import characteristics
-from suspension.engine import Integrator
-from suspension.systems import Element, System
+from phaseplane.suspension import characteristics
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.systems import Element, System
 
 from .extremes import CASES, Happened, run_case
 from .problems import Problem

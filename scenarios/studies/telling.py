@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from suspension import engine
+from phaseplane.suspension import engine
 
 from .accuracy import Point
 from .problems import Problem

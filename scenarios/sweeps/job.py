@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import one_line
-from ..results import check_replaceable, replaced_whole, write_summary
+from ..results.folder import check_replaceable, replaced_whole, write_summary
 from .plan import Plan, load_plan
 from .report import check_table, summary_of, write_rows
 from .running import Row, sweep

@@ -11,17 +11,16 @@ from math import log2
 from pathlib import Path
 from typing import Annotated, Any
 
+from phaseplane.suspension.units import UnitError, nearest, to_si
+from phaseplane.suspension.variables import Value, Variable
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from suspension.units import UnitError, nearest, to_si
-from suspension.variables import Value, Variable
-
 from ..errors import InputError, SceneError, one_line, shown
-from ..fields import Strict, choices, one_of, tuple_from
-from ..layers import CASES, KEYS
-from ..loading import load_scene
 from ..measures import catalogue
-from ..schema import Scene
+from ..scene.fields import Strict, choices, one_of, tuple_from
+from ..scene.layers import CASES, KEYS
+from ..scene.loading import load_scene
+from ..scene.schema import Scene
 
 SWEEPS = CASES / "sweeps"
 METHODS = ("grid", "list", "latin_hypercube", "sobol")

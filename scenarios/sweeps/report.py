@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError, one_line
-from ..report import aligned
+from ..results.report import aligned
 from .plan import Plan
 from .running import Row
 

@@ -19,8 +19,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from suspension.session import SimulationError
-from suspension.variables import ParameterError, Value
+from phaseplane.suspension.session import SimulationError
+from phaseplane.suspension.variables import ParameterError, Value
 
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
@@ -151,8 +151,8 @@ def _columns(
     Where the integrator can give them all it makes each run in one call. What is wanted at the end
     alone is then a column of one row.
     """
-    from suspension.batch import outputs_at_end, outputs_over_time, run_many  # noqa: PLC0415
-    from suspension.session import simulate  # noqa: PLC0415
+    from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many  # noqa: PLC0415
+    from phaseplane.suspension.session import simulate  # noqa: PLC0415
 
     rows = {output for measure in measures if not measure.at_end for output in measure.needs}
     ends = {output for measure in measures if measure.at_end for output in measure.needs} - rows
@@ -182,8 +182,8 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
 
 def _through_fmu(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """The FMU, which stays open from run to run."""
-    from ..driving import opened  # noqa: PLC0415
-    from ..runner import run_with  # noqa: PLC0415
+    from ..simulate.driver import opened  # noqa: PLC0415
+    from ..simulate.runner import run_with  # noqa: PLC0415
 
     with opened(plan.scene.fmu) as (fmu, _):
         for run in runs:

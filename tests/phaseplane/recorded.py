@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from phaseplane.suspension.characteristics import damper, linear
+from phaseplane.suspension.roads import bump
 from rerun.chunk import RrdReader
 
 from phaseplane.constructions import (
@@ -23,8 +25,6 @@ from phaseplane.constructions import (
     Stroke,
 )
 from phaseplane.recording import Content
-from suspension.characteristics import damper, linear
-from suspension.roads import bump
 
 KGF = 9.80665
 STEP = 0.0025

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from phaseplane.suspension import characteristics as law
 
 from phaseplane.figures import characteristics_sheet
-from suspension import characteristics as law
 
 
 @pytest.fixture(scope="module")

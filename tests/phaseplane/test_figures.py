@@ -11,6 +11,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import cubic, damper, linear
 
 from phaseplane.constructions import OneDofPlane, QuarterCarPlanes, march, tangent
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
@@ -18,8 +20,6 @@ from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.lettering import Box, place, text_box, typeset
 from phaseplane.figures.planes import telling_frame
 from phaseplane.figures.style import DARK, LIGHT
-from suspension import roads
-from suspension.characteristics import cubic, damper, linear
 
 KGF = 9.80665
 

@@ -10,6 +10,9 @@ import pytest
 import vehicle_reference as reference
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import cubic, damper, linear
+from phaseplane.suspension.models import axle_masses
 
 from phaseplane.constructions import (
     RULES,
@@ -21,9 +24,6 @@ from phaseplane.constructions import (
     march,
     overlay,
 )
-from suspension import roads
-from suspension.characteristics import cubic, damper, linear
-from suspension.models import axle_masses
 
 G = 9.80665
 TO_FRONT, TO_REAR, MASS, SPEED = 1.2, 1.4, 600.0, 20.0

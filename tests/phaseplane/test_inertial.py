@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import cubic, damper, linear
 from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import (
@@ -20,8 +22,6 @@ from phaseplane.constructions import (
     march,
     overlay,
 )
-from suspension import roads
-from suspension.characteristics import cubic, damper, linear
 
 FRONT = roads.bump(0.05, 3.0, 12.0)
 REAR = FRONT.delayed(2.5 / 12.0)

@@ -7,6 +7,8 @@ from itertools import islice, pairwise
 
 import numpy as np
 import pytest
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import damper, linear
 from worked_example import C2, KGF, STEP, M, ap57, by_scipy, column, m
 
 from phaseplane.constructions import (
@@ -20,8 +22,6 @@ from phaseplane.constructions import (
     with_shortcuts,
 )
 from phaseplane.constructions.switching import _end_of
-from suspension import roads
-from suspension.characteristics import damper, linear
 
 
 @pytest.fixture(scope="module")

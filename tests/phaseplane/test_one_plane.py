@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import cubic, damper, linear
 from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import OneDofPlane, Window, delta, march, overlay
-from suspension import roads
-from suspension.characteristics import cubic, damper, linear
 
 MASS, RATE = 300.0, 15000.0
 

@@ -6,6 +6,8 @@ from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from phaseplane.suspension.models import build
+from phaseplane.suspension.variables import checked_parameters
 
 from phaseplane.portrait import (
     PhaseSystem,
@@ -23,8 +25,6 @@ from phaseplane.portrait import (
     separatrices,
     whole_portrait,
 )
-from suspension.models import build
-from suspension.variables import checked_parameters
 
 WIDE = Window(-4.0, 4.0, -3.0, 3.0)
 PENDULUM = PhaseSystem(lambda v, x, t: sin(x))

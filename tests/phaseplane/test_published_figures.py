@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import damper, linear
 from worked_example import STEP, ap57, by_scipy, column
 
 from phaseplane import figures
@@ -18,8 +20,6 @@ from phaseplane.constructions import (
     march,
     rule_named,
 )
-from suspension import roads
-from suspension.characteristics import damper, linear
 
 CM = 0.01
 

@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rerun as rr
+from phaseplane.suspension.characteristics import cubic, damper
+from phaseplane.suspension.roads import bump
 from recorded import (
     DISTANCE,
     FLIGHT,
@@ -39,8 +41,6 @@ from phaseplane.constructions import (
 )
 from phaseplane.recording import DETAILS, new_recording, record
 from phaseplane.recording.styles import STYLES
-from suspension.characteristics import cubic, damper
-from suspension.roads import bump
 
 
 def test_rerun_verifies_the_file(path: Path) -> None:

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from phaseplane.suspension.characteristics import cubic, linear
 from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import RULES, OneDofPlane, delta, march, rule_named, velocity
 from phaseplane.constructions import tangent as tangent_rule
 from phaseplane.constructions.geometry import at_height, meet, turned
-from suspension.characteristics import cubic, linear
 
 coordinate = st.floats(-1.0, 1.0)
 points = st.builds(complex, coordinate, coordinate)

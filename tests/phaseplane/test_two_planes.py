@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import bump_stop, cubic, damper, linear
 from scipy.integrate import quad, solve_ivp
 from worked_example import C1, C2, K2, KGF, STEP, M, ap57, by_scipy, column, elevation, m
 
@@ -21,8 +23,6 @@ from phaseplane.constructions import (
     frames,
     march,
 )
-from suspension import roads
-from suspension.characteristics import bump_stop, cubic, damper, linear
 
 
 @pytest.fixture(scope="module")

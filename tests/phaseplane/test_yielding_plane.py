@@ -6,12 +6,12 @@ from math import sqrt
 
 import numpy as np
 import pytest
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import linear
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import Element, Load, System
 
 from phaseplane.constructions import RULES, ElastoplasticPlane, march, overlay
-from suspension import roads
-from suspension.characteristics import linear
-from suspension.engine import Integrator
-from suspension.models import Element, Load, System
 
 LOADS = (0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0)
 LOAD = roads.table([(0.1 * k, force) for k, force in enumerate(LOADS)])

@@ -5,11 +5,11 @@ from __future__ import annotations
 from math import cos, pi, sin
 
 import numpy as np
+from phaseplane.suspension import roads
+from phaseplane.suspension.characteristics import damper, linear
 from scipy.integrate import solve_ivp
 
 from phaseplane.constructions import QuarterCarPlanes
-from suspension import roads
-from suspension.characteristics import damper, linear
 
 KGF = 9.80665
 M, m = 30.0 * KGF, 3.0 * KGF

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Any
 
-from suspension.variables import MODELS
+from phaseplane.suspension.variables import MODELS
 
 # What there is of a car besides its defaults; which of these act is its shape.
 FEATURES: list[dict[str, float]] = [

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
-from suspension import engine
-from suspension.systems import System
+from phaseplane.suspension import engine
+from phaseplane.suspension.systems import System
 
 _NAME = "uncompiled_kernel"
 

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
-from scenarios.kept import FOLDER_VARIABLE
-from vehicle_fmus.build import build
+from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
+from phaseplane.vehicle_fmus.build import build
 
 
 @pytest.fixture(scope="session")

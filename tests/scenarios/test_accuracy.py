@@ -10,17 +10,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.studies import accuracy, own
+from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
+from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
+from phaseplane.scenarios.studies.reference import truth
+from phaseplane.scenarios.studies.telling import table, time_to_reach
+from phaseplane.scenarios.studies.workbench import Run, UnableError, Workbench
 
 from phaseplane.figures import work_precision
 from phaseplane.figures.work_precision import Curve
-from scenarios.cli import main
-from scenarios.errors import InputError
-from scenarios.studies import accuracy, own
-from scenarios.studies.accuracy import Point, Solver, measure, solvers
-from scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
-from scenarios.studies.reference import truth
-from scenarios.studies.telling import table, time_to_reach
-from scenarios.studies.workbench import Run, UnableError, Workbench
 
 
 @pytest.fixture(autouse=True)

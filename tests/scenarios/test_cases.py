@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-
-from scenarios.layers import CASES, case_names
-from scenarios.loading import load_scene
-from scenarios.report import failures
-from scenarios.runner import run
+from phaseplane.scenarios.results.report import failures
+from phaseplane.scenarios.scene.layers import CASES, case_names
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.runner import run
 
 QUICK = ("ap57_obstacle", "h83_example40", "stiff_stop", "light_wheel", "speed_bump_20", "kerb")
 BARE = ["show.figures=[]", "show.recording=false"]

@@ -13,9 +13,8 @@ from time import monotonic, sleep
 import pytest
 from click.testing import CliRunner, Result
 from fmpy.util import read_csv
-
-from scenarios.cli import main
-from vehicle_fmus.build import SCRIPTS
+from phaseplane.scenarios.cli import main
+from phaseplane.vehicle_fmus.build import SCRIPTS
 
 ROOT = Path(__file__).parents[2]
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
@@ -60,29 +59,32 @@ def in_a_process(
 
 def test_the_command_line_imports_nothing_heavy() -> None:
     code = (
-        "import sys, scenarios.cli as c\n"
+        "import sys, phaseplane.scenarios.cli as c\n"
         "try: c.main(['--help'])\n"
         "except SystemExit: pass\n"
-        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)"
+        "print(*sys.modules, file=sys.stderr)"
     )
     loaded = set(in_a_process("-c", code).stderr.split())
     assert "click" in loaded
     assert not loaded & {
-        "numpy", "scipy", "fmpy", "matplotlib", "rerun", "pydantic", "pythonfmu", "phaseplane",
-        "suspension", "vehicle_fmus",
+        "numpy", "scipy", "fmpy", "matplotlib", "rerun", "pydantic", "pythonfmu",
+        "phaseplane.suspension", "phaseplane.vehicle_fmus", "phaseplane.constructions",
+        "phaseplane.figures",
     }  # fmt: skip
 
 
 def test_a_bare_run_imports_neither_pictures_nor_recordings(fmu: Path) -> None:
     arguments = ["run", "ap57", "--set", f"fmu={fmu}", *BARE, "--json"]
     code = (
-        f"import sys, scenarios.cli as c\ntry: c.main({arguments!r})\n"
+        f"import sys, phaseplane.scenarios.cli as c\ntry: c.main({arguments!r})\n"
         "except SystemExit as e: status = e.code\n"
-        "print(*{m.split('.')[0] for m in sys.modules}, file=sys.stderr)\nsys.exit(status)"
+        "print(*sys.modules, file=sys.stderr)\nsys.exit(status)"
     )
     done = in_a_process("-c", code)
     assert done.returncode == 0
-    assert not set(done.stderr.split()) & {"rerun", "matplotlib", "scipy", "phaseplane"}
+    assert not set(done.stderr.split()) & {
+        "rerun", "matplotlib", "scipy", "phaseplane.constructions", "phaseplane.figures"
+    }  # fmt: skip
     assert json.loads(done.stdout)["scene"] == "ap57"  # and nothing else on stdout
 
 
@@ -93,7 +95,7 @@ def test_a_bare_run_imports_neither_pictures_nor_recordings(fmu: Path) -> None:
 def ap57(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """The results folder of `run ap57` as a user runs it, and what was said."""
     folder = tmp_path_factory.mktemp("ap57")
-    done = in_a_process("-m", "scenarios.cli", "run", "ap57", cwd=folder)
+    done = in_a_process("-m", "phaseplane.scenarios.cli", "run", "ap57", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     return folder / "out" / "ap57", done.stdout
 
@@ -271,7 +273,7 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("scenarios.job.run_scene", interrupt)
+    monkeypatch.setattr("phaseplane.scenarios.commands.run.run_scene", interrupt)
     result = CliRunner().invoke(main, ["run", "ap57"])
     assert result.exit_code == 130
     assert result.stderr.strip() == "phaseplane: interrupted"
@@ -280,7 +282,7 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_closed_pipe_is_no_error() -> None:
     with subprocess.Popen(
         [sys.executable, "-c",
-         "import sys; sys.stdin.readline()\nfrom scenarios.cli import main; main(['list'])"],
+         "import sys; sys.stdin.readline()\nfrom phaseplane.scenarios.cli import main; main(['list'])"],
         env={**os.environ, **PATHS}, text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as process:  # fmt: skip
@@ -293,7 +295,9 @@ def test_a_closed_pipe_is_no_error() -> None:
 
 
 def test_output_that_cannot_be_encoded() -> None:
-    done = in_a_process("-m", "scenarios.cli", "run", "ap57\N{SNOWMAN}", encoding="latin-1")
+    done = in_a_process(
+        "-m", "phaseplane.scenarios.cli", "run", "ap57\N{SNOWMAN}", encoding="latin-1"
+    )
     assert done.returncode == 2
     assert done.stderr.startswith("phaseplane: no scene 'ap57?'")
     assert len(done.stderr.splitlines()) == 1
@@ -338,7 +342,16 @@ def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     running = subprocess.Popen(
-        [sys.executable, "-m", "scenarios.cli", "run", "ap57", *BARE, "--set", "duration=4000 s"],
+        [
+            sys.executable,
+            "-m",
+            "phaseplane.scenarios.cli",
+            "run",
+            "ap57",
+            *BARE,
+            "--set",
+            "duration=4000 s",
+        ],
         env={**os.environ, **PATHS, "TMPDIR": str(scratch)},
     )
     until = monotonic() + 50.0

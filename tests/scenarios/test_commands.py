@@ -9,16 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.guide import json_schema
+from phaseplane.scenarios.results.tables import write_table
+from phaseplane.scenarios.scene.expectations import During, Reference
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.sections import Construction, Show
+from phaseplane.scenarios.sweeps.plan import Range, SweepFile
+from phaseplane.suspension.variables import MODELS
 from pydantic import BaseModel
-
-from scenarios.cli import main
-from scenarios.expectations import During, Reference
-from scenarios.guide import json_schema
-from scenarios.loading import load_scene
-from scenarios.sections import Construction, Show
-from scenarios.sweeps.plan import Range, SweepFile
-from scenarios.tables import write_table
-from suspension.variables import MODELS
 
 
 def phaseplane(*arguments: str) -> Result:

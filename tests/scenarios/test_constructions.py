@@ -11,19 +11,19 @@ import pytest
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw.constructions import constructed, laid_over, rate_of, told_of
+from phaseplane.scenarios.draw.planes import of_system, planes_of
+from phaseplane.scenarios.errors import DrawingError, InputError
+from phaseplane.scenarios.scene.equation import check_equation, function_of, solve
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.suspension.characteristics import linear
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.systems import Element, System
 
 from phaseplane.constructions import RULES
-from scenarios.cli import main
-from scenarios.constructions import constructed, laid_over, rate_of, told_of
-from scenarios.equations import check_equation, function_of, solve
-from scenarios.errors import DrawingError, InputError
-from scenarios.job import run_scene
-from scenarios.loading import load_scene
-from scenarios.planes import of_system, planes_of
-from suspension.characteristics import linear
-from suspension.models import build
-from suspension.session import simulate
-from suspension.systems import Element, System
 
 SETTINGS = {"rule": "delta", "step": 0.001}
 MODELS = {
@@ -49,7 +49,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def parameters_of(model: str, road: dict) -> dict:
-    from suspension.variables import checked_parameters  # noqa: PLC0415
+    from phaseplane.suspension.variables import checked_parameters  # noqa: PLC0415
 
     extra = {"front.bump_stop.stiffness": 5e4, **HALF} if model.startswith("Half") else {}
     return checked_parameters(model, {**road, **extra})
@@ -139,8 +139,8 @@ def test_every_model_is_laid_over_its_run(model):
 
 
 def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
-    from suspension.characteristics import table  # noqa: PLC0415
-    from suspension.systems import Axle, damper_family  # noqa: PLC0415
+    from phaseplane.suspension.characteristics import table  # noqa: PLC0415
+    from phaseplane.suspension.systems import Axle, damper_family  # noqa: PLC0415
 
     curves = {-0.05: linear(3000.0), 0.0: linear(1000.0), 0.05: linear(2500.0)}
     spring = table([(-0.1, -1500.0), (0.1, 1500.0)])

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from scenarios.energies import energies
-from suspension.session import simulate
-from suspension.variables import MODELS
+from phaseplane.scenarios.draw.energies import energies
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import MODELS
 
 OUTPUTS = ("displacement", "velocity", "elevation")
 

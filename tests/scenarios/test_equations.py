@@ -8,16 +8,15 @@ from math import inf, isclose
 import numpy as np
 import pytest
 import quarter_car_reference as reference
-
-from scenarios.errors import InputError
-from scenarios.layers import case_names
-from scenarios.studies.branches import Branches, ChatterError
-from scenarios.studies.equations import Equations
-from scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
-from scenarios.studies.reference import largest_error, plain, truth, until
-from suspension import characteristics, roads
-from suspension.engine import Integrator
-from suspension.systems import Element, System
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.scene.layers import case_names
+from phaseplane.scenarios.studies.branches import Branches, ChatterError
+from phaseplane.scenarios.studies.equations import Equations
+from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
+from phaseplane.scenarios.studies.reference import largest_error, plain, truth, until
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.systems import Element, System
 
 
 def single(element: Element, **more: object) -> System:

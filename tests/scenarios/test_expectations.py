@@ -6,15 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from scenarios.comparison import compared
-from scenarios.errors import SceneError
-from scenarios.expectations import During
-from scenarios.loading import load_scene
-from scenarios.runner import run
-from scenarios.schema import Scene
-from scenarios.tables import write_table
-from suspension.variables import MODELS
+from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.results.comparison import compared
+from phaseplane.scenarios.results.tables import write_table
+from phaseplane.scenarios.scene.expectations import During
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.schema import Scene
+from phaseplane.scenarios.simulate.runner import run
+from phaseplane.suspension.variables import MODELS
 
 OUTPUTS = {v.name: v for v in MODELS["QuarterCar"] if v.causality == "output"}
 COLUMNS = {

@@ -14,12 +14,11 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
-
-from scenarios.errors import InputError
-from scenarios.layers import CASES
-from scenarios.loading import load_scene
-from suspension.session import Session, SimulationError
-from suspension.variables import MODELS
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.scene.layers import CASES
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.variables import MODELS
 
 SEEDS = sorted(CASES.glob("*.toml"))
 WORDS = (

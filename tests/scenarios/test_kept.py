@@ -5,11 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+import phaseplane.vehicle_fmus.build as builder
 import pytest
-
-import vehicle_fmus.build as builder
-from scenarios.errors import RunError
-from scenarios.kept import FOLDER_VARIABLE, kept
+from phaseplane.scenarios.errors import RunError
+from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE, kept
 
 
 @pytest.fixture(autouse=True)

@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from click.testing import CliRunner
-
-from scenarios.cli import main
+from phaseplane.scenarios.cli import main
 
 SMOOTH = 'road.shape="sine"\nroad.height="5 mm"\nroad.length="40 m"\nspeed=10.0\n'
 

@@ -6,13 +6,12 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-
-from scenarios.linearised import linearised
-from suspension.characteristics import cubic, damper, linear
-from suspension.models import build
-from suspension.session import simulate
-from suspension.systems import Element, System
-from suspension.variables import checked_parameters
+from phaseplane.scenarios.measures.linearised import linearised
+from phaseplane.suspension.characteristics import cubic, damper, linear
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.variables import checked_parameters
 
 
 def oscillator(mass: float, rate: float, damping: float) -> System:

@@ -17,14 +17,14 @@ from urllib.request import urlopen
 import pytest
 from click.testing import CliRunner
 from fmpy.util import read_csv
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
+from phaseplane.scenarios.scene.layers import case_names
+from phaseplane.scenarios.scene.loading import load_scene
 from rerun.chunk import RrdReader
 
 from phaseplane.recording import serving
-from scenarios.cli import main
-from scenarios.job import run_scene
-from scenarios.layers import case_names
-from scenarios.loading import load_scene
-from scenarios.replays import default_pairs, vehicle
 
 ROOT = Path(__file__).parents[2]
 PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])
@@ -71,7 +71,7 @@ def test_a_run_recorded_while_it_goes_on() -> None:
 def test_an_interrupted_run_leaves_what_it_has_drawn() -> None:
     arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=60"]
     running = subprocess.Popen(
-        [sys.executable, "-m", "scenarios.cli", *arguments],
+        [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments],
         env={**os.environ, "PYTHONPATH": PATH},
         stderr=subprocess.PIPE,
         text=True,
@@ -92,7 +92,7 @@ def test_a_page_for_other_machines_is_warned_of(monkeypatch: pytest.MonkeyPatch)
     def page(_files: object, address: str) -> Iterator[SimpleNamespace]:
         yield SimpleNamespace(page=f"http://{address}:1/", wait=lambda: None)
 
-    monkeypatch.setattr("scenarios.live.page", page)
+    monkeypatch.setattr("phaseplane.scenarios.draw.live.page", page)
     Path("f.rrd").touch()
     for address, warned in (("127.0.0.1", False), ("0.0.0.0", True)):
         result = CliRunner().invoke(main, ["serve", ".", "--address", address])
@@ -140,7 +140,7 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
     assert done.exit_code == 0
     serving = subprocess.Popen(
-        [sys.executable, "-m", "scenarios.cli", "serve", str(tmp_path)],
+        [sys.executable, "-m", "phaseplane.scenarios.cli", "serve", str(tmp_path)],
         env={**os.environ, "PYTHONPATH": PATH},
         stderr=subprocess.PIPE,
         text=True,

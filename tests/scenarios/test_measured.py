@@ -8,12 +8,11 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-
-from scenarios.cli import main
-from scenarios.errors import SceneError
-from scenarios.loading import load_scene
-from suspension.models import road_from
-from suspension.variables import checked_parameters
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.suspension.models import road_from
+from phaseplane.suspension.variables import checked_parameters
 
 SCENE = """
 fmu = "QuarterCar"

@@ -6,11 +6,10 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-
-from scenarios.measures import COUNT, Reading, Run, catalogue, default_measures, take
-from scenarios.measures.ride import response, weighted
-from scenarios.measures.road import roughness_index
-from suspension.variables import MODELS, Variable, checked_parameters
+from phaseplane.scenarios.measures import COUNT, Reading, Run, catalogue, default_measures, take
+from phaseplane.scenarios.measures.ride import response, weighted
+from phaseplane.scenarios.measures.road import roughness_index
+from phaseplane.suspension.variables import MODELS, Variable, checked_parameters
 
 COLUMNS = {
     "time": np.array([0.0, 0.1, 0.2, 0.3, 0.4]),
@@ -146,9 +145,8 @@ def test_a_weighted_sine_comes_to_rest_at_its_weight(frequency: float) -> None:
 
 
 def test_weighting_equals_scipys_integration_of_the_filter() -> None:
+    from phaseplane.scenarios.measures.ride import _weighting  # noqa: PLC0415
     from scipy.signal import lsim  # noqa: PLC0415
-
-    from scenarios.measures.ride import _weighting  # noqa: PLC0415
 
     rng = np.random.default_rng(7)
     time = np.arange(0.0, 4.0, 2e-3)

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-
-from scenarios.cli import main
-from scenarios.pictures import RULES_SHOWN
-from scenarios.sections import CONSTRUCTION_FIGURES, RULES
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.draw.pictures import RULES_SHOWN
+from phaseplane.scenarios.scene.sections import CONSTRUCTION_FIGURES, RULES
 
 
 def test_a_replay_takes_the_rule_that_the_figure_shows(

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from scenarios.studies import peers, workbench
-from scenarios.studies.accuracy import Solver, solvers
-from scenarios.studies.problems import PROBLEMS, of_model
-from scenarios.studies.reference import largest_error, truth
-from scenarios.studies.workbench import UnableError, Workbench
+from phaseplane.scenarios.studies import peers, workbench
+from phaseplane.scenarios.studies.accuracy import Solver, solvers
+from phaseplane.scenarios.studies.problems import PROBLEMS, of_model
+from phaseplane.scenarios.studies.reference import largest_error, truth
+from phaseplane.scenarios.studies.workbench import UnableError, Workbench
 
 PEERS = [s for s in solvers(with_peers=True) if s.family == "peer"]
 of_every_peer = pytest.mark.parametrize(

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner, Result
-
-from scenarios.cli import main
+from phaseplane.scenarios.cli import main
 
 
 def phaseplane(*arguments: str) -> Result:

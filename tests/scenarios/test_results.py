@@ -10,9 +10,8 @@ import pytest
 from fmpy.util import read_csv
 from hypothesis import given
 from hypothesis import strategies as st
-
-from scenarios.errors import FolderError, InputError
-from scenarios.results import (
+from phaseplane.scenarios.errors import FolderError, InputError
+from phaseplane.scenarios.results.folder import (
     SUMMARY,
     TABLE,
     Results,

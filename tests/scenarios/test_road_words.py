@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import pytest
-
-from scenarios.report import road_words
-from suspension.variables import checked_parameters
+from phaseplane.scenarios.results.report import road_words
+from phaseplane.suspension.variables import checked_parameters
 
 
 @pytest.mark.parametrize(

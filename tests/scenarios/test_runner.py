@@ -11,12 +11,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from scenarios.driving import opened
-from scenarios.errors import InputError, RunError
-from scenarios.loading import load_scene
-from scenarios.runner import run, run_with
-from suspension.session import simulate
+from phaseplane.scenarios.errors import InputError, RunError
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.driver import opened
+from phaseplane.scenarios.simulate.runner import run, run_with
+from phaseplane.suspension.session import simulate
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 BARE = ("show.figures=[]", "show.recording=false")
@@ -155,7 +154,7 @@ def test_an_fmu_that_refuses_its_parameters_tells_why(
     fmu: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What the model description of a stranger cannot say, the packed FMU checks itself."""
-    monkeypatch.setattr("scenarios.fmus.Fmu.is_ours", False)
+    monkeypatch.setattr("phaseplane.scenarios.scene.fmus.Fmu.is_ours", False)
     scene = scene_of(fmu, "spring.table=0:1, 1:2")
     # from Python 3.12 on it can only tell with its first step
     with pytest.raises(RunError, match=r"(did not start|no run): .*spring\.table") as caught:

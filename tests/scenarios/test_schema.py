@@ -8,12 +8,11 @@ from typing import Any, get_args
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from scenarios.errors import SceneError
-from scenarios.layers import CASES, KEYS, case_names, case_titles
-from scenarios.loading import construction_settings, load_scene
-from scenarios.schema import Scene
-from scenarios.sections import FIGURES, RULES, Construction, Detail
+from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.scene.layers import CASES, KEYS, case_names, case_titles
+from phaseplane.scenarios.scene.loading import construction_settings, load_scene
+from phaseplane.scenarios.scene.schema import Scene
+from phaseplane.scenarios.scene.sections import FIGURES, RULES, Construction, Detail
 
 KGF = 9.80665  # N
 AP57 = (CASES / "ap57.toml").read_text(encoding="utf-8")

@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-
-from scenarios import job
-from scenarios.cli import main
-from scenarios.studies import stability as study
-from scenarios.studies.extremes import CASES, run_case
-from scenarios.studies.problems import find_problem
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.studies import reports
+from phaseplane.scenarios.studies import stability as study
+from phaseplane.scenarios.studies.extremes import CASES, run_case
+from phaseplane.scenarios.studies.problems import find_problem
 
 PLAIN = {"method": "equilibrium"}
 
@@ -93,7 +92,7 @@ def test_every_extreme_case_is_right_or_refused(case: object) -> None:
 
 @pytest.mark.slow
 def test_the_study_leaves_data_table_and_picture(tmp_path: Path) -> None:
-    data, table, folder = job.stability(["lift_off"], tmp_path / "s", size=6)
+    data, table, folder = reports.study_stability(["lift_off"], tmp_path / "s", size=6)
     assert {file.name for file in folder.iterdir()} == {
         "stability.png", "stability.txt", "summary.json"
     }  # fmt: skip

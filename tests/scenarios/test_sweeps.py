@@ -14,15 +14,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-
-from scenarios.cli import main
-from scenarios.errors import InputError
-from scenarios.linearised import linearised
-from scenarios.sweeps import running
-from scenarios.sweeps.plan import SWEEPS, load_plan, sweep_titles
-from scenarios.sweeps.running import Row, sweep
-from suspension.models import build
-from suspension.session import simulate
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.measures.linearised import linearised
+from phaseplane.scenarios.sweeps import running
+from phaseplane.scenarios.sweeps.plan import SWEEPS, load_plan, sweep_titles
+from phaseplane.scenarios.sweeps.running import Row, sweep
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import simulate
 
 ROOT = Path(__file__).parents[2]
 GRID = """
@@ -280,7 +279,15 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
 def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
     text = GRID.replace("count = 3", "count = 60")
-    command = [sys.executable, "-m", "scenarios.cli", "sweep", str(written(text)), "--workers", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "phaseplane.scenarios.cli",
+        "sweep",
+        str(written(text)),
+        "--workers",
+        "2",
+    ]
     environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
     journal = Path("out/.sweep.journal")

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from scenarios.errors import InputError
-from scenarios.tables import ENDINGS, read_table, write_table
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.tables import ENDINGS, read_table, write_table
 
 METADATA = {"scene": "größer", "measures": {"x": [1.5, None]}, "holds": True}
 

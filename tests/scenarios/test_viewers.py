@@ -18,16 +18,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw.live import recordings_in
+from phaseplane.scenarios.scene.layers import case_names
+from phaseplane.suspension.variables import MODELS
 from PIL import Image
 from rerun.experimental import ViewerClient
 
 from phaseplane.recording import serving
 from phaseplane.recording.server import viewer_program
 from phaseplane.recording.styles import STYLES
-from scenarios.job import run_scene
-from scenarios.layers import case_names
-from scenarios.live import recordings_in
-from suspension.variables import MODELS
 
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
 SIZE = (1600, 1000)

@@ -7,12 +7,11 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension import series
-from suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
-from suspension.series import Ended, Series
-from suspension.session import simulate
-from suspension.variables import MODELS, ROAD_SHAPES, ParameterError
+from phaseplane.suspension import series
+from phaseplane.suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.series import Ended, Series
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import MODELS, ROAD_SHAPES, ParameterError
 
 TIMES = [0.02 * k for k in range(26)]
 OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]

@@ -9,11 +9,10 @@ import pytest
 from drawn_parts import FEATURES, SHAPES, starting_numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension.engine import FAILURES, Integrator, Rows
-from suspension.models import build
-from suspension.systems import System
-from suspension.variables import METHODS, MODELS
+from phaseplane.suspension.engine import FAILURES, Integrator, Rows
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
+from phaseplane.suspension.variables import METHODS, MODELS
 
 TIMES = array("d", [0.004 * k for k in range(51)])
 

@@ -8,11 +8,10 @@ from math import exp, pi, sqrt
 import numpy as np
 import pytest
 from kernels import motion
-
-from suspension import characteristics as law
-from suspension.engine import Integrator
-from suspension.models import build
-from suspension.systems import Element, System
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, System
 
 GRAVITY = 9.80665
 STIFFNESS, RATIO, HEIGHT = 1e8, 0.1, 0.1

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics as law
 from scipy.interpolate import PchipInterpolator
-
-from suspension import characteristics as law
 
 RATES = st.floats(1.0, 1e6)
 LIMITS = st.floats(1.0, 1e5)

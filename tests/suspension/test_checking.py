@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from math import inf, nan
 
 import pytest
-
-from suspension import characteristics as law
-from suspension import checking, roads
-from suspension.characteristics import Characteristic, Piece
-from suspension.checking import check_characteristic, check_system, raise_if_any
-from suspension.models import build
-from suspension.systems import Element, System, damper_family
-from suspension.variables import MODELS
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import checking, roads
+from phaseplane.suspension.characteristics import Characteristic, Piece
+from phaseplane.suspension.checking import check_characteristic, check_system, raise_if_any
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, System, damper_family
+from phaseplane.suspension.variables import MODELS
 
 RIGHT = {
     "linear": law.linear(2e4),

@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import Element, Load, System, build
+from phaseplane.suspension.session import Session
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
-
-from suspension import characteristics, roads
-from suspension.characteristics import Characteristic
-from suspension.engine import Integrator
-from suspension.models import Element, Load, System, build
-from suspension.session import Session
 
 TIGHT = 1e-11
 

@@ -10,10 +10,9 @@ from array import array
 
 import numpy as np
 import pytest
-
-from suspension.engine import Integrator
-from suspension.models import build
-from suspension.systems import System
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
 
 BUSY = {
     "damper.rebound_limit": 588.399,

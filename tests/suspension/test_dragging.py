@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 from kernels import motion
-
-from suspension import characteristics as law
-from suspension import roads
-from suspension.signals import Segment, Signal
-from suspension.systems import Element, Load, System
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import roads
+from phaseplane.suspension.signals import Segment, Signal
+from phaseplane.suspension.systems import Element, Load, System
 
 MASS, FRICTION = 2.0, 3.0
 NOTHING = law.linear(0.0)

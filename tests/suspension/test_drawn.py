@@ -13,12 +13,11 @@ from typing import Any
 import make_drawn
 import numpy as np
 import pytest
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import System, build
+from phaseplane.suspension.session import Session
 from switched import Switch
 from vehicle_reference import BRANCHES
-
-from suspension.engine import Integrator
-from suspension.models import System, build
-from suspension.session import Session
 
 
 @cache

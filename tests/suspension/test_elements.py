@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import roads
+from phaseplane.suspension.engine import KINDS, Integrator
+from phaseplane.suspension.systems import Element, System, damper_family
 from scipy.integrate import quad, solve_ivp
-
-from suspension import characteristics as law
-from suspension import roads
-from suspension.engine import KINDS, Integrator
-from suspension.systems import Element, System, damper_family
 
 RATES = st.floats(10.0, 1e5)
 FORCES = st.floats(1.0, 1e4)

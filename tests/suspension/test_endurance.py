@@ -9,11 +9,10 @@ from random import Random
 import numpy as np
 import pytest
 from drawn_parts import drawn_parameters
-
-from suspension.engine import Integrator
-from suspension.models import build
-from suspension.systems import System
-from suspension.variables import METHODS, MODELS
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import System
+from phaseplane.suspension.variables import METHODS, MODELS
 
 END = 0.6
 TIMES = np.linspace(0.0, END, 61)

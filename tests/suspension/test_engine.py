@@ -11,16 +11,16 @@ from pathlib import Path
 
 import pytest
 from kernels import motion
+from phaseplane.suspension import engine
+from phaseplane.suspension.models import build
 
-import suspension
-from suspension import engine
-from suspension.models import build
+from phaseplane import suspension
 
 PACKAGE = Path(suspension.__file__).parent
 with_both = pytest.mark.skipif(not engine.compiled, reason="nothing compiled to compare with")
 RUN = """
 import json, sys
-from suspension import engine
+from suspension import engine  # as in an FMU, it may go by any name
 from suspension.batch import run_many
 from suspension.session import simulate
 parameters = {"bump_stop.stiffness": 3e5, "bump_stop.gap": 0.02, "damper.rebound_limit": 500.0, **OPTIONS}

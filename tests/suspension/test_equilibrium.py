@@ -5,14 +5,13 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.equilibrium import static_equilibrium
+from phaseplane.suspension.models import build
+from phaseplane.suspension.roads import constant
+from phaseplane.suspension.systems import Element, Load, System
 from scipy.optimize import brentq
-
-from suspension import characteristics as law
-from suspension.engine import Integrator
-from suspension.equilibrium import static_equilibrium
-from suspension.models import build
-from suspension.roads import constant
-from suspension.systems import Element, Load, System
 
 
 def hanging(spring: law.Characteristic, *more: Element, **changes: object) -> System:

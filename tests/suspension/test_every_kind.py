@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import roads
+from phaseplane.suspension.engine import KINDS, Integrator
+from phaseplane.suspension.systems import Element, System, damper_family
 from scipy.integrate import solve_ivp
-
-from suspension import characteristics as law
-from suspension import roads
-from suspension.engine import KINDS, Integrator
-from suspension.systems import Element, System, damper_family
 
 GRAVITY = 9.80665
 END = 1.2

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import KINDS, Integrator
+from phaseplane.suspension.models import Element, Load, System
 from scipy.integrate import solve_ivp
-
-from suspension import characteristics, roads
-from suspension.engine import KINDS, Integrator
-from suspension.models import Element, Load, System
 
 MASS, RATE, FRICTION = 2.0, 800.0, 1.0
 OMEGA = sqrt(RATE / MASS)

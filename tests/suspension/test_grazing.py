@@ -11,12 +11,11 @@ from typing import NamedTuple
 
 import pytest
 from kernels import motion
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import roads
+from phaseplane.suspension.signals import Segment, Signal
+from phaseplane.suspension.systems import Element, Load, System
 from scipy.optimize import brentq
-
-from suspension import characteristics as law
-from suspension import roads
-from suspension.signals import Segment, Signal
-from suspension.systems import Element, Load, System
 
 GRAVITY = 9.80665
 

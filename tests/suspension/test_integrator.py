@@ -9,11 +9,10 @@ import pytest
 import quarter_car_reference as reference
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension import characteristics
-from suspension.engine import FAILURES, KINDS, Integrator
-from suspension.models import Element, Load, System, build
-from suspension.roads import Segment, Signal, constant, sine
+from phaseplane.suspension import characteristics
+from phaseplane.suspension.engine import FAILURES, KINDS, Integrator
+from phaseplane.suspension.models import Element, Load, System, build
+from phaseplane.suspension.roads import Segment, Signal, constant, sine
 
 STOPS = {
     "damper.rebound_limit": 588.399,

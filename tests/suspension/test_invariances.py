@@ -12,11 +12,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension import characteristics, roads
-from suspension.engine import Integrator
-from suspension.models import Element, Load, System, build
-from suspension.variables import variables
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import Element, Load, System, build
+from phaseplane.suspension.variables import variables
 
 # length, time and mass in the unit of each parameter
 DIMENSIONS = {

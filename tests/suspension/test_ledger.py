@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 from make_drawn import SYSTEMS, instants, public, stored
-
-from suspension.engine import Integrator
-from suspension.models import System, build
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import System, build
 
 AXLES = {"OneDof": [""], "QuarterCar": [""]}
 

@@ -7,14 +7,13 @@ from math import sqrt
 
 import numpy as np
 import pytest
-
-from suspension import batch
-from suspension.batch import run_many
-from suspension.engine import Integrator
-from suspension.many import Many, PartingError, many, of_run, table
-from suspension.models import build, build_checked
-from suspension.signals import Segment
-from suspension.variables import MODELS, checked_parameters
+from phaseplane.suspension import batch
+from phaseplane.suspension.batch import run_many
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.many import Many, PartingError, many, of_run, table
+from phaseplane.suspension.models import build, build_checked
+from phaseplane.suspension.signals import Segment
+from phaseplane.suspension.variables import MODELS, checked_parameters
 
 TIMES = [0.02 * k for k in range(11)]
 

@@ -8,12 +8,11 @@ from math import inf, pi, sqrt
 import numpy as np
 import pytest
 import quarter_car_reference as reference
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, Load, System
 from scipy.integrate import solve_ivp
-
-from suspension import characteristics, roads
-from suspension.engine import Integrator
-from suspension.models import build
-from suspension.systems import Element, Load, System
 
 STOPS = {
     "damper.rebound_limit": 588.399,

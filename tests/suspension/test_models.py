@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension import roads, systems
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import Element, System, axle_masses, build
+from phaseplane.suspension.session import Session, simulate
 from scipy.integrate import solve_ivp
-
-from suspension import roads, systems
-from suspension.engine import Integrator
-from suspension.models import Element, System, axle_masses, build
-from suspension.session import Session, simulate
 
 TIMES = [0.005 * k for k in range(121)]
 TIGHT = {"solver.tolerance": 1e-11}

@@ -8,9 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension.session import Session, SimulationError
-from suspension.variables import MODELS, ParameterError, Variable
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.variables import MODELS, ParameterError, Variable
 
 STEPS = 40  # of the integrator: what a run of these does is seen early
 

@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 import pytest
-
-from suspension.models import build
-from suspension.session import Session, simulate
-from suspension.variables import ROAD_SHAPES, ParameterError
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.variables import ROAD_SHAPES, ParameterError
 
 TIMES = [0.01 * k for k in range(61)]
 TENTHS = [0.1 * k for k in range(9)]

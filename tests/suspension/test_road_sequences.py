@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import pytest
-
-from suspension import roads
-from suspension.models import build, road_from
-from suspension.session import simulate
-from suspension.variables import ParameterError, checked_parameters
+from phaseplane.suspension import roads
+from phaseplane.suspension.models import build, road_from
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import ParameterError, checked_parameters
 
 
 def road(text: str, **more: object) -> roads.Signal:

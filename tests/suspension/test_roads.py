@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from phaseplane.suspension import roads
 from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 from scipy.signal import chirp, welch
-
-from suspension import roads
 
 MEASURED = [(0.0, 0.0), (0.7, 0.02), (1.0, 0.05), (1.9, 0.01), (3.0, -0.01)]
 SMOOTH = [

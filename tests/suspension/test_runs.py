@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from suspension.engine import FAILURES, Integrator
-from suspension.models import build
+from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.models import build
 
 STOPS = {
     "damper.rebound_limit": 588.399, "damper.bump_limit": 294.1995, "damper.limit_slope": 200.0,

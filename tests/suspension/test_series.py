@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import pytest
-
-from suspension.batch import outputs_at_end, outputs_over_time, run_many
-from suspension.session import simulate
-from suspension.variables import MODELS, ParameterError
+from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import MODELS, ParameterError
 
 TIMES = [0.004 * k for k in range(101)]
 STOPS = {

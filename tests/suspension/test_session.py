@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from suspension.roads import bump
-from suspension.session import Session, SimulationError, simulate
-from suspension.variables import MODELS, ParameterError, variables
+from phaseplane.suspension.roads import bump
+from phaseplane.suspension.session import Session, SimulationError, simulate
+from phaseplane.suspension.variables import MODELS, ParameterError, variables
 
 MOTION = ("body_displacement", "wheel_displacement", "wheel_velocity", "contact_force")
 OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]

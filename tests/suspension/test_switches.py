@@ -12,13 +12,12 @@ from math import acos, atan2, cos, exp, hypot, inf, nextafter, pi, sin, sqrt
 import numpy as np
 import pytest
 from kernels import motion
-
-from suspension import characteristics as law
-from suspension import roads
-from suspension.engine import Integrator
-from suspension.models import build
-from suspension.signals import Segment, Signal
-from suspension.systems import Element, Load, System
+from phaseplane.suspension import characteristics as law
+from phaseplane.suspension import roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.signals import Segment, Signal
+from phaseplane.suspension.systems import Element, Load, System
 
 GRAVITY = 9.80665
 Options = dict[str, object]

@@ -5,9 +5,8 @@ from __future__ import annotations
 from math import cos, pi, sin, sqrt
 
 import pytest
-
-from suspension.session import Session, SimulationError
-from suspension.variables import MODELS, ParameterError
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.variables import MODELS, ParameterError
 
 MOTION = ("body_displacement", "body_velocity", "energy_residual")
 

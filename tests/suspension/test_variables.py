@@ -7,11 +7,10 @@ from collections import Counter
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension.models import build
+from phaseplane.suspension.units import UNITS, UnitError, to_si
+from phaseplane.suspension.variables import MODELS, ParameterError, checked_parameters, variables
 from scipy import constants as si
-
-from suspension.models import build
-from suspension.units import UNITS, UnitError, to_si
-from suspension.variables import MODELS, ParameterError, checked_parameters, variables
 
 
 @pytest.mark.parametrize(

@@ -10,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from phaseplane.suspension import characteristics, engine
+from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.variables import ParameterError, checked_parameters
 
-import suspension
-from suspension import characteristics, engine
-from suspension.engine import FAILURES, Integrator
-from suspension.models import build
-from suspension.session import Session, SimulationError
-from suspension.systems import Element, System
-from suspension.variables import ParameterError, checked_parameters
+from phaseplane import suspension
 
 
 def car(**parameters: object) -> System:
@@ -161,8 +161,8 @@ def test_a_session_says_why_exact_is_refused() -> None:
 def test_an_interrupt_ends_one_long_call() -> None:
     code = """
 import signal
-from suspension.engine import Integrator
-from suspension.models import build
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
 signal.setitimer(signal.ITIMER_REAL, 0.3)
 signal.signal(signal.SIGALRM, signal.default_int_handler)
 integrator = Integrator(build("QuarterCar", {}), "equilibrium", step=1e-6)

@@ -9,13 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import Element, Load, System
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import ParameterError
 from scipy.integrate import solve_ivp
-
-from suspension import characteristics, roads
-from suspension.engine import Integrator
-from suspension.models import Element, Load, System
-from suspension.session import simulate
-from suspension.variables import ParameterError
 
 # CP75's loads, which reproduce what H83 says of its example 40: N at 0, 0.1, ..., 0.8 s
 LOADS = [0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0]

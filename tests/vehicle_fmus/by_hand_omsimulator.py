@@ -16,10 +16,10 @@ import sysconfig
 import tempfile
 from pathlib import Path
 
-from suspension.road_source import RoadSource
-from suspension.session import Session
-from vehicle_fmus.build import build
-from vehicle_fmus.systems import connections
+from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.session import Session
+from phaseplane.vehicle_fmus.build import build
+from phaseplane.vehicle_fmus.systems import connections
 
 MODEL, STEP, STEPS = "QuarterCar", 1e-3, 200  # s
 SHOWN = ("body_displacement", "wheel_velocity", "contact_force")

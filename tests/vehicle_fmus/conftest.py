@@ -10,8 +10,7 @@ from typing import Any
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.simulation import instantiate_fmu
-
-from vehicle_fmus.build import SCRIPTS, build
+from phaseplane.vehicle_fmus.build import SCRIPTS, build
 
 
 class Host:

@@ -15,12 +15,11 @@ from typing import Any
 import pytest
 from fmpy import extract, read_model_description
 from hosting import LEAVE
-
-import suspension.session
-from suspension import engine
-from suspension.variables import MODELS, ParameterError, variables
-from vehicle_fmus import build as packing
-from vehicle_fmus.build import build
+from phaseplane.suspension import engine
+from phaseplane.suspension.session import simulate
+from phaseplane.suspension.variables import MODELS, ParameterError, variables
+from phaseplane.vehicle_fmus import build as packing
+from phaseplane.vehicle_fmus.build import build
 
 OUTPUTS = ("body_displacement", "contact_force", "step_count")
 
@@ -107,7 +106,7 @@ def test_start_values_are_burned_in(tmp_path: Path, host: Any) -> None:
         car.step(0.0, 0.1)
         found = [car.get(name) for name in OUTPUTS]
     meant = {"sprung_mass": 300.0, "lift_off": False, "road.shape": "sine"}
-    direct = suspension.session.simulate("QuarterCar", meant, [0.0, 0.1], OUTPUTS)
+    direct = simulate("QuarterCar", meant, [0.0, 0.1], OUTPUTS)
     assert found == [direct[name][-1] for name in OUTPUTS]
 
 
@@ -153,8 +152,8 @@ def test_a_failing_builder_leaves_the_old_file(
 def test_each_fmu_runs_its_own_code(
     quarter_car_folder: str, changed_fmu: Path, tmp_path: Path, host: Any
 ) -> None:
-    installed = {name: sys.modules[name] for name in sys.modules if name.startswith("suspension")}
-    direct = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
+    installed = {name: sys.modules[name] for name in sys.modules if "suspension" in name}
+    direct = simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
     expected = [direct[name][-1] for name in OUTPUTS]
     original, changed = host(quarter_car_folder), host(extract(str(changed_fmu), str(tmp_path)))
     found: dict[str, list[Any]] = {}
@@ -168,13 +167,13 @@ def test_each_fmu_runs_its_own_code(
             found[name] = [car.get(output) for output in OUTPUTS]
     assert found["original"] == expected
     twice = {"sprung_mass": 2.0 * float(MODELS["QuarterCar"][0].start)}
-    heavier = suspension.session.simulate("QuarterCar", twice, [0.0, 0.1], OUTPUTS)
+    heavier = simulate("QuarterCar", twice, [0.0, 0.1], OUTPUTS)
     assert found["changed"][0] == pytest.approx(heavier["body_displacement"][-1], rel=1e-4)
     assert found["changed"][0] != pytest.approx(expected[0], rel=1e-4)
     assert found["changed"][2] > 1.2 * expected[2]  # steps of a tenth where the phase limits them
-    after = {name: sys.modules[name] for name in sys.modules if name.startswith("suspension")}
+    after = {name: sys.modules[name] for name in sys.modules if "suspension" in name}
     assert all(after[name] is module for name, module in installed.items())
-    again = suspension.session.simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
+    again = simulate("QuarterCar", {}, [0.0, 0.1], OUTPUTS)
     assert again == direct
 
 
@@ -253,7 +252,7 @@ def binaries_of(folder: Path) -> Path:
 @pytest.fixture
 def expected() -> list[Any]:
     times = [0.02 * k for k in range(11)]
-    direct = suspension.session.simulate("QuarterCar", {}, times, OUTPUTS)
+    direct = simulate("QuarterCar", {}, times, OUTPUTS)
     return [direct[name][-1] for name in OUTPUTS]
 
 

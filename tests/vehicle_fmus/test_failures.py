@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 from fmpy.fmi1 import FMICallException
-
-from suspension.variables import variables
-from vehicle_fmus.build import SCRIPTS
+from phaseplane.suspension.variables import variables
+from phaseplane.vehicle_fmus.build import SCRIPTS
 
 DISCARD = 2
 

@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 from fmpy.ssp.simulation import simulate_ssp
-
-from suspension.road_source import RoadSource
-from suspension.session import Session
-from suspension.variables import MODELS
-from vehicle_fmus.build import SCRIPTS, build
-from vehicle_fmus.systems import connections
+from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.session import Session
+from phaseplane.suspension.variables import MODELS
+from phaseplane.vehicle_fmus.build import SCRIPTS, build
+from phaseplane.vehicle_fmus.systems import connections
 
 STEP, STEPS = 0.005, 60
 # one of each kind, where a model has it

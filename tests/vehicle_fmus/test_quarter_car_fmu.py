@@ -15,10 +15,9 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 from hosting import LEAVE
-
-from suspension.session import Session, simulate
-from suspension.variables import MODELS
-from vehicle_fmus.slaves.quarter_car import QuarterCar
+from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.variables import MODELS
+from phaseplane.vehicle_fmus.slaves.quarter_car import QuarterCar
 
 REFERENCE = Path(__file__).parents[1] / "reference"
 MOTION = ("body_displacement", "body_velocity", "wheel_displacement", "wheel_velocity")

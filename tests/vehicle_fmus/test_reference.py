@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.util import read_csv
-
-from vehicle_fmus.build import SCRIPTS, build
-from vehicle_fmus.reference import reference_files
+from phaseplane.vehicle_fmus.build import SCRIPTS, build
+from phaseplane.vehicle_fmus.reference import reference_files
 
 INDEPENDENT = Path(__file__).parents[1] / "reference"
 

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from hosting import LEAVE
-
-from suspension.variables import MODELS
-from vehicle_fmus.build import SCRIPTS
+from phaseplane.suspension.variables import MODELS
+from phaseplane.vehicle_fmus.build import SCRIPTS
 
 END = 0.25  # s
 STEPPED = [model for model in SCRIPTS if model in MODELS]

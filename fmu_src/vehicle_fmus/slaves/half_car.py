@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vehicle_fmus.slaves.vehicle_slave import VehicleSlave
+from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
 
 
 class HalfCar(VehicleSlave):

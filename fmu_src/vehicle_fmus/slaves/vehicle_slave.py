@@ -15,6 +15,17 @@ from math import nan
 from pathlib import Path
 from typing import Any, ClassVar
 
+from phaseplane.suspension.engine import why_uncompiled
+from phaseplane.suspension.road_source import RoadSource
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.variables import (
+    SOURCES,
+    ParameterError,
+    Value,
+    Variable,
+    checked_parameters,
+    variables,
+)
 from pythonfmu import (
     Boolean,
     DefaultExperiment,
@@ -27,18 +38,6 @@ from pythonfmu import (
     String,
 )
 from pythonfmu.enums import Fmi2Status
-
-from suspension.engine import why_uncompiled
-from suspension.road_source import RoadSource
-from suspension.session import Session, SimulationError
-from suspension.variables import (
-    SOURCES,
-    ParameterError,
-    Value,
-    Variable,
-    checked_parameters,
-    variables,
-)
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
 

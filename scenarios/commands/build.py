@@ -1,0 +1,59 @@
+"""`phaseplane build`: FMUs packed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+from phaseplane.suspension.variables import ParameterError, refuse_unknown
+
+from ..errors import InputError, RunError, one_line
+from .console import json_option
+
+
+@click.command()
+@click.argument("models", nargs=-1, metavar="[MODEL]...")
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path, file_okay=False),
+    required=True,
+    metavar="DIR",
+    help="Folder for the FMUs.",
+)
+@click.option("--ssp", is_flag=True, help="Also pack each vehicle on its road as an SSP system.")
+@json_option
+def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
+    """Pack FMUs: the MODELs named, or all; with a reference result beside each."""
+    from ..results.folder import as_json  # noqa: PLC0415
+
+    files = [str(path) for path in build_models(models, output, ssp)]
+    click.echo(as_json({"files": files}) if as_data else "\n".join(files))
+
+
+def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list[Path]:
+    """Pack the FMUs of the models named, or of all, each with a reference result beside it.
+
+    Parameters
+    ----------
+    ssp : whether each vehicle is packed on its road as a system, too
+
+    Raises
+    ------
+    InputError : no such model, or a folder that cannot be written to.
+    RunError : an FMU could not be packed.
+    """
+    from phaseplane.vehicle_fmus.build import SCRIPTS, build  # noqa: PLC0415  (heavy)
+
+    try:
+        refuse_unknown(models, SCRIPTS, "there is no FMU of")
+        folder.mkdir(parents=True, exist_ok=True)
+        chosen = list(dict.fromkeys(models)) or list(SCRIPTS)
+        return build(chosen, folder, references=True, ssp=ssp)
+    except ParameterError as error:
+        raise InputError(str(error)) from None
+    except OSError as error:
+        raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
+    except RuntimeError as error:
+        raise RunError(one_line(error)) from error

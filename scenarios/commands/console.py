@@ -1,0 +1,145 @@
+"""What all commands share: how they end, how they complain, their common options and the progress bar."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+import click
+
+from ..errors import InputError, RunError, one_line
+
+DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
+_SHOW_BAR_AFTER = 1.0  # s
+
+
+class _PipeClosedError(Exception):
+    """Nobody reads the output any more."""
+
+
+class Commands(click.Group):
+    """Commands that end with a status and, if anything is wrong, one line on stderr."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **extra: Any,
+    ) -> Any:
+        def run() -> Any:
+            name = prog_name or "phaseplane"
+            return click.Group.main(self, args, name, complete_var, standalone_mode=False, **extra)
+
+        if not standalone_mode:
+            return run()
+        for stream in (sys.stdout, sys.stderr):
+            with suppress(AttributeError, ValueError):
+                stream.reconfigure(errors="replace")  # type: ignore[union-attr]
+        try:
+            with _cleaning_up_when_terminated():
+                status = run()
+        except click.ClickException as error:
+            complain(error.format_message())
+            status = BAD_INPUT
+        except InputError as error:
+            complain(error)
+            status = BAD_INPUT
+        except (RunError, OSError) as error:
+            complain(error)
+            status = FAILED
+        except click.Abort:
+            complain("interrupted")
+            status = INTERRUPTED
+        except _PipeClosedError:
+            status = PIPE_CLOSED
+        sys.exit(status or DONE)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        try:
+            status = super().invoke(ctx)
+            sys.stdout.flush()
+        except BrokenPipeError:
+            with suppress(OSError, ValueError):  # so that the interpreter's own flush is silent
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise _PipeClosedError from None
+        return status
+
+
+@contextmanager
+def _cleaning_up_when_terminated() -> Iterator[None]:
+    """On SIGTERM leave through everything that cleans up, instead of at once."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda _number, _frame: sys.exit(TERMINATED))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def complain(message: object) -> None:
+    click.echo(f"phaseplane: {one_line(message)}", err=True)
+
+
+set_option = click.option(
+    "--set",
+    "overrides",
+    multiple=True,
+    metavar="KEY=VALUE",
+    help="Set a key of the scene or a parameter, e.g. 'road.height=8 cm'. Repeatable.",
+)
+json_option = click.option("--json", "as_data", is_flag=True, help="Print JSON and nothing else.")
+output_option = click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of the results, replaced whole. [default: out/SCENE]",
+)
+
+
+def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
+    """`--figure F.png` for a picture of something."""
+    return click.option(
+        "--figure",
+        type=click.Path(path_type=Path),
+        metavar="F.png",
+        help=f"Write a picture of {what} (.png, .svg or .pdf{more}).",
+    )
+
+
+dark_option = click.option("--dark", is_flag=True, help="Draw on a dark ground.")
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
+    """A bar on a terminal, for what takes over a second."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    bar: Any = None
+    started = monotonic()
+
+    def show(part: float) -> None:
+        nonlocal bar
+        if bar is None and monotonic() - started > _SHOW_BAR_AFTER:
+            bar = click.progressbar(length=1000, label=label, file=sys.stderr)
+            bar.__enter__()
+        if bar is not None and int(1000 * part) > bar.pos:
+            bar.update(int(1000 * part) - bar.pos)
+
+    try:
+        yield show
+    finally:
+        if bar is not None:
+            bar.__exit__(None, None, None)

@@ -1,0 +1,197 @@
+"""What a scene may say, told from the definitions that it is checked by."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from textwrap import fill
+from typing import Any
+
+from phaseplane.suspension.variables import MODELS, Variable
+from pydantic import BaseModel
+
+from ..measures import catalogue
+from ..scene.expectations import During, Reference
+from ..scene.fmus import fmu_named
+from ..scene.sections import Construction, Show
+
+_TOP = {
+    "extends": ("", "another case or scene file, over which this one is laid"),
+    "title": ("", "what the run is called"),
+    "source": ("", "where its figures come from"),
+    "fmu": ("", f"{', '.join(MODELS)}, or the path of an .fmu file"),
+    "duration": ("s", "how long it runs"),
+}
+_SECTIONS: dict[str, tuple[str, type[BaseModel]]] = {
+    "show": ("what is shown; nothing else is computed, read or written", Show),
+    "construction": ("how the graphical construction is made", Construction),
+    "[expect.during]": ("what an output must keep to within a time; repeatable", During),
+    "expect.reference": ("a file to which the run must come close", Reference),
+}
+_EXAMPLE = "speed_bump"  # a sweep that comes with the package
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
+
+
+def guide(model: str | None) -> str:
+    """All keys of a scene, for a terminal; of a model also parameters, outputs and measures.
+
+    Raises
+    ------
+    InputError : no such model.
+    """
+    return "\n".join(_of_scenes() if model is None else _of_model(model))
+
+
+def sweep_guide() -> str:
+    """All keys of a sweep file, for a terminal."""
+    return "\n".join(_of_sweeps())
+
+
+def sweep_schema() -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a sweep file."""
+    from ..sweeps.plan import SweepFile  # noqa: PLC0415
+
+    schema = SweepFile.model_json_schema()
+    return {"$schema": _DIALECT, **schema, "title": "A sweep over a scene"}
+
+
+def json_schema(model: str | None) -> dict[str, Any]:
+    """The JSON Schema (2020-12) of a scene file, with the parameters and measures of a model.
+
+    Parameters
+    ----------
+    model : QuarterCar if left out; the model that most scenes name
+
+    Raises
+    ------
+    InputError : no such model.
+    """
+    fmu = fmu_named(model or "QuarterCar")
+    known = catalogue(fmu.outputs())
+    sections = {name: kind.model_json_schema() for name, (_, kind) in _SECTIONS.items()}
+    bounds = {"type": ["integer", "object"], "properties": {"min": {}, "max": {}}}
+    properties: dict[str, Any] = {
+        key: {"description": about, "type": ["number", "string"] if unit == "s" else "string"}
+        for key, (unit, about) in _TOP.items()
+    }
+    properties["parameters"] = {
+        "type": "object",
+        "properties": {v.name: _schema_of(v) for v in fmu.parameters().values()},
+    }
+    properties["expect"] = {
+        "type": "object",
+        "properties": {
+            "during": {"type": "array", "items": sections.pop("[expect.during]")},
+            "reference": sections.pop("expect.reference"),
+            **{n: {**bounds, "description": m.about, "unit": m.unit} for n, m in known.items()},
+        },
+    }
+    return {
+        "$schema": _DIALECT,
+        "title": f"A scene that drives {fmu.model}",
+        "type": "object",
+        "properties": properties | sections,
+    }
+
+
+def _of_scenes() -> Iterator[str]:
+    yield "A scene is a TOML file. Values are in SI, or texts with a unit: 0.05 or '5 cm'."
+    yield ""
+    yield from (_key(key, unit, about) for key, (unit, about) in _TOP.items())
+    yield ""
+    yield "[parameters]  what differs from the FMU's defaults, by name"
+    yield '  a table may stand in a CSV file with a heading: road.table = { file = "road.csv",'
+    yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
+    for name, (about, kind) in _SECTIONS.items():
+        yield ""
+        yield f"[{name}]  {about}"
+        yield from _keys(kind)
+    yield ""
+    yield "[expect]  bounds on measures: name = { min = ..., max = ... }"
+    yield ""
+    yield f"phaseplane schema MODEL tells the parameters and measures of {', '.join(MODELS)};"
+    yield "phaseplane schema --sweep tells what a sweep file may say."
+
+
+def _of_sweeps() -> Iterator[str]:
+    from ..sweeps.plan import SWEEPS, Range, SweepFile  # noqa: PLC0415
+
+    yield "A sweep is a TOML file that runs a scene many times."
+    yield ""
+    yield from _keys(SweepFile)
+    yield ""
+    yield "A range, within vary"
+    yield from _keys(Range)
+    yield ""
+    yield "For example:"
+    yield ""
+    yield from (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8").splitlines()
+
+
+def _keys(kind: type[BaseModel]) -> Iterator[str]:
+    """The keys of a table, as its definition explains them."""
+    for key, said in kind.model_json_schema()["properties"].items():
+        kinds = [said, *said.get("anyOf", ())]
+        unit = next((kind["unit"] for kind in kinds if "unit" in kind), "")
+        allowed = said.get("enum") or said.get("items", {}).get("enum")
+        words = said.get("description", "")
+        if allowed:
+            words += f": {', '.join(allowed)}"
+        yield _key(key, unit, words + _default(said.get("default")))
+
+
+def _of_model(name: str) -> Iterator[str]:
+    fmu = fmu_named(name)
+    outputs = fmu.outputs()
+    for heading, declared in (("parameters", fmu.parameters()), ("outputs", outputs)):
+        yield f"{fmu.model}: {heading}"
+        for v in declared.values():
+            start = _default(v.start) if heading == "parameters" else ""
+            words = f"{v.description}{': ' + ', '.join(v.choices) if v.choices else ''}{start}"
+            yield _key(v.name, v.unit, words)
+        yield ""
+    yield f"{fmu.model}: measures"
+    yield _key("peak.X", "", "value of largest magnitude, with its sign, of any output X in time")
+    yield _key("rms.X", "", "root of the time mean of the square of any output X in time")
+    yield _key("amplitude.X", "", "half the range of any output X over the second half of the run")
+    for measure in catalogue(outputs).values():
+        if not measure.name.startswith(("peak.", "rms.", "amplitude.")):
+            source = f" ({measure.source})" if measure.source else ""
+            yield _key(measure.name, measure.unit, measure.about + source)
+
+
+def _key(name: str, unit: str, words: str) -> str:
+    head = f"  {name} [{unit}]" if unit not in ("", "1") else f"  {name}"
+    return fill(f"{head:<28} {words}", 100, subsequent_indent=" " * 29, break_on_hyphens=False)
+
+
+def _default(value: object) -> str:
+    """What holds if nothing is said, in brackets; nothing where that goes without saying."""
+    return "" if value in (None, "", [], ()) else f" (default {_text(value)})"
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_text, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _schema_of(variable: Variable) -> Mapping[str, Any]:
+    kind = _TYPES[type(variable.start)]
+    said: dict[str, Any] = {"description": variable.description, "default": variable.start}
+    said["type"] = ["number", "string"] if kind == "number" and variable.unit else kind
+    if variable.name.endswith("table"):  # which may stand in a file
+        said["type"] = ["string", "object"]
+    if variable.unit:
+        said["unit"] = variable.unit
+    if variable.choices:
+        said["enum"] = list(variable.choices)
+    if variable.positive:
+        said["exclusiveMinimum"] = 0.0
+    elif variable.minimum is not None:
+        said["minimum"] = variable.minimum
+    if variable.maximum is not None:
+        said["maximum"] = variable.maximum
+    return said

@@ -1,0 +1,26 @@
+"""`phaseplane list`: the scenes and sweeps that come along."""
+
+from __future__ import annotations
+
+import click
+
+from .console import json_option
+
+
+@click.command("list")
+@json_option
+def list_cases(as_data: bool) -> None:
+    """List the scenes and the sweeps that come with the package."""
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..scene.layers import case_titles  # noqa: PLC0415
+    from ..sweeps.plan import sweep_titles  # noqa: PLC0415
+
+    titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
+    if as_data:
+        click.echo(as_json(titles))
+        return
+    width = max(len(name) for named in titles.values() for name in named)
+    for command, named in zip(("run", "sweep"), titles.values(), strict=True):
+        click.echo(f"phaseplane {command}")
+        for name, title in named.items():
+            click.echo(f"  {name:<{width}}  {title}")

@@ -1,0 +1,204 @@
+"""`phaseplane replay`: the construction of a scene, or of a run, drawn again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import click
+from phaseplane.suspension.variables import ParameterError, refuse_unknown
+
+from ..errors import (
+    MOVING,
+    PICTURES,
+    InputError,
+    RunError,
+    SceneError,
+    check_picture,
+    check_recording,
+    one_line,
+)
+from ..results.folder import read_results, read_summary
+from ..results.tables import read_table
+from ..scene.layers import find_scene
+from .console import dark_option, figure_option, json_option, set_option
+from .viewing import page, save_option, until_interrupted, viewer_options
+
+
+@click.command()
+@click.argument("what", metavar="SCENE|RESULTS")
+@set_option
+@click.option(
+    "--over",
+    type=click.Path(path_type=Path),
+    metavar="TABLE",
+    help="Lay the construction of SCENE over the motion in a table, e.g. motion.csv.",
+)
+@click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
+@click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
+@save_option
+@figure_option("the phase planes, or of another --kind", ", moving as .gif or .mp4")
+@click.option(
+    "--kind",
+    default="phase_planes",
+    show_default=True,
+    metavar="NAME",
+    help="Which figure: phase_planes, construction_sheet, or one of AP57's: figure4a, figure4b, "
+    "figure7 to figure10, figure12 to figure16.",
+)
+@dark_option
+@viewer_options
+@json_option
+def replay(
+    *,
+    what: str,
+    overrides: tuple[str, ...],
+    over: Path | None,
+    rule: str | None,
+    step: str | None,
+    save: Path | None,
+    figure: Path | None,
+    kind: str,
+    dark: bool,
+    viewer: str,
+    served: bool,
+    address: str,
+    as_data: bool,
+) -> None:
+    """Replay the graphical construction of a SCENE, or lay it over the RESULTS of a run."""
+    from ..results.folder import as_json  # noqa: PLC0415
+    from ..results.report import drift_words  # noqa: PLC0415
+
+    if save is None and figure is None and not viewer and not served:
+        raise InputError(
+            "replay: nothing to do; give one or more of --save F.rrd, --figure F.png, --connect URL "
+            "and --serve"
+        )
+    extra = (("construction.rule", rule), ("construction.step", step))
+    settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
+    with page(served, address) as server:
+        shown_in = viewer or (server.url if server else "")
+        told = replay_construction(
+            what, settings, save, figure, shown_in, over, kind=kind, dark=dark
+        )
+        places = ", ".join([*told["files"], *([viewer] if viewer else [])])
+        click.echo(
+            as_json(told)
+            if as_data
+            else f"{told['title']}: {told['steps']} steps"
+            + (f" in {places}" if places else "")
+            + drift_words(told)
+        )
+        until_interrupted(server)
+
+
+def replay_construction(
+    what: str,
+    overrides: Sequence[str],
+    recording: Path | None,
+    figure: Path | None,
+    viewer: str = "",
+    over: Path | None = None,
+    *,
+    kind: str = "phase_planes",
+    dark: bool = False,
+) -> dict[str, Any]:
+    """Make the construction of a scene, or lay it over the results of a run, and write it down.
+
+    Parameters
+    ----------
+    what : a scene, a results folder, or the table in one
+    over : a table with the motion that the construction of the scene is laid over
+    overrides : `key=value` texts; for results only those of `construction`
+    recording, figure : files to be written
+    viewer : address of a running viewer that is to show it
+    kind : name of the figure; the rule that it shows is taken where overrides name none
+    dark : whether the figure has a dark ground
+
+    Raises
+    ------
+    InputError : a scene, folder or file name that is not fit.
+    RunError : the construction leaves every sheet; the viewer does not take the recording.
+    """
+    from ..draw.constructions import constructed, laid_over, told_of  # noqa: PLC0415
+    from ..draw.live import show_in  # noqa: PLC0415
+    from ..draw.pictures import RULES_SHOWN, draw, record  # noqa: PLC0415
+    from ..draw.recording_content import content, of_results, readings  # noqa: PLC0415
+    from ..scene.loading import construction_settings, load_scene  # noqa: PLC0415
+    from ..scene.sections import CONSTRUCTION_FIGURES  # noqa: PLC0415
+
+    check_recording(recording)
+    if figure is not None:
+        check_picture(figure, PICTURES + MOVING)
+    try:
+        refuse_unknown([kind], CONSTRUCTION_FIGURES, "--kind: there is no figure")
+    except ParameterError as error:
+        raise InputError(str(error)) from None
+    started = perf_counter()
+    if figure is not None and kind in RULES_SHOWN:
+        overrides = (f"construction.rule={RULES_SHOWN[kind]}", *overrides)
+    folder = _results_folder(Path(what))
+    if folder is not None and over is None:
+        results = read_results(folder)
+        run = results.summary
+        settings = construction_settings(run["construction"], overrides)
+        drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
+        shown = of_results(results, drawing, {})
+    else:
+        scene = load_scene(_scene_or_folder(what), overrides)
+        settings = scene.construction.model_dump()
+        model, parameters = scene.fmu.model, scene.all_parameters
+        columns = read_table(over)[0] if over is not None else {}
+        try:
+            drawing = (
+                laid_over(columns, model, parameters, settings)
+                if over is not None
+                else constructed(model, parameters, settings, scene.construction_time)
+            )
+        except ArithmeticError as error:
+            raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
+        shown = content(
+            title=scene.title or scene.name,
+            model=scene.fmu.model,
+            parameters=scene.all_parameters,
+            drawing=drawing,
+            columns=columns or readings(drawing),
+            units={},
+            duration=scene.duration,
+            shown={},
+        )
+    if recording is not None:
+        record(shown, recording)
+    if viewer:
+        show_in(shown, viewer)
+    if figure is not None:
+        try:
+            draw(kind, figure, drawing, title=shown.title, dark=dark)
+        except ValueError as error:  # it has not got what the figure shows
+            raise InputError(f"--kind {kind}: {one_line(error)}") from None
+    files = [str(path) for path in (recording, figure) if path is not None]
+    return {**told_of(drawing, perf_counter() - started), "files": files}
+
+
+def _results_folder(path: Path) -> Path | None:
+    """The results folder at this path, or that in which the table at this path lies."""
+    if path.is_dir():
+        return path
+    return path.parent if path.is_file() and read_summary(path.parent) is not None else None
+
+
+def _scene_or_folder(what: str) -> str:
+    """The reference of a scene; refuses what is neither that nor a folder."""
+    if Path(what).suffix in (".csv", ".parquet", ".h5"):
+        raise InputError(
+            one_line(
+                f"{what} does not say what moved; lay it over a scene: replay SCENE --over {what}"
+            )
+        )
+    try:
+        find_scene(what)
+    except SceneError as error:
+        raise SceneError(f"{error}, or of a results folder") from None
+    return what

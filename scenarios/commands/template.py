@@ -1,0 +1,82 @@
+"""A scene to begin with."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from phaseplane.suspension.variables import Variable
+
+from ..errors import InputError, one_line
+from ..scene.fmus import fmu_named
+from ..scene.sections import FIGURES
+
+_USUAL = ("sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
+          "tyre.stiffness", "mass", "damping", "yield_force", "road.shape", "road.height",
+          "road.length", "speed", "force.table")  # fmt: skip
+
+
+def write_template(path: Path, model: str) -> None:
+    """Write a scene that runs as it stands, its choices explained.
+
+    Parameters
+    ----------
+    path : of the new file; what is there already is left alone
+    model : of this project, or the path of an `.fmu` file
+
+    Raises
+    ------
+    InputError : no such model, or a file that is there already or cannot be written.
+    """
+    try:
+        text = "\n".join(_lines(model)) + "\n"
+        with path.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except FileExistsError:
+        raise InputError(one_line(f"{path} is there already; give another name")) from None
+    except OSError as error:
+        raise InputError(one_line(f"cannot write {path}: {error.strerror or error}")) from None
+
+
+def _lines(model: str) -> Iterator[str]:
+    fmu = fmu_named(model)
+    parameters = fmu.parameters()
+    outputs = list(fmu.outputs())
+    yield "# A scene: what is run, what is shown, what must hold. All keys: phaseplane schema"
+    yield f"# All parameters, outputs and measures: phaseplane schema {model}"
+    yield 'title = "A scene of my own"'
+    yield f'fmu = "{model}"'
+    yield 'duration = "1 s"  # values are in SI, or texts with a unit'
+    yield ""
+    yield "# What differs from the FMU's defaults, which are shown here."
+    yield "[parameters]"
+    usual = [
+        v for name, v in parameters.items() if name.split(".", 1)[-1] in _USUAL or name in _USUAL
+    ]
+    yield from (f"# {v.name} = {_value(v)}{_comment(v)}" for v in usual or parameters.values())
+    yield ""
+    yield "# Nothing else is computed, read or written."
+    yield "[show]"
+    yield 'output_interval = "1 ms"'
+    yield f"# outputs = {outputs[:3]!r}".replace("'", '"')
+    if "body_displacement" in outputs:
+        yield f'figures = ["{FIGURES[0]}"]  # or any of: {", ".join(FIGURES)}'
+    yield "# recording = true  # for the rerun viewer"
+    yield ""
+    yield "# What must hold; otherwise the run ends with status 1."
+    yield "[expect]"
+    if "energy_residual" in outputs:
+        yield 'energy_residual = { min = "-1 J", max = "1 J" }'
+
+
+def _value(variable: Variable) -> str:
+    start = variable.start
+    if isinstance(start, bool):
+        return str(start).lower()
+    return f'"{start}"' if isinstance(start, str) else f"{start:.6g}"
+
+
+def _comment(variable: Variable) -> str:
+    unit = f"{variable.unit}: " if variable.unit not in ("", "1") else ""
+    choices = f"; one of {', '.join(variable.choices)}" if variable.choices else ""
+    return f"  # {unit}{variable.description}{choices}"

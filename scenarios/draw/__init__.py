@@ -1,0 +1,1 @@
+"""From scenes and results to constructions, pictures, portraits and recordings."""

@@ -1,0 +1,136 @@
+"""A run shown in a viewer while it goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InputError, RunError, one_line
+from .recording_content import content, known, of_results
+
+if TYPE_CHECKING:
+    from fmpy.simulation import Recorder
+
+    from phaseplane.constructions.primitives import Drawing
+    from phaseplane.recording import Content, Live, Server
+
+    from ..results.folder import Results
+    from ..scene.schema import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class LiveRun:
+    """What a viewer is told of a run."""
+
+    scene: Scene
+    drawing: Drawing | None
+    live: Live
+
+    def watch(self, recorder: Recorder) -> None:
+        """Say after a step what FMPy has recorded so far."""
+        self.live.watch([known(name) for name, *_ in recorder.cols], recorder.rows)
+
+    def complete(self, results: Results) -> Iterator[str]:
+        """Show the whole run; yields a line if it could not be shown."""
+        self.live.complete(of_results(results, self.drawing, self.scene.show.model_dump()))
+        if self.live.problem:
+            yield f"the run was not shown: {one_line(self.live.problem)}"
+
+
+@contextmanager
+def shown_live(
+    scene: Scene, drawing: Drawing | None, viewer: str, path: Path | None = None
+) -> Iterator[LiveRun | None]:
+    """Show a run in the viewer at this address, in a file, or both; without either, nothing.
+
+    Raises
+    ------
+    InputError : not the address of a viewer.
+    """
+    if not viewer and path is None:
+        yield None
+        return
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    from phaseplane.recording import Live  # noqa: PLC0415  (imports rerun)
+
+    outputs = scene.fmu.outputs()
+    before = content(
+        title=scene.title or scene.name,
+        model=scene.fmu.model,
+        parameters=scene.all_parameters,
+        drawing=drawing,
+        columns={name: np.zeros(0) for name in ("time", *scene.columns)},
+        units={name: outputs[name].unit for name in scene.columns},
+        duration=scene.duration,
+        shown=scene.show.model_dump(),
+        live=True,
+    )
+    try:
+        live = Live(before, viewer, path)
+    except ValueError as error:
+        raise InputError(one_line(error)) from None
+    with live:
+        yield LiveRun(scene, drawing, live)
+
+
+def show_in(shown: Content, viewer: str) -> None:
+    """Show a recording in the viewer at this address.
+
+    Raises
+    ------
+    InputError : not the address of a viewer.
+    RunError : the viewer is not there, or does not take the recording.
+    """
+    from phaseplane.recording import Live  # noqa: PLC0415  (imports rerun)
+
+    try:
+        live = Live(shown, viewer)
+    except ValueError as error:
+        raise InputError(one_line(error)) from None
+    with live:
+        live.complete(shown)
+    if live.problem:
+        raise RunError(one_line(live.problem))
+
+
+def is_loopback(address: str) -> bool:
+    """Whether only this machine can reach an address."""
+    from phaseplane.recording import is_loopback  # noqa: PLC0415  (imports rerun)
+
+    return is_loopback(address)
+
+
+@contextmanager
+def page(files: Sequence[Path], address: str) -> Iterator[Server]:
+    """Serve recordings to browsers until the end of the block.
+
+    Raises
+    ------
+    RunError : nothing can be served at this address.
+    """
+    from phaseplane.recording import serving  # noqa: PLC0415  (imports rerun)
+
+    try:
+        with serving(files, address) as server:
+            yield server
+    except OSError as error:
+        raise RunError(one_line(error)) from None
+
+
+def recordings_in(folder: Path) -> list[Path]:
+    """All recordings in a folder and in those in it.
+
+    Raises
+    ------
+    InputError : no such folder, or none in it.
+    """
+    if not folder.is_dir():
+        raise InputError(one_line(f"serve: no folder {folder}"))
+    files = sorted(folder.rglob("*.rrd"))
+    if not files:
+        raise InputError(one_line(f"serve: no recording (.rrd) in {folder}"))
+    return files

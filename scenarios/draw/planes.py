@@ -1,0 +1,283 @@
+"""The phase planes of a model, or of any system: which construction it has, with its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import reduce
+from math import inf
+from operator import add
+from typing import TYPE_CHECKING, Any
+
+from phaseplane.suspension.characteristics import Characteristic, linear
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Axle, Element, System
+from phaseplane.suspension.variables import MODELS, Value
+
+from ..errors import InputError, one_line
+from ..scene.equation import EQUATION, function_of
+
+if TYPE_CHECKING:
+    from phaseplane.constructions import Construction, Strut
+    from phaseplane.constructions.laws import Damper
+
+    Start = tuple[list[float], list[float]]
+
+CONSTRUCTED = (*MODELS, EQUATION)
+"""The models whose construction is known."""
+
+
+def planes_of(
+    model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any]
+) -> Construction:
+    """The phase planes of a model.
+
+    Raises
+    ------
+    InputError : a model without a construction, or one whose elements cannot be drawn.
+    """
+    if model not in CONSTRUCTED:
+        raise InputError(f"no construction is known for {model}; only for {', '.join(CONSTRUCTED)}")
+    try:
+        if model == EQUATION:
+            return _of_equation(parameters, settings)
+        system = build(model, parameters)
+        return of_system(system, settings, _start(system, parameters))
+    except ValueError as error:
+        raise InputError(f"construction: {one_line(error)}") from None
+
+
+def _start(system: System, parameters: Mapping[str, Value]) -> Start:
+    """Displacements and velocities of the coordinates at time 0, as a run has them."""
+    from phaseplane.suspension.equilibrium import static_equilibrium  # noqa: PLC0415  (only where it is used)
+
+    levels = {axle.road: system.signals[axle.road].before(0.0) for axle in system.axles}
+    q, v = (
+        [
+            float(parameters.get(f"initial.{name}_{what}".replace("._", "."), 0.0))
+            for name in system.coordinates
+        ]
+        for what in ("displacement", "velocity")
+    )
+    if any(levels.values()):
+        q = [a + b for a, b in zip(q, static_equilibrium(system, levels), strict=True)]
+    return q, v
+
+
+def of_system(
+    system: System, settings: Mapping[str, Any], start: Start | None = None
+) -> Construction:
+    """The phase planes of a system: one, two or four of them, by its axles and tyres.
+
+    Parameters
+    ----------
+    settings : plane_distance, m, and plane_scales; both may be left out
+    start : displacements and velocities of the coordinates at time 0; at rest if left out
+
+    Raises
+    ------
+    ValueError : a system of another kind, or with dry friction, which sticks and cannot be drawn.
+    """
+    sticking = [element.name for element in system.elements if element.friction]
+    if sticking:
+        raise ValueError(f"{sticking[0]} has dry friction, for which there is no construction")
+    tyres = sum(bool(axle.tyre) for axle in system.axles)
+    make = {
+        (0, 0): _elastoplastic,
+        (1, 0): _one_dof,
+        (1, 1): _quarter_car,
+        (2, 0): _half_car_rigid_tyres,
+        (2, 2): _half_car,
+    }.get((len(system.axles), tyres))
+    if make is None:
+        raise ValueError(f"{len(system.axles)} axles, {tyres} of them with tyres: none is known")
+    rest = [0.0] * len(system.coordinates)
+    given = {name: value for name, value in settings.items() if value is not None}
+    return make(system, given, start or (rest, rest))
+
+
+def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
+    from phaseplane.constructions import OneDofPlane  # noqa: PLC0415
+
+    (axle,) = system.axles
+    spring, damper = _laws(system, axle)
+    road = system.signals[axle.road]
+    (q, v), (elevation, velocity) = start, road.derivatives(0.0)[:2]
+    return OneDofPlane(
+        mass=system.mass[0][0],
+        spring=spring,
+        damper=damper,
+        road=road,
+        initial_deflection=q[0] - elevation,
+        initial_rate=v[0] - velocity,
+        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+    )
+
+
+def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
+    from phaseplane.constructions import QuarterCarPlanes  # noqa: PLC0415
+
+    (axle,) = system.axles
+    spring, damper = _laws(system, axle)
+    body, wheel = system.mass[0][0], system.mass[1][1]
+    q, v = start
+    return QuarterCarPlanes(
+        sprung_mass=body,
+        unsprung_mass=wheel,
+        spring=spring,
+        damper=damper,
+        **_tyre(system, axle),
+        road=system.signals[axle.road],
+        gravity=axle.static_load / (body + wheel),
+        lift_off=_may_leave(system, axle),
+        initial_deflection=q[0] - q[1],
+        initial_deflection_rate=v[0] - v[1],
+        initial_wheel_displacement=q[1],
+        initial_wheel_velocity=v[1],
+        **_sheet(settings),
+    )
+
+
+def _half_car_rigid_tyres(
+    system: System, settings: Mapping[str, Any], start: Start
+) -> Construction:
+    from phaseplane.constructions import HalfCarRigidTyresPlanes  # noqa: PLC0415
+
+    (front_spring, front_damper), (rear_spring, rear_damper) = (
+        _laws(system, axle) for axle in system.axles
+    )
+    front, rear = (system.signals[axle.road] for axle in system.axles)
+    roads = [road.derivatives(0.0) for road in (front, rear)]
+    q, v = start
+    return HalfCarRigidTyresPlanes(
+        front_mass=system.mass[0][0],
+        rear_mass=system.mass[1][1],
+        coupling_mass=system.mass[0][1],
+        front_spring=front_spring,
+        rear_spring=rear_spring,
+        front_damper=front_damper,
+        rear_damper=rear_damper,
+        front_road=front,
+        rear_road=rear,
+        initial_deflections=(q[0] - roads[0][0], q[1] - roads[1][0]),
+        initial_rates=(v[0] - roads[0][1], v[1] - roads[1][1]),
+        **_sheet(settings),
+    )
+
+
+def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
+    from phaseplane.constructions import AxleData, HalfCarPlanes  # noqa: PLC0415
+
+    q, v = start
+    front, rear = (
+        AxleData(
+            system.mass[i + 2][i + 2],
+            *_laws(system, axle),
+            static_load=axle.static_load,
+            road=system.signals[axle.road],
+            initial=(q[i] - q[i + 2], v[i] - v[i + 2], q[i + 2], v[i + 2]),
+            **_tyre(system, axle),
+        )
+        for i, axle in enumerate(system.axles)
+    )
+    return HalfCarPlanes(
+        system.mass[0][0],
+        system.mass[1][1],
+        system.mass[0][1],
+        front,
+        rear,
+        lift_off=any(_may_leave(system, axle) for axle in system.axles),
+        **_sheet(settings),
+    )
+
+
+def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
+    from phaseplane.constructions import ElastoplasticPlane  # noqa: PLC0415
+
+    yielding = [element for element in system.elements if element.yield_force < inf]
+    loads = [system.signals[load.signal] for load in system.loads]
+    acting = [load for load in loads if load.joints or load.value(0.0)] or loads[:1]
+    if len(system.coordinates) != 1 or len(yielding) != 1 or len(acting) != 1:
+        raise ValueError("no construction is known for a system without axles, but that of H83")
+    (spring,) = yielding
+    damping = sum(element.damper.force(1.0) for element in system.elements)
+    return ElastoplasticPlane(
+        mass=system.mass[0][0],
+        damping=damping,
+        spring_rate=spring.spring.tangent(0.0),
+        yield_force=spring.yield_force,
+        hardening=spring.hardening,
+        load=acting[0],
+        initial_displacement=start[0][0],
+        initial_velocity=start[1][0],
+        permanent_set=spring.permanent_set,
+        **({"scale": settings["plane_scales"][0]} if "plane_scales" in settings else {}),
+    )
+
+
+def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
+    from phaseplane.constructions import EquationPlane  # noqa: PLC0415
+
+    text = str(parameters["equation"])
+    function, autonomous = function_of(text)
+    scales = settings.get("plane_scales")
+    return EquationPlane(
+        function,
+        autonomous,
+        float(parameters["angular_frequency"]),
+        initial_displacement=float(parameters["displacement_start"]),
+        initial_velocity=float(parameters["velocity_start"]),
+        words=f"x'' + {text} = 0",
+        **({"scale": scales[0]} if scales else {}),
+    )
+
+
+def _laws(system: System, axle: Axle) -> tuple[Characteristic, Damper]:
+    """Spring and damper of an axle; what acts side by side in it is added."""
+    between = [
+        element
+        for element in system.elements
+        if element.direction == axle.suspension and element.name != axle.tyre
+    ]
+    spring = reduce(add, (element.spring for element in between), linear(0.0))
+    if not any(element.is_modulated for element in between):
+        return spring, reduce(add, (element.damper for element in between), linear(0.0))
+    return spring, lambda rate, y: sum(
+        e.damper.force(rate) * e.modulation.force(y) for e in between
+    )
+
+
+def _tyre(system: System, axle: Axle) -> dict[str, Any]:
+    """The tyre as stiffness and damping where it is linear, else as it is."""
+    from phaseplane.constructions import Strut  # noqa: PLC0415
+
+    tyre = _element(system, axle.tyre)
+    if _is_linear(tyre.spring) and _is_linear(tyre.damper):
+        return {
+            "tyre_stiffness": tyre.spring.tangent(0.0),
+            "tyre_damping": tyre.damper.tangent(0.0),
+        }
+    law: Strut = Strut(tyre.spring, tyre.damper)
+    return {"tyre": law}
+
+
+def _is_linear(law: Characteristic) -> bool:
+    return not law.corners and law.force(2.0) == 2.0 * law.tangent(0.0) == 2.0 * law.force(1.0)
+
+
+def _may_leave(system: System, axle: Axle) -> bool:
+    return _element(system, axle.tyre).limit < inf
+
+
+def _element(system: System, name: str) -> Element:
+    number = system.element(name)
+    assert number is not None
+    return system.elements[number]
+
+
+def _sheet(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """What is said of the sheet."""
+    return {
+        name: tuple(settings[name]) if name == "plane_scales" else settings[name]
+        for name in ("plane_distance", "plane_scales")
+        if name in settings
+    }

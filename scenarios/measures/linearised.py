@@ -1,0 +1,142 @@
+"""A system for small motions about rest: natural frequencies, damping ratios, transfer functions.
+
+    M q'' + B q' + K q = sum b (c u' + k u)
+
+with the tangents at static equilibrium. Where a law has a corner just there (a damper with different
+rates), the mean of both sides is taken, as for a motion that goes to both alike. Dry friction, which
+small motions do not overcome, is left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, nextafter, pi
+from typing import TYPE_CHECKING
+
+from phaseplane.suspension.characteristics import Characteristic
+from phaseplane.suspension.equilibrium import static_equilibrium
+from phaseplane.suspension.systems import System
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Matrix = npt.NDArray[np.float64]
+
+_REAL = 1e-9  # of its magnitude: an eigenvalue with a smaller imaginary part does not oscillate
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode of free motion.
+
+    Parameters
+    ----------
+    frequency : natural frequency |s| / 2 pi, Hz
+    damping_ratio : -Re s / |s|; 1 for a motion that creeps
+    shape : complex displacements of the coordinates, the largest 1, shape (n,)
+    """
+
+    frequency: float
+    damping_ratio: float
+    shape: npt.NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """A system about rest.
+
+    Parameters
+    ----------
+    coordinates : their names
+    mass, damping, stiffness : shape (n, n), kg, N s/m, N/m
+    road_damping, road_stiffness : force per road velocity and elevation, by road, shape (n,)
+    """
+
+    coordinates: tuple[str, ...]
+    mass: Matrix
+    damping: Matrix
+    stiffness: Matrix
+    road_damping: dict[str, Matrix]
+    road_stiffness: dict[str, Matrix]
+
+    def modes(self) -> list[Mode]:
+        """All modes, slowest first; two that creep count separately."""
+        import numpy as np  # noqa: PLC0415  (heavy)
+
+        n = len(self.mass)
+        state = np.block(
+            [
+                [np.zeros((n, n)), np.eye(n)],
+                [
+                    -np.linalg.solve(self.mass, self.stiffness),
+                    -np.linalg.solve(self.mass, self.damping),
+                ],
+            ]
+        )
+        values, vectors = np.linalg.eig(state)
+        modes = []
+        for s, vector in zip(values, vectors.T, strict=True):
+            size = float(abs(s))
+            creeps = abs(s.imag) <= _REAL * size
+            if s.imag > 0.0 or creeps:
+                shape = vector[:n]
+                shape = shape / shape[abs(shape).argmax()]
+                ratio = float(-s.real / size) if size > 0.0 else 1.0
+                modes.append(Mode(size / (2.0 * pi), ratio, shape))
+        return sorted(modes, key=lambda mode: mode.frequency)
+
+    def transfer(self, road: str, frequencies: Matrix) -> npt.NDArray[np.complex128]:
+        """Displacements of the coordinates for a unit sine of a road's elevation.
+
+        (K + i w B - w^2 M) q = sum b (k + i w c)
+
+        Parameters
+        ----------
+        road : name of the signal
+        frequencies : Hz, shape (m,)
+
+        Returns
+        -------
+        m/m, shape (m, n)
+        """
+        import numpy as np  # noqa: PLC0415
+
+        w = 2.0 * pi * np.asarray(frequencies)[:, None, None]
+        dynamic = self.stiffness + 1j * w * self.damping - w**2 * self.mass
+        excitation = self.road_stiffness[road] + 1j * w[..., 0] * self.road_damping[road]
+        return np.linalg.solve(dynamic, excitation[..., None])[..., 0].astype(complex)
+
+
+def linearised(system: System) -> Linearised:
+    """The system about its static equilibrium.
+
+    Raises
+    ------
+    ValueError : a system that has no equilibrium.
+    """
+    import numpy as np  # noqa: PLC0415
+
+    n = len(system.mass)
+    rest = static_equilibrium(system)
+    damping, stiffness = np.zeros((n, n)), np.zeros((n, n))
+    roads = {e.road for e in system.elements if e.road}
+    road_damping, road_stiffness = ({road: np.zeros(n) for road in roads} for _ in range(2))
+    for e in system.elements:
+        b = np.array(e.direction)
+        deflection = float(b @ rest)
+        k = _tangent(e.spring, deflection)
+        c = _tangent(e.damper, 0.0) * e.modulation.force(deflection)
+        stiffness += k * np.outer(b, b)
+        damping += c * np.outer(b, b)
+        if e.road:
+            road_stiffness[e.road] += k * b
+            road_damping[e.road] += c * b
+    return Linearised(
+        system.coordinates, np.array(system.mass), damping, stiffness, road_damping, road_stiffness
+    )
+
+
+def _tangent(law: Characteristic, x: float) -> float:
+    """The slope at x; on a corner the mean of both sides."""
+    return 0.5 * (law.tangent(x) + law.tangent(nextafter(x, -inf)))

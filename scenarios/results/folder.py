@@ -1,0 +1,194 @@
+"""The results of a run, and the folder that keeps them.
+
+A results folder is replaced whole: everything is written beside it first and moved into its place
+at the end. It is known by its `summary.json`, which lists its files; a folder that holds anything
+else is never touched.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import FolderError, one_line
+from .tables import read_table, write_table
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+OUTPUT = Path("out")
+"""Where results go unless a folder is named."""
+
+SUMMARY = "summary.json"
+TABLE = "results.csv"
+_MARK = "phaseplane_results"  # the first key of our summaries, with the number of their layout
+_LAYOUT = 1
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run gave.
+
+    Parameters
+    ----------
+    columns : `time` (s) and outputs, each of shape (rows,), in SI
+    summary : plain data: what was run, its measures, and whether it reached its end
+    """
+
+    columns: Mapping[str, npt.NDArray[np.float64]]
+    summary: Mapping[str, Any]
+
+    @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return str(self.summary["scene"])
+
+    @property
+    def stopped(self) -> Mapping[str, Any] | None:
+        """Where (`time`, s) and why (`reason`) the run ended before its time, if it did."""
+        found: Mapping[str, Any] | None = self.summary["stopped"]
+        return found
+
+
+def write_results(results: Results, folder: Path) -> None:
+    """Write the table, and the summary of the files that now lie in the folder."""
+    table = folder / str(results.summary.get("table", TABLE))
+    write_table(results.columns, results.summary, table)
+    write_summary(results.summary, folder)
+
+
+def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
+    """Write the summary, with the names of the files that now lie in the folder; returns them."""
+    files = sorted({SUMMARY, *(path.name for path in folder.iterdir())})
+    (folder / SUMMARY).write_text(
+        as_json({_MARK: _LAYOUT, **summary, "files": files}) + "\n", encoding="utf-8"
+    )
+    return files
+
+
+def as_json(data: object) -> str:
+    """Plain data as JSON text; a number that is not finite becomes null."""
+    return json.dumps(_finite(data), indent=1, ensure_ascii=False, allow_nan=False)
+
+
+def _finite(data: Any) -> Any:
+    if isinstance(data, float):
+        return data if isfinite(data) else None
+    if isinstance(data, Mapping):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return data
+
+
+def read_results(path: Path) -> Results:
+    """Read a results folder, or a table by itself, whose summary is what it carries.
+
+    Raises
+    ------
+    InputError : not a results folder of ours, or one that is damaged; or a file that is no table.
+    """
+    if path.is_file():
+        return Results(*read_table(path))
+    summary = read_summary(path)
+    if summary is None:
+        raise FolderError(
+            one_line(f"{path} is no results folder: it holds no {SUMMARY} written by a run")
+        )
+    columns, _ = read_table(path / str(summary.get("table", TABLE)))
+    if "time" not in columns:
+        raise FolderError(one_line(f"cannot read {path / TABLE}: no column time"))
+    return Results(columns, summary)
+
+
+def read_summary(folder: Path) -> dict[str, Any] | None:
+    """The summary in a folder, or None if none of ours is there."""
+    try:
+        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    if not isinstance(summary, dict) or summary.get(_MARK) != _LAYOUT:
+        return None
+    return summary
+
+
+def check_replaceable(folder: Path) -> None:
+    """Refuse to replace what is not a results folder.
+
+    Raises
+    ------
+    FolderError : a file, a folder that was not written by a run, or one with other files in it.
+    """
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise FolderError(one_line(f"{folder} is a file; give the name of a folder with -o"))
+    if folder.resolve() in (Path.cwd(), *Path.cwd().parents):
+        raise FolderError(
+            one_line(f"{folder} is the current folder or above it; give another one with -o")
+        )
+    found = {path.name for path in folder.iterdir()}
+    summary = read_summary(folder)
+    if found and summary is None:
+        raise FolderError(
+            one_line(
+                f"{folder} holds no results of a run, so it is not replaced; "
+                "give another folder with -o"
+            )
+        )
+    foreign = sorted(found - set(summary["files"] if summary else ()))
+    if foreign:
+        raise FolderError(
+            one_line(
+                f"{folder} holds {foreign[0]}, which no run wrote, so it is not replaced; "
+                "move that away or give another folder with -o"
+            )
+        )
+
+
+@contextmanager
+def replaced_whole(folder: Path) -> Iterator[Path]:
+    """A new folder to be filled, which takes the place of `folder` if all goes well.
+
+    Raises
+    ------
+    FolderError : see `check_replaceable`; or the place cannot be written to.
+    """
+    check_replaceable(folder)
+    target = folder.resolve()
+    draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        draft.mkdir(parents=True)
+    except OSError as error:
+        raise FolderError(one_line(f"cannot write {folder}: {error.strerror}")) from None
+    try:
+        yield draft
+        check_replaceable(folder)
+        _exchange(draft, target)
+    except OSError as error:
+        raise FolderError(one_line(f"cannot write {folder}: {error.strerror or error}")) from error
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def _exchange(draft: Path, target: Path) -> None:
+    """Put the draft in the target's place; what was there goes only when the new one stands."""
+    old = draft.with_name(f"{draft.name}.old")
+    with suppress(FileNotFoundError):
+        target.rename(old)
+    try:
+        draft.rename(target)
+    except BaseException:
+        if old.exists():
+            os.rename(old, target)
+        raise
+    shutil.rmtree(old, ignore_errors=True)

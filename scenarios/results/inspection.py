@@ -1,0 +1,159 @@
+"""What is in a file of results, and how two of them differ."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from phaseplane.suspension.units import nearest
+
+from ..errors import InputError, check_picture, one_line, shown
+from .comparison import Difference, compared
+from .folder import Results, read_results
+from .report import aligned, report
+
+_MOST_DRAWN = 6
+
+
+def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) -> dict[str, Any]:
+    """The summary of results and their columns' extent; drawn over time if asked for.
+
+    Parameters
+    ----------
+    what : results folder, or a table by itself
+    names : of the columns to be told and drawn; all are told and some drawn if left out
+    figure : picture to be written
+
+    Raises
+    ------
+    InputError : no results, no such column, or a file name that is not fit.
+    """
+    if figure is not None:
+        check_picture(figure)
+    results = read_results(what)
+    columns = _chosen(results, names)
+    units = results.summary.get("units", {})
+    told = {
+        "file": str(what),
+        "summary": dict(results.summary),
+        "rows": len(next(iter(results.columns.values()))),
+        "columns": {
+            name: {
+                "unit": units.get(name, ""),
+                "first": float(column[0]),
+                "last": float(column[-1]),
+                "min": float(column.min()),
+                "max": float(column.max()),
+            }
+            for name, column in columns.items()
+        },
+    }
+    if figure is not None:
+        from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+
+        drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
+        title = str(results.summary.get("title", what.name))
+        figures.save(
+            figures.columns({n: columns[n] for n in drawn}, _time(results), units, title=title),
+            figure,
+        )
+        told["files"] = [str(figure)]
+    return told
+
+
+def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
+    """The same for a terminal."""
+    lines = []
+    if told["summary"].get("measures"):
+        lines += [report(told["summary"], folder), ""]
+    heading = ("column", "unit", "first", "last", "smallest", "largest")
+    rows = [
+        (name, c["unit"], *(f"{c[key]:.6g}" for key in ("first", "last", "min", "max")))
+        for name, c in told["columns"].items()
+    ]
+    lines += [f"{told['rows']} rows", *aligned([heading, *rows])]
+    return "\n".join([*lines, *told.get("files", ())])
+
+
+def difference(
+    ours: Path, other: Path, tolerance: float, names: Sequence[str] = (), figure: Path | None = None
+) -> dict[str, Any]:
+    """How far two results lie apart, column by column.
+
+    Parameters
+    ----------
+    ours, other : results folders, or tables by themselves
+    tolerance : largest difference over the peak that is still called equal
+    names : of columns; all they have in common if left out
+    figure : picture of the columns that differ most
+
+    Raises
+    ------
+    InputError : no results, nothing in common, no such column, or a file name that is not fit.
+    """
+    if figure is not None:
+        check_picture(figure)
+    first, second = read_results(ours), read_results(other)
+    for results, path in ((first, ours), (second, other)):
+        _time(results, path)
+        _chosen(results, names)
+    try:
+        found = compared(first.columns, second.columns, names or None)
+    except ValueError as error:
+        raise InputError(one_line(f"{ours} and {other}: {error}")) from None
+    told: dict[str, Any] = {
+        "ours": str(ours),
+        "other": str(other),
+        "tolerance": tolerance,
+        "equal": all(d.relative <= tolerance for d in found),
+        "differences": [_plain(d) for d in found],
+    }
+    if figure is not None:
+        from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+
+        worst = [d.name for d in found[:_MOST_DRAWN]]
+        picture = figures.comparison(
+            {name: (first.columns[name], second.columns[name]) for name in worst},
+            (first.columns["time"], second.columns["time"]),
+            first.summary.get("units", {}),
+            labels=(str(ours), str(other)),
+        )
+        figures.save(picture, figure)
+        told["files"] = [str(figure)]
+    return told
+
+
+def difference_in_words(told: Mapping[str, Any]) -> str:
+    """The same for a terminal."""
+    heading = ("column", "largest difference", "over its peak", "at")
+    rows = [
+        (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
+        for d in told["differences"]
+    ]
+    verdict = "equal" if told["equal"] else "different"
+    lines = aligned([heading, *rows])
+    return "\n".join([*lines, f"{verdict} to {told['tolerance']:g}", *told.get("files", ())])
+
+
+def _plain(difference: Difference) -> dict[str, Any]:
+    return {
+        "name": difference.name,
+        "largest": difference.largest,
+        "peak": difference.peak,
+        "relative": difference.relative,
+        "time": difference.time,
+    }
+
+
+def _time(results: Results, path: Path = Path()) -> Any:
+    if "time" not in results.columns:
+        raise InputError(one_line(f"{path}: no column time"))
+    return results.columns["time"]
+
+
+def _chosen(results: Results, names: Sequence[str]) -> dict[str, Any]:
+    for name in names:
+        if name not in results.columns:
+            raise InputError(one_line(f"no column {shown(name)}{nearest(name, results.columns)}"))
+    return {name: results.columns[name] for name in (names or results.columns)}

@@ -1,0 +1,171 @@
+"""Tables of columns in files, in the form that the file's ending names, with what belongs to them.
+
+Numbers come back to the bit. CSV is FMPy's own form; it has no place for the metadata, which a results
+folder keeps in its summary.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from phaseplane.suspension.units import nearest
+
+from ..errors import InputError, one_line
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+    Columns = Mapping[str, npt.NDArray[np.float64]]
+    Table = tuple[dict[str, npt.NDArray[np.float64]], dict[str, Any]]
+
+_METADATA = "phaseplane"  # the name under which metadata stands in a file
+
+
+def write_table(columns: Columns, metadata: Mapping[str, Any], path: Path) -> None:
+    """Write columns of equal length and their metadata (plain data; not into a CSV)."""
+    _FORMS[path.suffix][0](columns, json.dumps(metadata, ensure_ascii=False), path)
+
+
+def read_table(path: Path) -> Table:
+    """Read columns and metadata, which is empty where the file has none.
+
+    Raises
+    ------
+    InputError : an ending that is not known, or a file that cannot be read.
+    """
+    check_ending(path)
+    try:
+        columns, text = _FORMS[path.suffix][1](path)
+        if not columns or not all(len(column) for column in columns.values()):
+            raise ValueError("no rows")
+        metadata = json.loads(text) if text else {}
+    except ImportError:
+        raise
+    except Exception as error:  # whatever a file that is none provokes in its library
+        raise InputError(one_line(f"cannot read {path}: {error}", 300)) from None
+    return columns, metadata if isinstance(metadata, dict) else {}
+
+
+def check_ending(path: Path) -> None:
+    """Refuse a file whose ending names no form of table, or one that needs what is not installed.
+
+    Raises
+    ------
+    InputError
+    """
+    if path.suffix not in _FORMS:
+        raise InputError(
+            one_line(f"{path}: must end in {', '.join(_FORMS)}{nearest(path.suffix, _FORMS)}")
+        )
+    if path.suffix == ".h5":
+        try:
+            import h5py  # noqa: F401, PLC0415
+        except ImportError:
+            raise InputError(
+                one_line(f"{path}: HDF5 needs h5py: pip install 'phaseplane[hdf5]'")
+            ) from None
+
+
+def _numbers(column: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return column.astype(int) if column.dtype == bool else column
+
+
+def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
+    rows = zip(*(_numbers(column).tolist() for column in columns.values()), strict=True)
+    with path.open("w", encoding="utf-8", newline="\n") as table:
+        table.write(",".join(f'"{name}"' for name in columns) + "\n")
+        for row in rows:
+            table.write(",".join(map(repr, row)) + "\n")
+
+
+def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+    import csv  # noqa: PLC0415
+
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    with path.open(encoding="utf-8-sig", newline="") as table:
+        names = [name.strip() for name in next(csv.reader(table), [])]
+        rows = table.readlines()
+    if not names or not rows:
+        return {}, ""
+    values = np.loadtxt(rows, delimiter=",", ndmin=2)
+    if values.shape[1] != len(names):
+        raise ValueError(f"{len(names)} names over {values.shape[1]} columns")
+    return dict(zip(names, values.T.copy(), strict=True)), ""
+
+
+def _write_parquet(columns: Columns, metadata: str, path: Path) -> None:
+    import pyarrow  # noqa: PLC0415  (heavy)
+    from pyarrow import parquet  # noqa: PLC0415
+
+    table = pyarrow.table({name: pyarrow.array(column) for name, column in columns.items()})
+    parquet.write_table(table.replace_schema_metadata({_METADATA: metadata}), path)
+
+
+def _read_parquet(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+    from pyarrow import parquet  # noqa: PLC0415  (heavy)
+
+    table = parquet.read_table(path)
+    metadata = (table.schema.metadata or {}).get(_METADATA.encode(), b"").decode()
+    return {name: table[name].to_numpy() for name in table.column_names}, metadata
+
+
+def _write_hdf5(columns: Columns, metadata: str, path: Path) -> None:
+    import h5py  # noqa: PLC0415  (heavy)
+
+    with h5py.File(path, "w") as file:
+        file.attrs[_METADATA] = metadata
+        for name, column in columns.items():
+            file.create_dataset(name, data=column, compression="gzip")
+
+
+def _read_hdf5(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+    import h5py  # noqa: PLC0415  (heavy)
+
+    with h5py.File(path, "r") as file:
+        columns = {name: data[...] for name, data in file.items()}
+        return columns, str(file.attrs.get(_METADATA, ""))
+
+
+def _write_mat(columns: Columns, metadata: str, path: Path) -> None:
+    from scipy.io import savemat  # noqa: PLC0415  (heavy)
+
+    # MATLAB's names have letters, digits and underscores, 63 at most; the true ones go along
+    names = {re.sub(r"\W|^(?=[\d_])", "x", name)[:63]: name for name in columns}
+    if len(names) < len(columns):
+        raise InputError(f"{path}: two columns would have the same name in MATLAB")
+    content: dict[str, Any] = {
+        short: _numbers(columns[name]).reshape(-1, 1) for short, name in names.items()
+    }
+    content[_METADATA] = json.dumps({"names": names, "metadata": metadata})
+    savemat(path, content, long_field_names=True, do_compression=True)
+
+
+def _read_mat(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
+    from scipy.io import loadmat  # noqa: PLC0415  (heavy)
+
+    content = loadmat(path)
+    kept = json.loads(str(content[_METADATA][0])) if _METADATA in content else {}
+    names = kept.get("names", {})
+    columns = {
+        names.get(short, short): value.ravel()
+        for short, value in content.items()
+        if not short.startswith("__") and short != _METADATA
+    }
+    return columns, kept.get("metadata", "")
+
+
+_Write = Callable[["Columns", str, Path], None]
+_Read = Callable[[Path], "tuple[dict[str, npt.NDArray[np.float64]], str]"]
+_FORMS: dict[str, tuple[_Write, _Read]] = {
+    ".csv": (_write_csv, _read_csv),
+    ".parquet": (_write_parquet, _read_parquet),
+    ".h5": (_write_hdf5, _read_hdf5),
+    ".mat": (_write_mat, _read_mat),
+}
+ENDINGS = tuple(_FORMS)

@@ -1,0 +1,171 @@
+"""Equations of second order as scenes: x'' + f(v, x, t) = 0, f written as a formula.
+
+Not an FMU: the equation is solved by scipy, and drawn by Lienard's construction.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Mapping
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variables import Value, Variable
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+EQUATION = "Equation"
+"""What a scene names in place of an FMU."""
+
+_FUNCTIONS: dict[str, Callable[..., float]] = {
+    "abs": abs, "max": max, "min": min,
+    **{name: getattr(math, name) for name in (
+        "acos", "asin", "atan", "atan2", "copysign", "cos", "cosh", "exp", "hypot", "log", "sin",
+        "sinh", "sqrt", "tan", "tanh",
+    )},
+    "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+}  # fmt: skip
+_VARIABLES = ("v", "x", "t")
+_CONSTANTS = {"pi": math.pi}
+_BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+_UNARY = (ast.USub, ast.UAdd)
+_LONGEST = 1000
+
+VARIABLES = (
+    Variable("equation", "f of x'' + f = 0, a formula of v = x', x and t", "parameter", "x"),
+    Variable("displacement_start", "x at the start", "parameter", 0.0, "1"),
+    Variable("velocity_start", "x' at the start", "parameter", 0.0, "1"),
+    Variable(
+        "angular_frequency", "Omega, which scales the x-bar axis of the phase plane", "parameter", 1.0,
+        "1", positive=True,
+    ),
+    Variable("displacement", "x", "output", 0.0, "1"),
+    Variable("velocity", "x'", "output", 0.0, "1"),
+    Variable("acceleration", "x''", "output", 0.0, "1"),
+)  # fmt: skip
+
+
+def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool]:
+    """The function f(v, x, t) that a formula says, and whether it does not depend on t.
+
+    Parameters
+    ----------
+    text : numbers, v, x, t, pi, + - * / ^ (or **), brackets and functions such as sin, exp, abs
+
+    Raises
+    ------
+    ValueError : what is no such formula; says what is allowed.
+    """
+    if len(text) > _LONGEST:
+        raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
+    try:
+        tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ValueError(
+            f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
+        ) from None
+    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    # the tree holds nothing but what is checked here: no attributes, no calls of anything else
+    code = compile(
+        ast.fix_missing_locations(ast.Expression(_checked(tree.body, text))), "equation", "eval"
+    )
+    scope = {"__builtins__": {}, **_FUNCTIONS, **_CONSTANTS}
+
+    def function(v: float, x: float, t: float) -> float:
+        try:
+            value = eval(code, scope, {"v": v, "x": x, "t": t})
+            return float(value)
+        except (ValueError, ZeroDivisionError, TypeError):  # outside of where f is a real number
+            return math.nan
+
+    return function, "t" not in names
+
+
+def _checked(node: ast.expr, text: str) -> ast.expr:
+    """The node, with whole numbers made real ones so that no power of them grows without end."""
+    match node:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            try:
+                return ast.Constant(float(value))
+            except OverflowError:
+                raise ValueError(f"equation: {text!r} holds a number too large") from None
+        case ast.BinOp(left, operator, right) if isinstance(operator, _BINARY):
+            return ast.BinOp(_checked(left, text), operator, _checked(right, text))
+        case ast.UnaryOp(operator, operand) if isinstance(operator, _UNARY):
+            return ast.UnaryOp(operator, _checked(operand, text))
+        case ast.Name(name) if name in _VARIABLES or name in _CONSTANTS:
+            return node
+        case ast.Call(ast.Name(name) as called, arguments, []) if name in _FUNCTIONS:
+            return ast.Call(called, [_checked(a, text) for a in arguments], [])
+    known = (*_VARIABLES, *_CONSTANTS, *_FUNCTIONS)
+    part = ast.unparse(node)
+    hint = nearest(part.split("(")[0], known)
+    raise ValueError(
+        f"equation = {text!r}: {part!r} is not known{hint}; allowed are numbers, + - * / ^, "
+        f"{', '.join(_VARIABLES)}, pi and {', '.join(sorted(_FUNCTIONS))}"
+    )
+
+
+def check_equation(parameters: Mapping[str, Value]) -> None:
+    """Refuse an equation that cannot be read, or is not a number at the start.
+
+    Raises
+    ------
+    ValueError : see `function_of`.
+    """
+    given = {v.name: v.start for v in VARIABLES} | dict(parameters)
+    text = str(given["equation"])
+    function, _ = function_of(text)
+    start = (float(given["velocity_start"]), float(given["displacement_start"]), 0.0)
+    try:
+        value = function(*start)
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise ValueError(
+            f"equation = {text!r}: is {value} at the start, v = {start[0]:g}, x = {start[1]:g}"
+        )
+
+
+def solve(
+    parameters: Mapping[str, Value], times: npt.NDArray[np.float64]
+) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
+    """The motion at these instants by scipy's DOP853, to ten digits.
+
+    Returns
+    -------
+    columns as far as the solution goes, seconds that it took, and why it ended early, if it did
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+    from scipy.integrate import solve_ivp  # noqa: PLC0415
+
+    function, _ = function_of(str(parameters["equation"]))
+
+    def slope(t: float, state: npt.NDArray[np.float64]) -> tuple[float, float]:
+        return state[1], -function(float(state[1]), float(state[0]), t)
+
+    started = perf_counter()
+    complaint = ""
+    y = np.array([[parameters["displacement_start"]], [parameters["velocity_start"]]], float)
+    reached = times[:1]
+    try:
+        solution = solve_ivp(
+            slope, (times[0], times[-1]), y[:, 0], method="DOP853", t_eval=times, rtol=1e-10,
+            atol=1e-12, max_step=(times[-1] - times[0]) / 50.0,
+        )  # fmt: skip
+        reached, y = solution.t, solution.y
+        complaint = "" if solution.success else str(solution.message)
+    except (OverflowError, ValueError) as error:
+        complaint = f"the equation has no number there: {error}"
+    accelerations = [-function(v, x, t) for x, v, t in zip(*y.tolist(), reached, strict=True)]
+    columns = {
+        "time": reached,
+        "displacement": y[0],
+        "velocity": y[1],
+        "acceleration": np.array(accelerations),
+    }
+    return columns, perf_counter() - started, complaint

@@ -1,0 +1,115 @@
+"""The kinds of values that a scene's keys take, with messages that say what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf, isfinite
+from typing import Annotated
+
+from phaseplane.suspension.units import nearest, to_si
+from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+
+
+class Strict(BaseModel):
+    """A table of a scene: only the keys it has, only values of their types."""
+
+    model_config = ConfigDict(
+        extra="forbid",
+        frozen=True,
+        strict=True,
+        arbitrary_types_allowed=True,
+        use_attribute_docstrings=True,
+    )
+
+
+def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
+    """A positive number in SI (or zero), or a text with a unit."""
+
+    def read(value: object) -> float:
+        if isinstance(value, str):
+            value = to_si(value, unit)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ValueError(f"must be a number{unit_words(unit)} or a text such as '1.5 {unit}'")
+        try:
+            number = float(value)
+        except OverflowError:
+            number = inf
+        if not (isfinite(number) and (number > 0.0 or (zero and number == 0.0))):
+            least = "at least" if zero else "greater than"
+            raise ValueError(f"must be {least} 0{unit_words(unit)} and finite")
+        return number
+
+    return BeforeValidator(read)
+
+
+def unit_words(unit: str) -> str:
+    """How a unit is named in a message."""
+    return "" if unit == "1" else f" in {unit}"
+
+
+def one_of(choices: Sequence[str]) -> Callable[[object], str]:
+    """One of some texts."""
+
+    def read(value: object) -> str:
+        if value not in choices:
+            near = nearest(value, choices) if isinstance(value, str) else ""
+            raise ValueError(f"must be one of {', '.join(choices)}{near}")
+        return str(value)
+
+    return read
+
+
+def list_of(choices: Sequence[str]) -> Callable[[object], tuple[str, ...]]:
+    """A list of some of these texts, each counted once."""
+    one = one_of(choices)
+
+    def read(value: object) -> tuple[str, ...]:
+        if not isinstance(value, list | tuple):
+            raise ValueError(f"must be a list of {', '.join(choices)}")
+        return tuple(dict.fromkeys(one(item) for item in value))
+
+    return read
+
+
+def tuple_from(value: object) -> object:
+    """A list as the tuple that is kept of it."""
+    if isinstance(value, list | tuple):
+        return tuple(value)
+    raise ValueError("must be a list")
+
+
+def choices(allowed: Sequence[str], *, many: bool = False) -> WithJsonSchema:
+    """In a JSON Schema: one of some texts, or a list of them."""
+    one = {"type": "string", "enum": list(allowed)}
+    return WithJsonSchema({"type": "array", "items": one} if many else one)
+
+
+def pair(value: object) -> tuple[object, object]:
+    """A list of two values."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError("must be a list of two numbers, one for each plane")
+    return value[0], value[1]
+
+
+def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
+    """A list of pairs of names; a pair may also be written as one text with a comma."""
+    pairs = [
+        [part.strip() for part in item.split(",")] if isinstance(item, str) else item
+        for item in (value if isinstance(value, list | tuple) else [None])
+    ]
+    for item in pairs:
+        named = isinstance(item, list | tuple) and all(isinstance(n, str) and n for n in item)
+        if not named or len(item) != 2:  # type: ignore[arg-type]
+            raise ValueError('must be a list of pairs of outputs such as "deflection, rate"')
+    return tuple((a, b) for a, b in pairs)  # type: ignore[misc]
+
+
+def _as_quantity(unit: str) -> WithJsonSchema:
+    """In a JSON Schema: a number in SI, or a text with a unit."""
+    return WithJsonSchema({"type": ["number", "string"], "unit": unit})
+
+
+Seconds = Annotated[float, quantity("s"), _as_quantity("s")]
+Instant = Annotated[float, quantity("s", zero=True), _as_quantity("s")]
+Metres = Annotated[float, quantity("m"), _as_quantity("m")]
+Factor = Annotated[float, quantity("1"), WithJsonSchema({"type": "number"})]

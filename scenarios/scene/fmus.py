@@ -1,0 +1,140 @@
+"""The FMU a scene names: a model of this project, or an `.fmu` file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from phaseplane.suspension.units import UNITS, nearest
+from phaseplane.suspension.variables import MODELS, Value, Variable
+
+from ..errors import InputError, one_line, shown
+from .equation import EQUATION, VARIABLES
+
+if TYPE_CHECKING:
+    from fmpy.model_description import ScalarVariable
+
+_TYPES: dict[str, Callable[[str], Value]] = {
+    "Real": float,
+    "Integer": int,
+    "Boolean": lambda text: text == "true",
+    "String": str,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Fmu:
+    """What is to be driven.
+
+    Parameters
+    ----------
+    model : name of the model
+    path : of the `.fmu` file; None for a model of this project that has yet to be packed
+    variables : its public variables
+    """
+
+    model: str
+    path: Path | None
+    variables: tuple[Variable, ...]
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether it is one of this project and version, so that the model itself can check values."""
+        names = [v.name for v in MODELS.get(self.model, ())]
+        return names == [v.name for v in self.variables]
+
+    def parameters(self) -> dict[str, Variable]:
+        """What can be set, by name."""
+        return {v.name: v for v in self.variables if v.causality == "parameter"}
+
+    def outputs(self) -> dict[str, Variable]:
+        """What can be read, by name; texts are left out, as no column holds them."""
+        return {
+            v.name: v
+            for v in self.variables
+            if v.causality == "output" and not isinstance(v.start, str)
+        }
+
+
+def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
+    """The FMU by the name of its model, or by the path of an `.fmu` file (relative to `folder`).
+
+    Raises
+    ------
+    InputError : no such model or file, or a file that is no FMI 2.0 co-simulation FMU.
+    """
+    if reference in MODELS:
+        return Fmu(reference, None, MODELS[reference])
+    if reference == EQUATION:
+        return Fmu(EQUATION, None, VARIABLES)
+    if not reference.endswith(".fmu"):
+        known = (*MODELS, EQUATION)
+        raise InputError(
+            f"must be one of {', '.join(known)}, or the path of an .fmu file"
+            + nearest(reference, known)
+        )
+    path = (folder or Path()) / reference
+    if not path.is_file():
+        raise InputError(f"no such file ({path})")
+    return _described(path.resolve())
+
+
+def fmu_named(model: str) -> Fmu:
+    """As `find_fmu`, for a name from the command line, which the message repeats."""
+    try:
+        return find_fmu(model)
+    except InputError as error:
+        raise InputError(one_line(f"MODEL {shown(model)}: {error}")) from None
+
+
+def default_duration(path: Path) -> float | None:
+    """How long an FMU says that it should be run, s; nothing if it does not say, or is none."""
+    from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
+
+    try:
+        experiment = read_model_description(str(path), validate=False).defaultExperiment
+        return float(experiment.stopTime)
+    except Exception:  # what is wrong with it is said where it is read
+        return None
+
+
+def _described(path: Path) -> Fmu:
+    from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
+
+    try:
+        description = read_model_description(str(path), validate=False)
+    except Exception as error:  # whatever a file that is no FMU provokes
+        raise InputError(f"not an FMU: {one_line(error, 160)}") from None
+    if description.fmiVersion != "2.0" or description.coSimulation is None:
+        raise InputError(f"FMI {description.fmiVersion}: must be FMI 2.0 for co-simulation")
+    variables = tuple(
+        _variable(scalar)
+        for scalar in description.modelVariables
+        if scalar.causality in ("parameter", "input", "output") and scalar.type in _TYPES
+    )
+    fmu = Fmu(description.coSimulation.modelIdentifier, path, variables)
+    if not fmu.is_ours:
+        return fmu
+    declared = zip(MODELS[fmu.model], variables, strict=True)  # with ranges as they are meant
+    return Fmu(fmu.model, path, tuple(replace(ours, start=own.start) for ours, own in declared))
+
+
+def _variable(scalar: ScalarVariable) -> Variable:
+    read = _TYPES[scalar.type]
+    unit = scalar.unit if scalar.unit in UNITS else ""
+    try:
+        start = read(scalar.start or {"Real": "0", "Integer": "0"}.get(scalar.type, ""))
+    except ValueError:
+        start_text = shown(scalar.start)
+        raise InputError(f"{scalar.name} starts at {start_text}: no {scalar.type}") from None
+    return Variable(
+        scalar.name,
+        scalar.description or "",
+        scalar.causality,
+        start,
+        unit,
+        minimum=float(scalar.min) if scalar.min is not None else None,
+        maximum=float(scalar.max) if scalar.max is not None else None,
+    )

@@ -1,0 +1,267 @@
+"""Scene files as layers: a scene, what it extends, and what is set from outside.
+
+A layer is flat: dotted keys and their values. `[parameters.spring] rate = 1` and
+`parameters."spring.rate" = 1` are the same. Where each value was given is kept for the messages.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from phaseplane.suspension.units import nearest
+
+from ..errors import SceneError, one_line, shown
+from .fmus import default_duration
+
+CASES = Path(__file__).parents[1] / "cases"
+SECTIONS = ("parameters", "show", "construction", "expect")
+KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
+# A change of one of these makes another motion, and what was expected of the former no longer
+# holds; how it is solved must not matter.
+MOTION = ("fmu", "duration", "parameters")
+SOLVER = "parameters.solver."
+REFERENCE = "reference"  # a table within [expect]
+_LARGEST_FILE = 10_000_000
+
+
+@dataclass
+class Layers:
+    """The merged content of a scene, and where each key was given."""
+
+    content: dict[str, Any] = field(default_factory=dict)
+    origins: dict[str, str] = field(default_factory=dict)
+    folders: dict[str, Path] = field(default_factory=dict)
+    unchecked: tuple[str, ...] = ()
+
+    def put(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
+        """Lay another layer over what is there; paths in it count from `folder`."""
+        if any(key.split(".")[0] in MOTION and not key.startswith(SOLVER) for key in layer):
+            outdated = [key for key in self.content if key.split(".")[0] == "expect"]
+            measures = (
+                re.sub(r"^expect\.|\.(min|max|file|tolerance|columns)$", "", key)
+                for key in outdated
+            )
+            self.unchecked += tuple(dict.fromkeys(measures))
+            self._drop(outdated)
+        tables = {table for key in self.content for table in _parents(key)}
+        for key, value in layer.items():
+            inner = [k for k in self.content if k.startswith(f"{key}.")] if key in tables else []
+            self._drop([key, *_parents(key), *inner])
+            self.content[key] = value
+            self.origins[key], self.folders[key] = origin, folder
+
+    def _drop(self, keys: Iterable[str]) -> None:
+        for key in keys:
+            self.content.pop(key, None)
+            self.origins.pop(key, None)
+
+    def origin(self, key: str, default: str) -> str:
+        """Where a key, or the first key of that table, was given."""
+        if key in self.origins:
+            return self.origins[key]
+        return next(
+            (self.origins[k] for k in reversed(self.content) if k.startswith(f"{key}.")), default
+        )
+
+    def tables(self) -> dict[str, Any]:
+        """The content with one table for each section."""
+        tables: dict[str, Any] = {}
+        for key, value in self.content.items():
+            section, _, rest = key.partition(".")
+            if section in SECTIONS and rest:
+                tables.setdefault(section, {})[rest] = value
+            else:
+                tables[key] = value
+        bounds: dict[str, Any] = {}
+        expected = tables.get("expect", {})
+        for key, value in expected.items() if isinstance(expected, dict) else ():
+            name, _, bound = key.rpartition(".")
+            if bound in ("min", "max") or name == REFERENCE:
+                bounds.setdefault(name, {})[bound] = value
+            else:
+                bounds[key] = value
+        return {**tables, "expect": bounds} if bounds else tables
+
+
+def case_names() -> list[str]:
+    """Names of the scenes that come with the package."""
+    return sorted(path.stem for path in CASES.glob("*.toml"))
+
+
+def case_titles() -> dict[str, str]:
+    """Name and title of the scenes that come with the package."""
+    names = case_names()
+    contents = (read_layers(CASES / f"{n}.toml").content for n in names)
+    return {n: str(content.get("title", "")) for n, content in zip(names, contents, strict=True)}
+
+
+def find_scene(reference: str, folder: Path | None = None) -> Path:
+    """The file of a scene: the name of a case, or a path (relative to `folder`).
+
+    Raises
+    ------
+    SceneError : no such case or file; names the nearest one.
+    """
+    if reference in case_names():
+        return CASES / f"{reference}.toml"
+    path = (folder or Path()) / reference
+    try:
+        if path.is_file():
+            return path
+        is_folder = path.is_dir()
+    except (OSError, ValueError):
+        is_folder = False  # a text that cannot be a path
+    if is_folder:
+        raise SceneError(one_line(f"{reference or '.'} is a folder, not a scene file"))
+    if reference.endswith(".toml") or "/" in reference:
+        raise SceneError(one_line(f"no scene file {reference}; write the path of a .toml file"))
+    raise SceneError(
+        one_line(
+            f"no scene {shown(reference)}{nearest(reference, case_names())}; "
+            "'phaseplane list' tells them all; or give the path of a .toml file"
+        )
+    )
+
+
+def read_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
+    """A scene file over what it extends, with `key=value` texts laid over it.
+
+    Raises
+    ------
+    SceneError : a file that is missing, not TOML or extends itself; an unreadable override.
+    """
+    layers = Layers()
+    for file in reversed(list(_chain(path))):
+        layers.put(*file)
+    return _overlaid(layers, overrides)
+
+
+def fmu_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
+    """An `.fmu` file as a scene: all outputs, for as long as the FMU's own experiment lasts."""
+    layers = Layers()
+    content: dict[str, Any] = {"title": path.stem, "fmu": str(path), "show.outputs": "all"}
+    duration = default_duration(path)
+    if duration is not None:
+        content["duration"] = duration
+    layers.put(content, path.name, Path())
+    return _overlaid(layers, overrides)
+
+
+def _overlaid(layers: Layers, overrides: Sequence[str]) -> Layers:
+    overlay: dict[str, Any] = {}
+    for text in overrides:
+        key, value = parse_override(text)
+        overlay.update(_flattened({key: value}, f"--set {key}"))
+    if overlay:
+        layers.put(overlay, "--set", Path())
+    return layers
+
+
+def parse_override(text: str) -> tuple[str, Any]:
+    """A `key=value` text: the value is read as TOML and, where it is none, taken as a text.
+
+    A key that begins with no key of a scene is the name of a parameter.
+
+    Raises
+    ------
+    SceneError : no `=`, no key, or `extends`.
+    """
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not key:
+        raise SceneError(
+            one_line(f"--set {shown(text)}: write key=value, for example --set 'road.height=8 cm'")
+        )
+    if key == "extends":
+        raise SceneError("--set extends: a scene's base can be named in its file only")
+    if key.split(".")[0] not in KEYS:
+        key = f"parameters.{key}"
+    try:
+        parsed = tomllib.loads(f"value = {value}")
+    except (ValueError, RecursionError):
+        return key, value
+    return key, parsed["value"] if list(parsed) == ["value"] else value
+
+
+def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
+    """The scene and all it extends, nearest first."""
+    seen: list[Path] = []
+    while True:
+        name = _called(path)
+        layer = _read(path, name)
+        for key in layer:
+            top, dot, _ = key.partition(".")
+            if top not in KEYS or (dot and top not in SECTIONS):
+                raise SceneError(
+                    one_line(
+                        f"{name}: unknown key {shown(key)}{nearest(key, KEYS)}; "
+                        f"allowed: {', '.join(KEYS)}"
+                    )
+                )
+        base = layer.pop("extends", None)
+        yield layer, name, path.parent
+        if base is None:
+            return
+        if not isinstance(base, str):
+            raise SceneError(
+                one_line(f"{name}: extends = {shown(base)}: must be a scene's name or file")
+            )
+        seen.append(path.resolve())
+        try:
+            path = find_scene(base, path.parent)
+        except SceneError as error:
+            raise SceneError(f"{name}: extends: {error}") from None
+        if path.resolve() in seen:
+            raise SceneError(
+                one_line(f"{name}: extends = {shown(base)}: the scenes extend each other in a ring")
+            )
+
+
+def _parents(key: str) -> list[str]:
+    """The tables a dotted key stands in."""
+    parts = key.split(".")
+    return [".".join(parts[:i]) for i in range(1, len(parts))]
+
+
+def _called(path: Path) -> str:
+    """How a scene file is named in messages: cases by their file name, others by their path."""
+    return path.name if path.parent == CASES else str(path)
+
+
+def _read(path: Path, name: str) -> dict[str, Any]:
+    try:
+        if path.stat().st_size > _LARGEST_FILE:
+            raise SceneError(one_line(f"{name}: larger than {_LARGEST_FILE} bytes: no scene file"))
+        return dict(_flattened(tomllib.loads(path.read_text(encoding="utf-8")), name))
+    except SceneError:
+        raise
+    except OSError as error:
+        raise SceneError(one_line(f"cannot read {name}: {error.strerror or error}")) from None
+    except UnicodeDecodeError as error:
+        raise SceneError(one_line(f"{name}: not UTF-8 text (byte {error.start})")) from None
+    except RecursionError:
+        raise SceneError(one_line(f"{name}: nested too deeply")) from None
+    except ValueError as error:
+        raise SceneError(one_line(f"{name}: not TOML: {error}")) from None
+
+
+def _flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
+    """Dotted keys and values of nested tables, each key once."""
+    seen: set[str] = set()
+
+    def walk(inner: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+        for key, value in inner.items():
+            dotted = f"{prefix}{key}"
+            if isinstance(value, dict):
+                yield from walk(value, f"{dotted}.")
+            elif dotted in seen:
+                raise SceneError(one_line(f"{name}: {shown(dotted)} is given twice"))
+            else:
+                seen.add(dotted)
+                yield dotted, value
+
+    return walk(table, "")

@@ -1,0 +1,112 @@
+"""Scenes read from files: layer by layer, and what is wrong told in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from phaseplane.suspension.units import nearest
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from ..errors import SceneError, one_line, shown
+from .expectations import During, Reference
+from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
+from .schema import Scene
+from .sections import Construction, Show
+
+_EXPECTED_APART = ("during", "reference")  # in the file within [expect]
+
+
+def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
+    """Read a scene.
+
+    Parameters
+    ----------
+    reference : name of a case, path of a scene file, or path of an `.fmu` file that is to be run as it
+        is, for as long as it says itself
+    overrides : `key=value` texts, laid over the file
+
+    Raises
+    ------
+    SceneError : one line that names file, key, value and what is allowed.
+    """
+    path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
+    layers = fmu_layers(path, overrides) if path.suffix == ".fmu" else read_layers(path, overrides)
+    content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
+    expected = content.get("expect")
+    if isinstance(expected, dict):
+        content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}
+        content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
+        content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
+    try:
+        context = {"folder": layers.folders.get("fmu"), "folders": layers.folders}
+        return Scene.model_validate(content, context=context)
+    except ValidationError as error:
+        raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
+
+
+def construction_settings(kept: Mapping[str, Any], overrides: Sequence[str] = ()) -> dict[str, Any]:
+    """The construction settings of a run, with `construction.key=value` texts laid over them.
+
+    Raises
+    ------
+    SceneError : a key that is none of the construction's, or a value that is not allowed.
+    """
+    layers = Layers()
+    layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
+    for text in overrides:
+        key, value = parse_override(text)
+        if not key.startswith("construction."):
+            raise SceneError(
+                one_line(
+                    f"--set {text}: of results only construction.* can be set: "
+                    f"{', '.join(Construction.model_fields)}"
+                )
+            )
+        layers.put({key: value}, "--set", Path())
+    try:
+        return Construction.model_validate(layers.tables()["construction"]).model_dump()
+    except ValidationError as error:
+        told = error.errors(include_url=False)[0]
+        told["loc"] = ("construction", *told["loc"])
+        raise SceneError(_told(told, layers, "results")) from None
+
+
+def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
+    """A validation error as one line."""
+    parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
+    if parts[:1] and parts[0] in _EXPECTED_APART:
+        parts.insert(0, "expect")
+    key = ".".join(parts)
+    if error["type"] == "told":
+        key = str(error["ctx"]["key"])
+        places = [place for place in (".".join([*parts[:1], key]).strip("."), key) if place]
+        origin = next((layers.origins[p] for p in places if p in layers.origins), "")
+        return one_line(f"{origin or layers.origin(places[0], reference)}: {error['msg']}")
+    where = layers.origin(key, reference)
+    if error["type"] == "missing":
+        return one_line(f"{where}: {shown(key)} is missing; a scene needs fmu and duration")
+    if error["type"] == "extra_forbidden":
+        names = _fields(parts[:-1])
+        return one_line(
+            f"{where}: unknown key {shown(key)}{nearest(parts[-1], names)}; "
+            f"allowed in [{'.'.join(parts[:-1])}]: {', '.join(names)}"
+        )
+    message = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "model_type":
+        message = "must be a table"
+    elif message.startswith("Input should be"):
+        message = f"must be{message.removeprefix('Input should be')}"
+    return one_line(f"{where}: {key} = {shown(error['input'])}: {message}")
+
+
+def _fields(sections: Sequence[str]) -> list[str]:
+    """The keys a section of the scene may have."""
+    models: dict[str, type[BaseModel]] = {
+        "show": Show, "construction": Construction, "expect.during": During,
+        "expect.reference": Reference,
+    }  # fmt: skip
+    model = models.get(".".join(sections))
+    return [field.alias or name for name, field in model.model_fields.items()] if model else []

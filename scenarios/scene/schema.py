@@ -1,0 +1,304 @@
+"""What a scene says: the FMU, its parameters, the duration, what is shown and what must hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Annotated, Any
+
+from phaseplane.suspension.models import build
+from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
+from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from ..errors import InputError, shown
+from ..measures import at_end, catalogue, default_measures
+from ..results.tables import read_table
+from .equation import EQUATION, check_equation
+from .expectations import Bounds, During, Reference, bounds_from
+from .fields import Seconds, Strict, tuple_from
+from .fmus import Fmu, find_fmu
+from .sections import Construction, Show
+from .table_files import with_files
+
+# Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
+_SHOWN = (
+    "displacement", "velocity", "acceleration", "deflection", "_deflection_rate", "elevation",
+    "contact_force", "airborne",
+)  # fmt: skip
+# Drawn by the time histories and plotted in a recording.
+_DRAWN = (
+    "displacement", "velocity", "acceleration", "deflection", "elevation", "airborne",
+)  # fmt: skip
+_MOST_ROWS = 5_000_000
+_MOST_STEPS = 100_000
+
+
+class Scene(Strict):
+    """One scripted run.
+
+    Parameters
+    ----------
+    name : of its file
+    fmu : a model's name, or the path of an `.fmu` file
+    duration : s
+    parameters : what differs from the FMU's defaults, in SI
+    expect : bounds on measures by name
+    during : bounds on outputs within a time; in the file `expect.during`
+    reference : what the run must come close to; in the file `expect.reference`
+    unchecked : measures that a base scene bounds but that no longer hold, the motion being another
+    """
+
+    name: str
+    title: str = ""
+    source: str = ""
+    fmu: Fmu
+    duration: Seconds
+    parameters: dict[str, Value] = Field(default_factory=dict)
+    show: Show = Show()
+    construction: Construction = Construction()
+    expect: dict[str, Bounds] = Field(default_factory=dict)
+    during: Annotated[tuple[During, ...], BeforeValidator(tuple_from)] = ()
+    reference: Reference | None = None
+    reference_folder: Path = Path()
+    unchecked: tuple[str, ...] = ()
+
+    @field_validator("fmu", mode="before")
+    @classmethod
+    def _find(cls, value: object, info: ValidationInfo) -> Fmu:
+        if not isinstance(value, str):
+            raise ValueError("must be a model's name or the path of an .fmu file")
+        return find_fmu(value, (info.context or {}).get("folder"))
+
+    @field_validator("parameters", mode="before")
+    @classmethod
+    def _check_parameters(cls, value: object, info: ValidationInfo) -> dict[str, Value]:
+        given = _table(value)
+        if "fmu" not in info.data:
+            return {}
+        fmu: Fmu = info.data["fmu"]
+        declared = fmu.parameters()
+        try:
+            given, files = with_files(given, declared, (info.context or {}).get("folders", {}))
+        except InputError as error:
+            raise _at(f"{str(error).partition(':')[0]}.file", str(error)) from None
+        checked = {}
+        for name, raw in given.items():
+            try:
+                refuse_unknown([name], declared, f"{fmu.model} has no parameter")
+                checked[name] = declared[name].checked(raw)
+            except ParameterError as error:
+                raise _at(name, str(error)) from None
+            except OverflowError:
+                raise _at(name, f"{name} = {shown(raw)}: too large") from None
+        shape = checked.get("road.shape", "")
+        if "road.table" in files and shape not in ("table", "spline"):
+            raise _at(
+                "road.table.file",
+                f"road.table.file is given, but road.shape is {shape or 'left at its default'}; "
+                "make it table or spline",
+            )
+        if fmu.model == EQUATION:
+            try:
+                check_equation(checked)
+            except ValueError as error:
+                raise _at("equation", str(error)) from None
+        if checked.get("road.shape") == "input":
+            raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
+        if fmu.is_ours:
+            try:
+                build(fmu.model, {name: v.start for name, v in declared.items()} | checked)
+            except (ParameterError, OverflowError, ZeroDivisionError) as error:
+                about = next((name for name in checked if str(error).startswith(name)), "")
+                raise _at(about, str(error)) from None
+        return checked
+
+    @field_validator("expect", mode="before")
+    @classmethod
+    def _check_expectations(cls, value: object, info: ValidationInfo) -> dict[str, Bounds]:
+        given = _table(value)
+        if "fmu" not in info.data:
+            return {}
+        known = catalogue(info.data["fmu"].outputs())
+        expected = {}
+        for name, raw in given.items():
+            if name not in known:
+                raise _at(name, f"no measure {shown(name)}{nearest(name, known)}")
+            try:
+                expected[name] = bounds_from(raw, known[name].unit)
+            except ValueError as error:
+                raise _at(name, f"expect.{name} = {shown(raw)}: {error}") from None
+        return expected
+
+    @model_validator(mode="after")
+    def _check_whole(self) -> Scene:
+        outputs = self.fmu.outputs()
+        if isinstance(self.show.outputs, list):
+            for name in self.show.outputs:
+                if name not in outputs:
+                    raise _at(
+                        "show.outputs",
+                        f"show.outputs: {self.fmu.model} has no output {shown(name)}"
+                        + nearest(name, outputs),
+                    )
+        for number, during in enumerate(self.during, 1):
+            try:
+                during.bounds(outputs)
+            except ValueError as error:
+                raise _at("expect.during", f"expect.during, number {number}: {error}") from None
+        self._check_reference()
+        for name in self.show.measures or ():
+            if name not in (known := catalogue(outputs)):
+                raise _at(
+                    "show.measures",
+                    f"show.measures: {self.fmu.model} has no measure {shown(name)}"
+                    + nearest(name, known),
+                )
+        for name in (name for names in self.show.planes for name in names):
+            if name not in outputs:
+                raise _at(
+                    "show.planes",
+                    f"show.planes: {self.fmu.model} has no output {shown(name)}"
+                    + nearest(name, outputs),
+                )
+        if self.duration / self.show.output_interval > _MOST_ROWS:
+            raise _at(
+                "show.output_interval",
+                f"show.output_interval = {self.show.output_interval:g} s gives "
+                f"{self.duration / self.show.output_interval:.3g} rows over {self.duration:g} s; "
+                f"allowed: {_MOST_ROWS}, so at least {self.duration / _MOST_ROWS:.3g} s",
+            )
+        if self.show.draws and self.construction_time / self.construction.step > _MOST_STEPS:
+            raise _at(
+                "construction.step",
+                f"construction.step = {self.construction.step:g} s gives "
+                f"{self.construction_time / self.construction.step:.3g} steps over "
+                f"{self.construction_time:g} s; allowed: {_MOST_STEPS}",
+            )
+        return self
+
+    def _check_reference(self) -> None:
+        if self.reference is None:
+            return
+        try:
+            columns, _ = read_table(self.reference_path)
+        except InputError as error:
+            raise _at("expect.reference", f"expect.reference.file: {error}") from None
+        known = [name for name in self.fmu.outputs() if name in columns]
+        for name in self.reference.columns or ():
+            if name not in known:
+                raise _at(
+                    "expect.reference",
+                    f"expect.reference.columns: {shown(name)} is not in the file and an output of "
+                    f"{self.fmu.model}{nearest(name, known)}",
+                )
+        if "time" not in columns or not known:
+            raise _at(
+                "expect.reference",
+                f"expect.reference.file: {self.reference_path} has no column time, or none that is "
+                f"an output of {self.fmu.model}",
+            )
+
+    @property
+    def reference_path(self) -> Path:
+        """The file of the reference."""
+        return self.reference_folder / (self.reference.file if self.reference else "")
+
+    @property
+    def outputs_expected(self) -> set[str]:
+        """The outputs that `during` and `reference` look at."""
+        wanted = {during.output for during in self.during}
+        if self.reference is not None:
+            columns, _ = read_table(self.reference_path)
+            wanted |= set(self.reference.columns or columns) & set(self.fmu.outputs())
+        return wanted
+
+    @property
+    def all_parameters(self) -> dict[str, Value]:
+        """The parameters of the scene over the FMU's defaults."""
+        return {name: v.start for name, v in self.fmu.parameters().items()} | self.parameters
+
+    @property
+    def hash(self) -> str:
+        """Of all that decides the motion and what is read of it; equal for equal runs."""
+        said = (
+            self.fmu.model, str(self.fmu.path or ""), self.duration, self.show.output_interval,
+            sorted(self.all_parameters.items()), self.columns,
+        )  # fmt: skip
+        return sha256(repr(said).encode()).hexdigest()[:16]
+
+    @property
+    def construction_time(self) -> float:
+        """How long the construction goes on, s."""
+        return min(self.construction.duration or self.duration, self.duration)
+
+    @property
+    def communication_step(self) -> float:
+        """Time from one row to the next, s: as long as what is wanted of the run allows.
+
+        Where the end of the run tells it all, that is the whole duration. The models of this project
+        take the same internal steps whatever the communication step is; of another FMU that is not
+        known.
+        """
+        wants_rows = (
+            self.columns
+            or self.during
+            or self.reference
+            or self.show.figures
+            or self.show.recording
+        )
+        known = catalogue(self.fmu.outputs())
+        if self.fmu.is_ours and not wants_rows and at_end(known, self.measures):
+            return self.duration
+        return self.show.output_interval
+
+    def only(self, measures: Sequence[str]) -> Scene:
+        """The same motion, of which nothing but these measures is wanted."""
+        show = Show(output_interval=self.show.output_interval, outputs=[], measures=tuple(measures))
+        nothing: dict[str, Any] = {"expect": {}, "during": (), "reference": None, "unchecked": ()}
+        return self.model_copy(update={"show": show, **nothing})
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the outputs shown, in the FMU's order."""
+        wanted = self.show.outputs
+        return tuple(
+            name
+            for name in self.fmu.outputs()
+            if wanted == "all" or (name.endswith(_SHOWN) if wanted is None else name in wanted)
+        )
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """Names of the measures taken: those shown, and those bounded."""
+        wanted = self.show.measures
+        if wanted is None:
+            wanted = default_measures(catalogue(self.fmu.outputs()), self.outputs)
+        return tuple(dict.fromkeys((*wanted, *self.expect)))
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the outputs kept: what is shown, and what is drawn."""
+        wanted = {*self.outputs, *(name for names in self.show.planes for name in names)}
+        drawn = (
+            name.endswith(_DRAWN) and bool(self.show.figures or self.show.recording)
+            for name in self.fmu.outputs()
+        )
+        return tuple(
+            name
+            for name, needed in zip(self.fmu.outputs(), drawn, strict=True)
+            if needed or name in wanted
+        )
+
+
+def _table(value: object) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError("must be a table")
+    return value
+
+
+def _at(key: str, message: str) -> PydanticCustomError:
+    """An error that tells itself which key it is about."""
+    return PydanticCustomError("told", "{message}", {"message": message, "key": key})

@@ -1,0 +1,105 @@
+"""Parameters that are tables may stand in CSV files: measured roads, forces and characteristics.
+
+    road.table = { file = "road.csv", columns = ["distance", "profile"], units = ["m", "mm"] }
+
+The file's points become the text that the FMU takes, so that a packed FMU needs no file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import Any
+
+from phaseplane.suspension.roads import read_points
+from phaseplane.suspension.units import UnitError, nearest, to_si
+
+from ..errors import InputError, one_line, shown
+
+KEYS = ("file", "columns", "units", "delimiter")
+# What the two columns of a table are, in SI.
+_UNITS = {
+    "road.table": ("m", "m"),
+    "force.table": ("s", "N"),
+    "body_force.table": ("s", "N"),
+    "spring.table": ("m", "N"),
+    "damper.table": ("m/s", "N"),
+    "damper.deflection_table": ("m", "1"),
+    "tyre.table": ("m", "N"),
+}
+
+
+def with_files(
+    given: Mapping[str, Any], declared: Collection[str], folders: Mapping[str, Path]
+) -> tuple[dict[str, Any], set[str]]:
+    """The parameters of a scene, their tables read from files; and the names of those tables.
+
+    Parameters
+    ----------
+    given : by name; of a table in a file `NAME.file`, `NAME.columns`, ...
+    declared : names of the FMU's parameters
+    folders : the folder from which paths count, by dotted key of the scene
+
+    Raises
+    ------
+    InputError : as `read_measured`; the message begins with the parameter's name.
+    """
+    plain: dict[str, Any] = {}
+    files: dict[str, dict[str, Any]] = {}
+    for key, value in given.items():
+        name, _, last = key.rpartition(".")
+        if key not in declared and name in declared and name.endswith("table"):
+            files.setdefault(name, {})[last] = value
+        else:
+            plain[key] = value
+    for name, said in files.items():
+        try:
+            plain[name] = _read(name, said, folders.get(f"parameters.{name}.file", Path()))
+        except InputError as error:
+            raise InputError(f"{name}: {error}") from None
+    return plain, set(files)
+
+
+def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
+    """The text of a table parameter from a file with a heading.
+
+    Parameters
+    ----------
+    name : of the parameter, such as `road.table` or `front.spring.table`
+    said : `file`, `columns` (two headings), `units` (two; SI if left out), `delimiter` (a comma)
+    folder : that the file's path counts from
+    """
+    for key in said:
+        if key not in KEYS:
+            raise InputError(
+                f"unknown key {shown(key)}{nearest(key, KEYS)}; allowed: {', '.join(KEYS)}"
+            )
+    kinds = next((units for end, units in _UNITS.items() if f".{name}".endswith(f".{end}")), None)
+    if kinds is None:
+        raise InputError(f"only {', '.join(_UNITS)} can stand in a file")
+    file, columns = said.get("file"), said.get("columns", [])
+    if not isinstance(file, str) or not file:
+        raise InputError(f"file = {shown(file)}: must be the path of a CSV file")
+    units = said.get("units", list(kinds))
+    for key, pair in (("columns", columns), ("units", units)):
+        if not (
+            isinstance(pair, list) and len(pair) == 2 and all(isinstance(x, str) for x in pair)
+        ):
+            raise InputError(f'{key} = {shown(pair)}: must be two texts such as ["x", "z"]')
+    delimiter = said.get("delimiter", ",")
+    if not isinstance(delimiter, str) or len(delimiter) != 1:
+        raise InputError(f"delimiter = {shown(delimiter)}: must be one character")
+    for unit, kind in zip(units, kinds, strict=True):
+        try:
+            to_si(f"1 {unit}", kind)
+        except UnitError as error:
+            raise InputError(f"units: {error}") from None
+    try:
+        points = read_points(
+            folder / file, columns[0], columns[1], units[0], units[1], delimiter=delimiter
+        )
+    except OSError as error:
+        raise InputError(f"cannot read {folder / file}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(one_line(error, 300)) from None
+    return ", ".join(f"{x!r}:{y!r}" for x, y in points)

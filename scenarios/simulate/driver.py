@@ -1,0 +1,249 @@
+"""An FMU driven by FMPy through one scene after another."""
+
+from __future__ import annotations
+
+import signal
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter, sleep
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InputError, RunError, one_line
+from ..scene.fmus import Fmu
+from .fmu_cache import kept
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+    from fmpy.simulation import Recorder
+
+    from ..scene.schema import Scene
+
+    Columns = dict[str, npt.NDArray[np.float64]]
+
+Progress = Callable[[float], None]
+Watch = Callable[["Recorder"], None]
+_LONGEST_SLEEP = 0.1  # s, after which an interrupt is looked for
+_DISCARD, _FATAL = 2, 4  # FMI status
+
+
+@dataclass
+class _Log:
+    """What the FMU says while it runs."""
+
+    lines: list[tuple[int, str, str]] = field(default_factory=list)
+
+    def take(
+        self, _environment: object, _name: bytes, status: int, category: bytes, message: bytes
+    ) -> None:
+        """The callback handed to the FMU."""
+        texts = (str(part or b"", "utf-8", "replace") for part in (category, message))
+        self.lines.append((status, *texts))  # type: ignore[arg-type]
+
+    def complaint(self) -> str:
+        """The last thing the FMU complained of, or nothing.
+
+        What is fatal comes from the wrapper around it and says less than the FMU did before.
+        """
+        complaints = [
+            (status == _FATAL, -number, message)
+            for number, (status, category, message) in enumerate(self.lines)
+            if status >= _DISCARD or "Error" in category
+        ]
+        return one_line(min(complaints)[2]) if complaints else ""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What came out of the FMU: all columns read, and why it ended early, if it did."""
+
+    columns: Columns
+    run_time: float
+    complaint: str
+    uncompiled: bool
+
+
+class OpenFmu:
+    """An FMU unpacked and instantiated, which is reset between runs; made by `opened`."""
+
+    def __init__(self, fmu: Fmu, path: Path, unpacked: Path) -> None:
+        from fmpy import extract, read_model_description  # noqa: PLC0415  (heavy)
+
+        self.fmu, self._unpacked = fmu, str(unpacked)
+        self._log = _Log()
+        self._instance: Any = None
+        try:
+            extract(path, self._unpacked)
+            self._description = read_model_description(self._unpacked, validate=False)
+        except Exception as error:
+            raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
+
+    def _ready(self) -> Any:
+        """The instance, as new."""
+        from fmpy.simulation import instantiate_fmu  # noqa: PLC0415
+
+        self._log.lines.clear()
+        if self._instance is not None:
+            try:
+                self._instance.reset()
+            except Exception:  # an FMU that cannot be reset is made again
+                self.close()
+            else:
+                return self._instance
+        try:
+            self._instance = instantiate_fmu(
+                self._unpacked, self._description, "CoSimulation",
+                debug_logging=True, logger=self._log.take,
+            )  # fmt: skip
+        except Exception as error:
+            reason = self._log.complaint() or one_line(error)
+            raise RunError(f"cannot load {self.fmu.model}: {reason}") from error
+        return self._instance
+
+    def close(self, usable: bool = True) -> None:
+        """Give the instance up; one that failed fatally must not be touched again."""
+        if self._instance is not None and usable:
+            with suppress(Exception):
+                self._instance.freeInstance()
+        self._instance = None
+
+    def drive(
+        self,
+        scene: Scene,
+        outputs: Sequence[str],
+        *,
+        interrupted: Callable[[], int],
+        progress: Progress | None = None,
+        watch: Watch | None = None,
+        realtime: bool = False,
+    ) -> Drive:
+        """Take the FMU through a scene, keeping whatever it gives.
+
+        Raises
+        ------
+        RunError : the FMU could not be instantiated or initialised.
+        """
+        from fmpy import simulate_fmu  # noqa: PLC0415  (heavy)
+
+        instance = self._ready()
+        seen: list[Recorder] = []  # FMPy's own, so that rows survive an exception
+        reached = 0.0
+
+        def step_finished(time: float, recorder: Recorder) -> bool:
+            nonlocal reached
+            seen[:] = [recorder]
+            if progress is not None:
+                progress(time / scene.duration)
+            if watch is not None:
+                watch(recorder)
+            if realtime:
+                _wait_until(started + time, interrupted)
+            advanced, reached = time > reached, time
+            return advanced and not interrupted()
+
+        failure, usable = "", True
+        started = perf_counter()
+        try:
+            table = simulate_fmu(
+                self._unpacked,
+                validate=False,
+                start_time=0.0,
+                stop_time=scene.duration,
+                output_interval=scene.communication_step,
+                start_values=scene.parameters,
+                output=outputs,
+                step_finished=step_finished,
+                model_description=self._description,
+                fmu_instance=instance,
+                terminate=False,
+            )
+        except Exception as error:
+            failure = self._log.complaint() or one_line(error)
+            usable = getattr(error, "status", 0) != _FATAL
+            if not seen:
+                raise RunError(f"{scene.fmu.model} did not start: {failure}") from error
+            table = seen[0].result()
+        finally:
+            run_time = perf_counter() - started
+            if not usable:
+                self.close(usable=False)
+        uncompiled = any("uncompiled" in message for _, _, message in self._log.lines)
+        failure = failure or self._log.complaint()
+        return Drive(_columns(table, failure), run_time, failure, uncompiled)
+
+
+@contextmanager
+def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
+    """An FMU to be driven, unpacked for as long as it is; and how long it took to pack, s.
+
+    Raises
+    ------
+    InputError : a temporary folder from which no FMU can run.
+    RunError : it could not be packed or unpacked.
+    """
+    with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
+        _check_path(folder)
+        path, build_time = fmu.path, None
+        if path is None:
+            path, build_time = kept(fmu.model, Path(folder))
+        open_fmu = OpenFmu(fmu, path, Path(folder, "unpacked"))
+        try:
+            yield open_fmu, build_time
+        finally:
+            open_fmu.close()
+
+
+def _check_path(folder: str) -> None:
+    """The FMU's binary crashes where its path is not plain: refuse instead."""
+    if not folder.isascii() or set(folder) & set("#%"):
+        raise InputError(
+            f"an FMU cannot run from the temporary folder {one_line(folder)}: set TMPDIR to a path "
+            "in plain ASCII without '#' and '%'"
+        )
+
+
+def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:
+    """Let the clock catch up, unless the run is to end."""
+    while (left := instant - perf_counter()) > 0.0 and not interrupted():
+        sleep(min(left, _LONGEST_SLEEP))
+
+
+def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
+    """The columns of FMPy's table, up to where the FMU was well.
+
+    Raises
+    ------
+    RunError : it was not well from the start.
+    """
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    columns = {name: np.asarray(table[name]) for name in table.dtype.names or ()}
+    well = columns.get("ok", np.ones(len(table), bool)).astype(bool)
+    for column in columns.values():
+        well &= np.isfinite(column)
+    rows = len(well) if well.all() else int(well.argmin())
+    if rows == 0:
+        unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
+        why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
+        raise RunError(f"no run: {why}")
+    return {name: column[:rows].copy() for name, column in columns.items()}
+
+
+@contextmanager
+def deferred_interrupt() -> Iterator[Callable[[], int]]:
+    """Remember Ctrl-C and SIGTERM; raised inside the FMU they would be taken for its failure."""
+    came: list[int] = [0]
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: came[-1]
+        return
+    signals = (signal.SIGINT, signal.SIGTERM)
+    before = [signal.signal(one, lambda number, _frame: came.append(number)) for one in signals]
+    try:
+        yield lambda: came[-1]
+    finally:
+        for one, handler in zip(signals, before, strict=True):
+            signal.signal(one, handler)

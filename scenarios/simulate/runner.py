@@ -1,0 +1,144 @@
+"""A scene run: its FMU packed, driven by FMPy, its results measured."""
+
+from __future__ import annotations
+
+import platform
+import signal
+from contextlib import suppress
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING, Any
+
+from ..errors import one_line
+from ..measures import Run, catalogue, outputs_needed, take
+from ..results.folder import Results
+from ..scene.equation import EQUATION, solve
+from ..scene.expectations import judged_measures
+from .driver import Drive, OpenFmu, Progress, Watch, deferred_interrupt, opened
+
+if TYPE_CHECKING:
+    from ..scene.schema import Scene
+
+
+def run(
+    scene: Scene,
+    *,
+    progress: Progress | None = None,
+    watch: Watch | None = None,
+    realtime: bool = False,
+) -> Results:
+    """Run a scene.
+
+    Parameters
+    ----------
+    scene : what is to be run
+    progress : called after every communication step with the part of the duration done, 0 to 1
+    watch : called after every communication step with FMPy's recorder, which keeps all rows
+    realtime : whether the run waits for the clock, one second for each of its own
+
+    Raises
+    ------
+    RunError : the FMU could not be packed, loaded or initialised. A run that fails midway raises
+        nothing: its results say where it stopped and why.
+    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM, at the end of the step in which it came.
+    """
+    if scene.fmu.model == EQUATION:
+        return _solved(scene)
+    with opened(scene.fmu) as (fmu, build_time):
+        return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
+
+
+def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how: Any) -> Results:
+    """Run a scene with an FMU that is open already; otherwise as `run`."""
+    with deferred_interrupt() as interrupted:
+        drive = fmu.drive(scene, _read_in(scene), interrupted=interrupted, **how)
+    if interrupted() == signal.SIGTERM:
+        raise SystemExit(128 + signal.SIGTERM)
+    if interrupted():
+        raise KeyboardInterrupt
+    return _results(scene, drive, build_time)
+
+
+def _results(scene: Scene, drive: Drive, build_time: float | None) -> Results:
+    wanted = {"time", *scene.columns}
+    return Results(
+        {name: column for name, column in drive.columns.items() if name in wanted},
+        _summary(scene, drive, build_time),
+    )
+
+
+def _solved(scene: Scene) -> Results:
+    """An equation, which is solved where we are."""
+    import numpy as np  # noqa: PLC0415  (heavy)
+
+    rows = round(scene.duration / scene.show.output_interval) + 1
+    times = np.linspace(0.0, scene.duration, max(rows, 2))
+    columns, seconds, complaint = solve(scene.all_parameters, times)
+    return _results(scene, Drive(columns, seconds, complaint, False), None)
+
+
+def _read_in(scene: Scene) -> list[str]:
+    """The outputs read at every step: what is shown, what is measured, and whether all is well."""
+    measured = outputs_needed(catalogue(scene.fmu.outputs()), scene.measures)
+    wanted = {*scene.columns, *measured, *scene.outputs_expected, "ok"}
+    return [name for name in scene.fmu.outputs() if name in wanted]
+
+
+def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, Any]:
+    """All that is to be said of a run, as plain data."""
+    outputs = scene.fmu.outputs()
+    known = catalogue(outputs)
+    readings = take(
+        known,
+        scene.measures,
+        Run(drive.columns, scene.all_parameters, "" if scene.fmu.path else scene.fmu.model),
+    )
+    reached = float(drive.columns["time"][-1])
+    stopped = None
+    if reached < scene.duration * (1.0 - 1e-9):
+        reason = one_line(drive.complaint) or "the FMU ended the run"
+        stopped = {"time": reached, "reason": reason}
+    return {
+        "scene": scene.name,
+        "title": scene.title,
+        "source": scene.source,
+        "model": scene.fmu.model,
+        "fmu": str(scene.fmu.path) if scene.fmu.path else scene.fmu.model,
+        "table": scene.show.table,
+        "versions": dict(_versions()),
+        "hash": scene.hash,
+        "duration": scene.duration,
+        "output_interval": scene.communication_step,
+        "parameters": scene.all_parameters,
+        "construction": scene.construction.model_dump(),
+        "stopped": stopped,
+        "measures": {
+            name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}
+            for name, reading in readings.items()
+        },
+        "expectations": [
+            *judged_measures(scene.expect, readings),
+            *(during.judged(outputs, drive.columns) for during in scene.during),
+            *(
+                [scene.reference.judged(scene.reference_path, drive.columns)]
+                if scene.reference
+                else []
+            ),
+        ],
+        "unchecked": list(scene.unchecked),
+        "units": {"time": "s", **{name: outputs[name].unit for name in scene.columns}},
+        "rows": len(drive.columns["time"]),
+        "uncompiled": drive.uncompiled,
+        "build_time": build_time,
+        "run_time": drive.run_time,
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """What took part in a run."""
+    found = {"python": platform.python_version()}
+    for name in ("phaseplane", "fmpy", "pythonfmu", "numpy"):
+        with suppress(PackageNotFoundError):  # run from its sources
+            found[name] = version(name)
+    return found

@@ -1,0 +1,125 @@
+"""The studies written down: data, tables and pictures, each in a folder of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..results.folder import OUTPUT, check_replaceable, replaced_whole, write_summary
+
+
+def study_accuracy(
+    references: Sequence[str],
+    with_peers: bool,
+    repeats: int,
+    folder: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> tuple[dict[str, Any], str, Path]:
+    """Compare error against run time, and leave data, tables and a picture in a folder.
+
+    Parameters
+    ----------
+    references : names of problems or scenes; none for all problems
+    repeats : how often each run is timed
+    folder : replaced whole; None for `out/accuracy`
+
+    Returns
+    -------
+    The data, the tables as text, and the folder.
+
+    Raises
+    ------
+    InputError : no such problem or scene, or one that is no model of this project.
+    """
+    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+
+    from .accuracy import measure, solvers  # noqa: PLC0415
+    from .problems import PROBLEMS, find_problem  # noqa: PLC0415
+    from .telling import as_data, panels, table  # noqa: PLC0415
+
+    folder = folder or OUTPUT / "accuracy"
+    check_replaceable(folder)
+    problems = [find_problem(name) for name in references or PROBLEMS]
+    compared = solvers(with_peers=with_peers)
+    points = []
+    for k, problem in enumerate(problems):
+
+        def part(done: float, k: int = k) -> None:
+            if progress is not None:
+                progress((k + done) / len(problems))
+
+        points += measure(problem, compared, repeats, part)
+    data = as_data(problems, points, repeats)
+    tables = "\n\n".join(table(problem, points) for problem in problems)
+    with replaced_whole(folder) as draft:
+        figure = figures.work_precision(panels(problems, points), title="Error against run time")
+        figures.save(figure, draft / "accuracy.png")
+        (draft / "accuracy.txt").write_text(f"{tables}\n", encoding="utf-8")
+        write_summary(data, draft)
+    return data, tables, folder
+
+
+def study_stability(
+    references: Sequence[str],
+    folder: Path | None = None,
+    progress: Callable[[float], None] | None = None,
+    size: int = 32,
+) -> tuple[dict[str, Any], str, Path]:
+    """Find where steps grow, and leave data, a table and a picture in a folder.
+
+    Parameters
+    ----------
+    references : names of problems or scenes; none for all problems with switches
+    folder : replaced whole; None for `out/stability`
+    size : points on a side of the maps
+
+    Returns
+    -------
+    The data, the table as text, and the folder.
+
+    Raises
+    ------
+    InputError : no such problem or scene, or one that is no model of this project.
+    """
+    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
+    from phaseplane.figures.stability import GrowthMap  # noqa: PLC0415
+
+    from . import stability as study  # noqa: PLC0415
+    from .problems import PROBLEMS, find_problem  # noqa: PLC0415
+
+    folder = folder or OUTPUT / "stability"
+    check_replaceable(folder)
+    problems = [find_problem(name) for name in references or PROBLEMS]
+    if not references:
+        problems = [problem for problem in problems if problem.kind == "non-smooth"]
+
+    def part(first: float, width: float) -> Callable[[float], None]:
+        return lambda done: progress(first + width * done) if progress is not None else None
+
+    made = study.maps(size, part(0.0, 0.5))
+    found = study.limits(problems, part(0.5, 0.3))
+    happened = study.extremes(part(0.8, 0.2))
+    data, table = study.as_data(made, found, happened), study.table(found, happened)
+    figure = figures.stability_sheet(
+        {name: (made.phases, curve) for name, curve in made.curves.items()},
+        {"2√3": study.LINEAR, "order 8: 3.2": study.EIGHTH},
+        [
+            GrowthMap("Order 8, spectral radius of a step", made.grid, made.damping_ratios,
+                      "damping ratio", made.damped, study.EIGHTH),
+            GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
+                      "ratio of the springs", made.coupled, study.LINEAR),
+            GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
+                      "stop over spring", made.bounced, study.LINEAR),
+        ],
+        [
+            (one.problem, one.method, one.theory, one.measured)
+            for one in found
+            if one.theory is not None
+        ],
+    )  # fmt: skip
+    with replaced_whole(folder) as draft:
+        figures.save(figure, draft / "stability.png")
+        (draft / "stability.txt").write_text(f"{table}\n", encoding="utf-8")
+        write_summary(data, draft)
+    return data, table, folder
