@@ -1,40 +1,56 @@
 """The command line `phaseplane`.
 
-Every command imports what it needs when it runs, so that help costs nothing.
+Each command lies in a module that is imported when the command is called, or its own help is asked
+for; the list of commands is told from the table here.
 """
 
 from __future__ import annotations
 
 import click
 
-from .commands import (
-    authoring,
-    build,
-    listing,
-    modelling,
-    replay,
-    results,
-    run,
-    studies,
-    sweeping,
-    viewing,
-)
-from .commands.console import Commands
+import phaseplane
+
+from .commands.console import Commands, Entry
+
+COMMANDS = {
+    "run": Entry("run.run", "Run SCENE: a case (see `list`), a scene file, or any .fmu file."),
+    "sweep": Entry("sweeping.sweep", "Run a scene many times, as SWEEP says."),
+    "replay": Entry(
+        "replay.replay", "Draw the construction of a SCENE, or over the RESULTS of a run."
+    ),
+    "portrait": Entry(
+        "modelling.portrait", "Show the phase portrait of SCENE: equilibria, cycles, sections."
+    ),
+    "list": Entry(
+        "listing.list_cases", "List the scenes and the sweeps that come with the package."
+    ),
+    "new": Entry("authoring.new", "Write a scene to begin with, its choices explained."),
+    "schema": Entry("authoring.schema", "Explain the keys of a scene, or the variables of MODEL."),
+    "show": Entry("results.show", "Show what is in RESULTS: the folder of a run, or a table."),
+    "compare": Entry("results.compare", "Compare the results A and B column by column."),
+    "serve": Entry("viewing.serve", "Show all recordings of a folder on a page, until Ctrl-C."),
+    "build": Entry("build.build", "Pack FMUs: the MODELs named, or all."),
+    "ladder": Entry(
+        "modelling.ladder", "Find the smallest model that serves SCENE, by running them all."
+    ),
+    "accuracy": Entry(
+        "studies.accuracy", "Compare error with run time, on SCENEs or the package's problems."
+    ),
+    "rules": Entry("studies.rules", "Compare the construction's step rules with the exact motion."),
+    "stability": Entry("studies.stability", "Find where steps grow, in theory and in runs."),
+}
 
 
 def _version(ctx: click.Context, _option: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415
-
-        try:
-            click.echo(f"phaseplane {version('phaseplane')}")
-        except PackageNotFoundError:
-            click.echo("phaseplane, not installed")
+        click.echo(f"phaseplane {phaseplane.__version__}")
         ctx.exit()
 
 
 @click.group(
     cls=Commands,
+    entries=COMMANDS,
+    package=f"{__package__}.commands",
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
@@ -54,26 +70,6 @@ def main(ctx: click.Context) -> None:
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
-
-
-for _command in (
-    run.run,
-    replay.replay,
-    build.build,
-    listing.list_cases,
-    viewing.serve,
-    results.show,
-    results.compare,
-    modelling.ladder,
-    modelling.portrait,
-    sweeping.sweep,
-    studies.accuracy,
-    studies.rules,
-    studies.stability,
-    authoring.new,
-    authoring.schema,
-):
-    main.add_command(_command)
 
 
 if __name__ == "__main__":

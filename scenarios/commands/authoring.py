@@ -15,9 +15,10 @@ from .console import json_option
 @click.option("--sweep", is_flag=True, help="Tell what a sweep file may say.")
 @json_option
 def schema(model: str | None, sweep: bool, as_data: bool) -> None:
-    """Tell what a scene may say; with MODEL also its parameters, outputs and measures.
+    """Explain the keys of a scene, or the variables of MODEL.
 
-    As JSON it is a JSON Schema, which editors can check scene files by.
+    The variables are its parameters, outputs and measures. As JSON it is a JSON Schema, by which
+    editors can check scene files.
     """
     from ..results.folder import as_json  # noqa: PLC0415
     from .guide import guide, json_schema, sweep_guide, sweep_schema  # noqa: PLC0415
@@ -34,7 +35,7 @@ def schema(model: str | None, sweep: bool, as_data: bool) -> None:
 @click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
 @click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
 def new(path: Path, model: str) -> None:
-    """Write a scene to begin with, every choice explained."""
+    """Write a scene to begin with, its choices explained."""
     from .template import write_template  # noqa: PLC0415
 
     write_template(path, model)

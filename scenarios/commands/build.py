@@ -25,7 +25,10 @@ from .console import json_option
 @click.option("--ssp", is_flag=True, help="Also pack each vehicle on its road as an SSP system.")
 @json_option
 def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
-    """Pack FMUs: the MODELs named, or all; with a reference result beside each."""
+    """Pack FMUs: the MODELs named, or all.
+
+    A reference result is written beside each.
+    """
     from ..results.folder import as_json  # noqa: PLC0415
 
     files = [str(path) for path in build_models(models, output, ssp)]

@@ -6,11 +6,12 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from pathlib import Path
 from time import monotonic
-from typing import Any
+from typing import Any, NamedTuple
 
 import click
 
@@ -24,8 +25,58 @@ class _PipeClosedError(Exception):
     """Nobody reads the output any more."""
 
 
+class Entry(NamedTuple):
+    """A command as the list of commands shows it.
+
+    Parameters
+    ----------
+    place : its module and its name in there
+    help : the first sentence of its docstring
+    """
+
+    place: str
+    help: str
+
+
+class _Imported(Mapping[str, click.Command]):
+    """Commands by name, each imported when it is looked up."""
+
+    def __init__(self, entries: Mapping[str, Entry], package: str):
+        self._entries = entries
+        self._package = package
+
+    def __getitem__(self, name: str) -> click.Command:
+        module, attribute = self._entries[name].place.split(".")
+        command: click.Command = getattr(import_module(f"{self._package}.{module}"), attribute)
+        return command
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+
 class Commands(click.Group):
-    """Commands that end with a status and, if anything is wrong, one line on stderr."""
+    """Commands that end with a status and, if anything is wrong, one line on stderr.
+
+    Parameters
+    ----------
+    entries : the commands by name; each is imported when it is called
+    package : where their modules lie
+    """
+
+    def __init__(self, *args: Any, entries: Mapping[str, Entry], package: str, **extra: Any):
+        super().__init__(*args, **extra)
+        self.entries = entries
+        self.commands = _Imported(entries, package)  # type: ignore[assignment]
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.entries)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, entry.help) for name, entry in self.entries.items()])
 
     def main(
         self,

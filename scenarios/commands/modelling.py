@@ -67,7 +67,7 @@ def portrait(
     dark: bool,
     as_data: bool,
 ) -> None:
-    """Show the phase portrait of SCENE: equilibria with their kinds, limit cycles, sections."""
+    """Show the phase portrait of SCENE: equilibria, cycles, sections."""
     from ..draw.portraits import portrait as make  # noqa: PLC0415
     from ..draw.portraits import portrait_in_words  # noqa: PLC0415
     from ..results.folder import as_json  # noqa: PLC0415

@@ -67,7 +67,7 @@ def replay(
     address: str,
     as_data: bool,
 ) -> None:
-    """Replay the graphical construction of a SCENE, or lay it over the RESULTS of a run."""
+    """Draw the construction of a SCENE, or over the RESULTS of a run."""
     from ..results.folder import as_json  # noqa: PLC0415
     from ..results.report import drift_words  # noqa: PLC0415
 

@@ -19,7 +19,7 @@ _columns = click.option(
 @figure_option("the columns over time")
 @json_option
 def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
-    """Show what is in RESULTS: a folder that a run left, or a table by itself."""
+    """Show what is in RESULTS: the folder of a run, or a table."""
     from ..results.folder import as_json  # noqa: PLC0415
     from ..results.inspection import contents, contents_in_words  # noqa: PLC0415
 
@@ -49,7 +49,10 @@ def compare(
     figure: Path | None,
     as_data: bool,
 ) -> int:
-    """Compare the results A and B column by column; exit status 1 if they differ."""
+    """Compare the results A and B column by column.
+
+    Exit status 1 if they differ.
+    """
     from ..results.folder import as_json  # noqa: PLC0415
     from ..results.inspection import difference, difference_in_words  # noqa: PLC0415
 

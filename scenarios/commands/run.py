@@ -55,7 +55,7 @@ def run(
     planes: tuple[str, ...],
     as_data: bool,
 ) -> int:
-    """Run SCENE: the name of a case (see `list`), a scene file, or any .fmu file.
+    """Run SCENE: a case (see `list`), a scene file, or any .fmu file.
 
     With --connect, --serve or --save it is shown or recorded while it goes on.
     """

@@ -30,7 +30,7 @@ from .console import json_option, progress_bar, set_option
 def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
 ) -> None:
-    """Compare error against run time, on SCENEs or on the problems that come with the package."""
+    """Compare error with run time, on SCENEs or the package's problems."""
     from ..results.folder import as_json  # noqa: PLC0415
     from ..studies.reports import study_accuracy  # noqa: PLC0415
 
@@ -44,9 +44,10 @@ def accuracy(
 @set_option
 @json_option
 def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
-    """Compare the step rules of the construction of SCENE, and the integrator, with the exact motion.
+    """Compare the construction's step rules with the exact motion.
 
-    [default: ap57_figure13, the 60 points of the worked example]
+    The integrator is compared, too. [default of SCENE: ap57_figure13, the 60 points of the worked
+    example]
     """
     from ..results.folder import as_json  # noqa: PLC0415
     from ..scene.loading import load_scene  # noqa: PLC0415
@@ -70,9 +71,10 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
 )
 @json_option
 def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> None:
-    """Find where steps grow, in theory and on SCENEs or the problems that come with the package.
+    """Find where steps grow, in theory and in runs.
 
-    Also runs a table of extreme cases; status 1 if one of them went wrong.
+    The runs are those of SCENEs, or of the problems that come with the package. Also runs a table of
+    extreme cases; exit status 1 if one of them went wrong.
     """
     from ..errors import RunError  # noqa: PLC0415
     from ..results.folder import as_json  # noqa: PLC0415

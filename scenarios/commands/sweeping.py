@@ -41,10 +41,11 @@ def sweep(
     table: str,
     as_data: bool,
 ) -> int:
-    """Run a scene many times, as SWEEP says: a grid, a list, or a sample of parameters.
+    """Run a scene many times, as SWEEP says.
 
-    SWEEP is the name of a sweep that comes along (see `list`), or a file: `schema --sweep` tells what it
-    may say. An interrupted sweep goes on where it stopped when it is started again.
+    SWEEP is the name of a sweep that comes along (see `list`), or a file that gives a grid, a list, or a
+    sample of parameters: see `schema --sweep`. An interrupted sweep goes on where it stopped when it
+    is started again.
     """
     from ..results.folder import as_json  # noqa: PLC0415
     from ..sweeps.job import run_sweep  # noqa: PLC0415

@@ -7,13 +7,16 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
+from click import Command, Context
 from click.testing import CliRunner, Result
 from fmpy.util import read_csv
-from phaseplane.scenarios.cli import main
+from phaseplane.scenarios import commands
+from phaseplane.scenarios.cli import COMMANDS, main
 from phaseplane.vehicle_fmus.build import SCRIPTS
 
 ROOT = Path(__file__).parents[2]
@@ -71,6 +74,25 @@ def test_the_command_line_imports_nothing_heavy() -> None:
         "phaseplane.suspension", "phaseplane.vehicle_fmus", "phaseplane.constructions",
         "phaseplane.figures",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_of_commands_says_what_each_says_of_itself(name: str) -> None:
+    command = main.get_command(Context(main), name)
+    assert command is not None
+    assert command.name == name
+    assert (command.help or "").partition("\n\n")[0].replace("\n", " ") == COMMANDS[name].help
+    assert len(COMMANDS[name].help) < 68  # on one line of a terminal of 80 columns
+
+
+def test_every_command_of_the_package_is_listed() -> None:
+    listed = {entry.place for entry in COMMANDS.values()}
+    assert listed == {
+        f"{module.stem}.{attribute}"
+        for module in Path(commands.__path__[0]).glob("*.py")
+        for attribute, value in vars(import_module(f"{commands.__name__}.{module.stem}")).items()
+        if isinstance(value, Command)
+    }
 
 
 def test_a_bare_run_imports_neither_pictures_nor_recordings(fmu: Path) -> None:
