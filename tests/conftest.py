@@ -7,6 +7,11 @@ import signal
 from collections.abc import Generator
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+# no test counts on seconds: other programs may have the machine
+settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("busy")
 
 # what a shell starts in the background ignores interrupts, and so would all that the tests start
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:

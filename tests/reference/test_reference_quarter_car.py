@@ -105,7 +105,7 @@ ANY_CAR = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=6, deadline=None, derandomize=True)
+@settings(max_examples=6, derandomize=True)
 @given(car=ANY_CAR)
 def test_the_two_references_agree_for_any_car(car: dict[str, Any]) -> None:
     times = np.linspace(0.0, 0.4, 41)

@@ -289,9 +289,7 @@ def told(reference: str, *overrides: str) -> str:
     return ""
 
 
-@settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_a_mutated_scene_is_read_or_refused_in_one_line(
     tmp_path: Path, data: st.DataObject
@@ -308,7 +306,7 @@ def test_a_mutated_scene_is_read_or_refused_in_one_line(
     assert not message or "mutated.toml" in message
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(
     key=st.sampled_from([
         "duration", "fmu", "title", "source", "speed", "spring.rate", "spring.table", "lift_off",

@@ -16,7 +16,7 @@ METADATA = {"scene": "größer", "measures": {"x": [1.5, None]}, "holds": True}
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(values=st.lists(st.floats(allow_nan=False, allow_infinity=False), min_size=1, max_size=9))
 def test_numbers_and_metadata_come_back(
     tmp_path_factory: pytest.TempPathFactory, ending: str, values: list[float]

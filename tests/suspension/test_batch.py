@@ -240,7 +240,7 @@ def test_no_run_shows_what_came_before_it(model: str) -> None:
     """Whatever changes from run to run, each is to the bit what it is alone, failures among them."""
     outputs, ends = outputs_over_time(model), outputs_at_end(model)
 
-    @settings(max_examples=25, deadline=None)
+    @settings(max_examples=25)
     @given(many(model))
     def check(sets: list[dict[str, object]]) -> None:
         sets = sets * 2  # a worker takes half of them at a time

@@ -81,7 +81,7 @@ def told(integrator: Any, system: System) -> tuple[object, ...]:
 
 @pytest.mark.parametrize("model", list(MODELS))
 def test_it_is_a_new_one_to_the_bit(model: str) -> None:
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=40)
     @given(runs(model), st.randoms(use_true_random=False))
     def check(drawn: tuple[dict[str, Any], list[System], float], random: Any) -> None:
         options, systems, start = drawn

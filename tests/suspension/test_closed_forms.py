@@ -68,7 +68,7 @@ def swing(natural: float, ratio: float, t: np.ndarray) -> tuple[np.ndarray, np.n
 RATIOS = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.01, 3.0))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.floats(0.1, 500.0), st.floats(1.0, 100.0), RATIOS, st.floats(-1.0, 1.0))
 def test_damped_free_vibration(mass: float, natural: float, ratio: float, speed: float) -> None:
     """Below, at and above critical damping."""
@@ -80,7 +80,7 @@ def test_damped_free_vibration(mass: float, natural: float, ratio: float, speed:
     assert np.abs(found - expected).max() < 1e-10 * np.abs(expected).max()
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.floats(20.0, 800.0), st.floats(3.0, 30.0), RATIOS, st.sampled_from([-5e3, 10.0, 700.0]))
 def test_step_of_the_force_on_the_body(
     mass: float, natural: float, ratio: float, force: float

@@ -178,7 +178,7 @@ def test_any_mass_ratio_sticks_and_slips_alike(mass: float) -> None:
         assert position(integrator, t) == pytest.approx(position(plain, t), rel=1e-9)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=40, derandomize=True)
 @given(
     st.floats(0.01, 5.0), st.floats(-0.05, 0.05), st.floats(-1.0, 1.0),
     st.lists(st.floats(-8.0, 8.0), min_size=1, max_size=6),

@@ -278,7 +278,7 @@ def test_a_sudden_change_of_road_velocity_may_lift_the_wheel_at_once() -> None:
     assert error(parameters, truth) < 1e-6
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     st.floats(0.001, 0.1),
     st.floats(0.2, 5.0),
@@ -306,7 +306,7 @@ def test_mirrored_road_and_laws_give_the_mirrored_motion(
     assert np.abs(one + other).max() < 1e-6 * np.abs(one).max() + 1e-12
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(-20, 20), st.floats(0.3, 3.0), st.floats(3.0, 30.0))
 def test_other_units_of_mass_scale_exactly(power: int, length: float, speed: float) -> None:
     """All masses, rates and forces times a power of two: the same motion to the bit."""
@@ -379,7 +379,7 @@ def test_the_error_goes_with_the_tolerance() -> None:
     assert max(typical) < min(0.5, 2.5 * min(typical))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     st.floats(-1.0, 5.0), st.floats(-2.0, 5.0), st.floats(-2.0, 9.0), st.floats(-2.0, 9.0),
     st.floats(-3.0, 3.0), st.floats(-4.0, 0.0), st.floats(-1.0, 2.5), st.booleans(),

@@ -51,7 +51,7 @@ def in_other_units(
 POWERS = st.integers(-8, 8).map(lambda k: 2.0**k)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.sampled_from(VEHICLES), st.integers(0, 9), POWERS, POWERS, POWERS)
 def test_results_in_other_units_scale_to_the_bit(
     model: str, number: int, length: float, time: float, mass: float
@@ -71,7 +71,7 @@ def test_results_in_other_units_scale_to_the_bit(
     assert np.array_equal(one * length, scaled)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 29), st.integers(-8, 8))
 def test_a_frame_in_other_units_of_force_moves_alike(number: int, power: int) -> None:
     """Mass, damping, stiffness, yield force and load times a power of two: the same to the bit."""

@@ -265,7 +265,7 @@ def test_a_full_car_rolls_over_a_bump_on_one_side_and_its_energy_balances() -> N
     assert largest > 1e-3
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(
     st.sampled_from(["OneDof", "HalfCarRigidTyres", "HalfCar"]),
     st.floats(0.3, 3.0),

@@ -50,7 +50,7 @@ def parameter_sets(draw: st.DrawFn, model: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("model", list(MODELS))
 def test_a_run_has_numbers_or_a_reason(model: str) -> None:
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(parameter_sets(model))
     def run(parameters: dict[str, Any]) -> None:
         try:

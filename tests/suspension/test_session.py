@@ -28,7 +28,7 @@ def test_every_output_has_the_type_of_its_declaration(model: str) -> None:
         assert type(session.value(v.name)) is type(v.start), v.name
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.floats(1e-5, 0.03), min_size=1, max_size=40))
 def test_results_do_not_depend_on_the_communication_steps(lengths: list[float]) -> None:
     instants = np.cumsum(lengths)

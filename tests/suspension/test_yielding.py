@@ -156,7 +156,7 @@ def test_against_scipy_with_the_set_as_a_third_state(hardening: float) -> None:
     assert abs(integrator.residual_end) < 1e-9
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     st.floats(0.5, 20.0), st.floats(0.0, 0.95), st.floats(0.0, 300.0),
     st.lists(st.floats(-30.0, 30.0), min_size=2, max_size=8),
