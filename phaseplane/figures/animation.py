@@ -10,8 +10,7 @@ from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.collections import LineCollection
 
 from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.constructions.sheet import trail
-from phaseplane.figures.canvas import Sheet, step_strips, time_words
+from phaseplane.figures.canvas import Sheet, step_strips, time_words, vertices
 from phaseplane.figures.planes import BODY_CURVES, view_of
 from phaseplane.figures.style import palette_for, role_style, written_whole
 
@@ -50,8 +49,7 @@ def animation(
     sheet = Sheet(drawing, view_of(drawing, shown, turn=False), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(BODY_CURVES)
-    for plane in drawing.planes:
-        sheet.lines("foot", [trail(plane, drawing.frames)])
+    sheet.lines("foot", sheet.motions)
     sheet.events()
     moving = _moving(sheet)
     sheet.finish(title, drawing.title)
@@ -101,10 +99,9 @@ def _growing(
         color=sheet.palette.ink, gid="clock",
     )  # fmt: skip
     for frame in shown:
-        so_far = drawing.frames[: frame.step + 1]
         strips = step_strips(drawing, frame, repeated=False, turn=False)
-        strips["trail"] = [trail(plane, so_far) for plane in drawing.planes]
+        strips["trail"] = [motion[: frame.step + 2] for motion in sheet.motions]
         for role, lines in moving.items():
-            lines.set_segments([[(z.real, z.imag) for z in s] for s in strips.get(role, [])])
+            lines.set_segments([vertices(strip) for strip in strips.get(role, [])])
         clock.set_text(time_words(frame.time))
         yield frame

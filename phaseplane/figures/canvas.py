@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from cmath import exp, phase
+from cmath import phase
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from math import ceil, floor
 from textwrap import wrap
 
+import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Frame, Plane
 from phaseplane.constructions.rules import REPEATED
-from phaseplane.constructions.sheet import events_of, reach, round_step, trail
-from phaseplane.figures.lettering import Box, place, text_box, typeset
+from phaseplane.constructions.sheet import events_of, round_step, trail
+from phaseplane.figures.lettering import Box, Points, place, text_box, typeset
 from phaseplane.figures.style import Palette, new_figure, role_style
 
 _TYPE = 9.0  # size of the letters, points
@@ -39,9 +40,20 @@ class Graduation:
     factor: float
 
 
-def graduation_of(axis: Axis, points: Sequence[complex], least: float = 0.0) -> Graduation:
+def motions_of(drawing: Drawing) -> list[Points]:
+    """The state points of each plane, with the end of the motion, shape (frames + 1,)."""
+    return [np.array(trail(plane, drawing.frames)) for plane in drawing.planes]
+
+
+def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
+    """Smallest and largest value on an axis in a motion; zero is always included."""
+    values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
+    return min(0.0, float(values.min())), max(0.0, float(values.max()))
+
+
+def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
     """Round values across the motion, at least so much of the sheet apart."""
-    low, high = reach(axis, points)
+    low, high = reach_of(axis, motion)
     unit, factor = ("cm", 100.0) if high - low >= 0.01 else ("mm", 1000.0)
     if axis.unit != "m":
         unit, factor = axis.unit, 1.0
@@ -75,21 +87,35 @@ class Sheet:
         self.axes.set_xlim(corner.real, corner.real + size.real)
         self.axes.set_ylim(corner.imag, corner.imag + size.imag)
         self.em = _TYPE / 72.0 / self.inches
-        self.segments: list[tuple[complex, complex]] = []
+        self.motions = motions_of(drawing)
+        self._segments = [np.zeros((0, 2), complex)]
         self.taken: list[Box] = []
         self.seen: dict[str, None] = {}
+
+    @property
+    def segments(self) -> Points:
+        """Ends of all lines drawn so far, shape (segments, 2)."""
+        self._segments = [np.concatenate(self._segments)]
+        return self._segments[0]
+
+    def spare(self, strip: Sequence[complex] | Points) -> None:
+        """Let later letters spare the segments of a polyline."""
+        points = np.asarray(strip, complex)
+        self._segments.append(np.stack((points[:-1], points[1:]), axis=1))
 
     def colour(self, role: str) -> str:
         return role_style(role).colour or self.palette.faint
 
-    def lines(self, role: str, strips: Sequence[Sequence[complex]], thin: float = 1.0) -> None:
+    def lines(
+        self, role: str, strips: Sequence[Sequence[complex] | Points], thin: float = 1.0
+    ) -> None:
         """Polylines of one role."""
         if not strips:
             return
         look = role_style(role)
         self.axes.add_collection(
             LineCollection(
-                [[(z.real, z.imag) for z in strip] for strip in strips],
+                [vertices(strip) for strip in strips],
                 colors=self.colour(role),
                 linewidths=look.width * thin,
                 linestyles=look.dash,
@@ -100,7 +126,8 @@ class Sheet:
             ),
             autolim=False,
         )
-        self.segments += [pair for strip in strips for pair in pairwise(strip)]
+        for strip in strips:
+            self.spare(strip)
         self.seen[role] = None
 
     def dots(self, role: str, points: Sequence[complex], size: float = 1.0) -> None:
@@ -134,10 +161,9 @@ class Sheet:
 
     def axes_of_planes(self) -> None:
         """Axes with arrows, ticks, values and names."""
-        for plane in self.drawing.planes:
-            points = trail(plane, self.drawing.frames)
-            self._horizontal(plane, points)
-            self._vertical(plane, points)
+        for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
+            self._horizontal(plane, motion)
+            self._vertical(plane, motion)
 
     def _arrow(self, start: complex, tip: complex) -> None:
         self.axes.annotate(
@@ -153,9 +179,9 @@ class Sheet:
             },
             zorder=1.5,
         )
-        self.segments.append((start, tip))
+        self.spare((start, tip))
 
-    def _horizontal(self, plane: Plane, points: Sequence[complex]) -> None:
+    def _horizontal(self, plane: Plane, motion: Points) -> None:
         """The y axis runs across the whole view, because the feet of normals lie far out on it."""
         axis, em = plane.displacement, self.em
         sense = axis.direction.real
@@ -163,7 +189,7 @@ class Sheet:
         start = complex(self.view.centre.real - sense * edge, axis.origin.imag)
         tip = complex(self.view.centre.real + sense * edge, axis.origin.imag)
         self._arrow(start, tip)
-        graduation = graduation_of(axis, points, 2.2 * em)
+        graduation = graduation_of(axis, motion, 2.2 * em)
         for value in graduation.values:
             at = axis.at(value)
             self._tick(at, 0.35j * em)
@@ -173,15 +199,15 @@ class Sheet:
         name = "\n".join(rows) + f" {typeset(axis.label)}{_bracketed(graduation.unit)}"
         self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
 
-    def _vertical(self, plane: Plane, points: Sequence[complex]) -> None:
+    def _vertical(self, plane: Plane, motion: Points) -> None:
         """The y-bar axis is as long as the motion, to keep clear of the other plane."""
         axis, em = plane.scaled_velocity, self.em
-        graduation = graduation_of(axis, points)
-        ends = [0.0, *graduation.values, *reach(axis, points)]
+        graduation = graduation_of(axis, motion)
+        ends = [0.0, *graduation.values, *reach_of(axis, motion)]
         start, tip = axis.at(min(ends)) - 0.8j * em, axis.at(max(ends)) + 1.6j * em
         self._arrow(start, tip)
         # beside the axis on the side where the motion is not
-        side = -1.0 if sum((z - axis.origin).real for z in points) > 0.0 else 1.0
+        side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
         for value in graduation.values:
             at = axis.at(value)
             self._tick(at, 0.35 * em)
@@ -258,7 +284,7 @@ class Sheet:
 
     def trails(self) -> None:
         """The motion in all planes."""
-        self.lines("trail", [trail(plane, self.drawing.frames) for plane in self.drawing.planes])
+        self.lines("trail", self.motions)
 
     def step(self, frame: Frame, *, repeated: bool, turn: bool, thin: float = 1.0) -> None:
         """All lines and points of one step."""
@@ -272,15 +298,16 @@ class Sheet:
 
     def events(self) -> None:
         """Lift-off U and touchdown V in every plane."""
-        for frame in self.drawing.frames:
-            for event, planes in events_of(frame, self.drawing.planes):
-                points = [frame.points[plane.state] for plane in planes]
-                self.dots("event", points)
-                letter = _EVENTS.get(event, event)
-                letters = [(z, letter) for z in points]
-                centres = place(letters, self.em, self.view, self.segments, self.taken)
-                for centre in centres:
-                    self.write(centre, letter, self.colour("event"), 10.0)
+        colour = self.colour("event")
+        named = [
+            (frame.points[plane.state], _EVENTS.get(event, event), colour)
+            for frame in self.drawing.frames
+            for event, planes in events_of(frame, self.drawing.planes)
+            for plane in planes
+        ]
+        if named:
+            self.dots("event", [z for z, *_ in named])
+            self.letter(named)
 
     def letters(self, frame: Frame) -> None:
         """The letters of one step."""
@@ -315,7 +342,8 @@ class Sheet:
             points.append((last.points[plane.state + "'"], str(last.step + 1)))
             self.dots("state", [z for z, _ in points], 0.6)
             # no place is free of lines here: only letters and points are spared
-            centres = place(points, 0.8 * self.em, self.view, (), self.taken)
+            nothing = np.zeros((0, 2), complex)
+            centres = place(points, 0.8 * self.em, self.view, nothing, self.taken)
             for (_, text), centre in zip(points, centres, strict=True):
                 self.write(centre, text, self.colour("state"), 7.0)
 
@@ -353,7 +381,7 @@ class Sheet:
 
 def step_strips(
     drawing: Drawing, frame: Frame, *, repeated: bool, turn: bool
-) -> dict[str, list[Sequence[complex]]]:
+) -> dict[str, list[Sequence[complex] | Points]]:
     """The lines of one step by role.
 
     Parameters
@@ -362,7 +390,7 @@ def step_strips(
     turn : with the arcs of the turn angles
     """
     scheme, points = drawing.schemes[frame.scheme], frame.points
-    by_role: dict[str, list[Sequence[complex]]] = {}
+    by_role: dict[str, list[Sequence[complex] | Points]] = {}
     for stroke in scheme.strokes:
         if repeated or is_main(stroke.start + stroke.end):
             by_role.setdefault(stroke.role, []).append([points[stroke.start], points[stroke.end]])
@@ -373,15 +401,20 @@ def step_strips(
     return by_role
 
 
-def arc_vertices(arc: Arc, frame: Frame) -> list[complex]:
+def vertices(strip: Sequence[complex] | Points) -> npt.NDArray[np.float64]:
+    """A polyline as matplotlib takes it, shape (points, 2)."""
+    points = np.asarray(strip, complex)
+    return np.column_stack((points.real, points.imag))
+
+
+def arc_vertices(arc: Arc, frame: Frame) -> Points:
     """A polyline along an arc."""
     centre, start = frame.points[arc.centre], frame.points[arc.start]
     radius, to = start - centre, frame.points[arc.end] - centre
     if radius == 0.0 or to == 0.0:
-        return [start, start]
+        return np.array([start, start])
     turn = phase(to / radius)
-    parts = 2 + ceil(abs(turn) / 0.05)
-    return [centre + radius * exp(1j * turn * i / parts) for i in range(parts + 1)]
+    return centre + radius * np.exp(1j * turn * np.linspace(0.0, 1.0, 3 + ceil(abs(turn) / 0.05)))
 
 
 def time_words(time: float) -> str:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from cmath import exp
 from math import ceil
 
+import numpy as np
+
 from phaseplane.figures.canvas import Sheet
-from phaseplane.figures.lettering import Box, text_box
+from phaseplane.figures.lettering import Box, Boxes, text_box
 
 _SIZE = 8.0  # of the text, points
-_PARTS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # of the line, at which the text may stand
+_PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # of the line, at which the text may stand
 
 
 def length(sheet: Sheet, start: complex, end: complex, text: str, *, towards: complex) -> None:
@@ -35,19 +37,17 @@ def length(sheet: Sheet, start: complex, end: complex, text: str, *, towards: co
     upright = abs(way.imag) > max(abs(way.real), 2.0 * size.real)
     half = complex(size.imag, size.real) if upright else size
     away = (0.3 * sheet.em + abs((half * towards.conjugate()).real)) * towards
-    boxes = [Box(start + part * way + away, half) for part in _PARTS]
-
-    def crossed(box: Box) -> float:
-        written = sum(box.overlap(other) for other in sheet.taken) / sheet.em
-        return written + sum(box.inside(*segment) for segment in sheet.segments)
-
-    best = min(boxes, key=crossed)
+    centres = start + _PARTS * way + away
+    boxes = Boxes(centres[:, None], np.array(half))
+    written = boxes.overlap(Boxes.of(sheet.taken)).sum(axis=1) / sheet.em
+    crossed = boxes.inside(sheet.segments[:, 0], sheet.segments[:, 1]).sum(axis=1)
+    best = Box(complex(centres[(written + crossed).argmin()]), half)
     sheet.axes.text(
         best.centre.real, best.centre.imag, text, color=ink, fontsize=_SIZE, ha="center",
         va="center", rotation=90.0 if upright else 0.0, path_effects=sheet.palette.halo(),
         zorder=6.0, gid="dimension",
     )  # fmt: skip
-    sheet.segments.append((start, end))
+    sheet.spare((start, end))
     sheet.taken.append(best)
 
 

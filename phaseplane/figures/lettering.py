@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import re
-from cmath import rect
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 
+import numpy as np
+import numpy.typing as npt
+
+Points = npt.NDArray[np.complex128]
+Lengths = npt.NDArray[np.floating]
+
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
-_RADII = (1.0, 1.5, 2.2, 3.2)  # at which a letter may stand from its point, in em
-_DIRECTIONS = tuple(rect(1.0, (i + 0.5) * pi / 8.0) for i in range(16))
+_RADII = np.repeat([1.0, 1.5, 2.2, 3.2], 16)  # at which a letter may stand from its point, in em
+_DIRECTIONS = np.tile(np.exp(1j * (np.arange(16) + 0.5) * pi / 8.0), 4)
+_FARTHEST = _RADII[-1]
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A rectangle that text takes up: its centre and half its width and height."""
+    """A rectangle: its centre and half its width and height."""
 
     centre: complex
     half: complex
@@ -36,22 +42,46 @@ class Box:
         """Whether another box lies wholly inside."""
         return Box(self.centre, self.half - other.half).holds(other.centre)
 
-    def inside(self, start: complex, end: complex) -> float:
-        """Length of the part of a segment that lies in the box."""
-        way = end - start
-        low, high = 0.0, 1.0
-        begin = start - self.centre
-        for position, step, half in (
-            (begin.real, way.real, self.half.real),
-            (begin.imag, way.imag, self.half.imag),
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Rectangles by their centres and halves, which may be of any shapes that numpy broadcasts."""
+
+    centres: Points
+    halves: Points
+
+    @classmethod
+    def of(cls, boxes: Sequence[Box]) -> Boxes:
+        """Boxes in a row."""
+        row = np.array([(box.centre, box.half) for box in boxes], complex).reshape(-1, 2)
+        return cls(row[:, 0], row[:, 1])
+
+    def overlap(self, other: Boxes) -> Lengths:
+        """Area common to each and another."""
+        apart, reach = self.centres - other.centres, self.halves + other.halves
+        across = np.maximum(0.0, reach.real - abs(apart.real))
+        return across * np.maximum(0.0, reach.imag - abs(apart.imag))
+
+    def within(self, view: Box) -> npt.NDArray[np.bool_]:
+        """Whether each lies wholly in a view."""
+        apart, room = self.centres - view.centre, view.half - self.halves
+        return (abs(apart.real) <= room.real) & (abs(apart.imag) <= room.imag)
+
+    def inside(self, starts: Points, ends: Points) -> Lengths:
+        """Length of the part of each segment that lies in each box."""
+        ways, begins = ends - starts, starts - self.centres
+        low: Lengths = np.zeros(())
+        high: Lengths = np.ones(())
+        for step, position, half in (
+            (ways.real, begins.real, self.halves.real),
+            (ways.imag, begins.imag, self.halves.imag),
         ):
-            if step == 0.0:
-                if abs(position) > half:
-                    return 0.0
-                continue
-            one, other = (-half - position) / step, (half - position) / step
-            low, high = max(low, min(one, other)), min(high, max(one, other))
-        return abs(way) * (high - low) if high > low else 0.0
+            # a step of zero gives infinities: no bound for a segment within, none left for one beside
+            with np.errstate(divide="ignore", invalid="ignore"):
+                one, other = (-half - position) / step, (half - position) / step
+            low = np.maximum(low, np.fmin(one, other))
+            high = np.minimum(high, np.fmax(one, other))
+        return abs(ways) * np.maximum(0.0, high - low)
 
 
 def text_box(centre: complex, text: str, em: float) -> Box:
@@ -64,48 +94,57 @@ def place(
     letters: Sequence[tuple[complex, str]],
     em: float,
     view: Box,
-    segments: Sequence[tuple[complex, complex]],
-    taken: Iterable[Box] = (),
+    segments: Points,
+    taken: Sequence[Box] = (),
 ) -> list[complex]:
     """Centres for letters beside their points.
+
+    The letters of the densest crowd are placed first. Each takes the cheapest of 64 places about its
+    point: near it, not over other letters, points or lines, nearer to its own point than to others.
 
     Parameters
     ----------
     letters : point and text of each
     em : size of the type in units of the sheet
     view : what is seen; letters stay inside
-    segments : what is drawn, not to be written across
+    segments : ends of what is drawn, not to be written across, shape (segments, 2)
     taken : where something is written already
     """
-    boxes = list(taken)
-    points = [point for point, _ in letters]
-    crowd = [sum(1 for q in points if abs(p - q) < 2.5 * em) for p in points]
-    centres = list(points)
-    for i in sorted(range(len(letters)), key=lambda i: -crowd[i]):
-        point, text = letters[i]
-        size = text_box(0j, text, em).half
-        best, least = point, float("inf")
-        for radius in _RADII:
-            for direction in _DIRECTIONS:
-                reach = radius * em * direction
-                centre = point + complex(
-                    reach.real + (size.real - 0.3 * em) * direction.real, reach.imag
-                )
-                box = Box(centre, size)
-                cost = (
-                    0.7 * radius
-                    + 40.0 * sum(box.overlap(other) for other in boxes) / em**2
-                    + 4.0 * sum(Box(q, 0.15 * em * (1 + 1j)).overlap(box) > 0.0 for q in points)
-                    + 1.5 * sum(box.inside(*segment) for segment in segments) / em
-                )
-                cost += 2.0 * sum(abs(q - centre) < abs(point - centre) for q in points)
-                if not view.contains(box):
-                    cost += 100.0
-                if cost < least:
-                    best, least = centre, cost
-        centres[i] = best
-        boxes.append(Box(best, size))
-    return centres
+    points = np.array([point for point, _ in letters], complex)
+    sizes = np.array([text_box(0j, text, em).half for _, text in letters], complex)
+    written = Boxes.of(taken)
+    known = len(taken)
+    room = np.zeros(len(letters), complex)
+    boxes = np.concatenate((written.centres, room))
+    halves = np.concatenate((written.halves, room))
+    crowd = (abs(points[:, None] - points) < 2.5 * em).sum(axis=1)
+    dots = Boxes(points, np.array(0.15 * em * (1 + 1j)))
+    centres = points.copy()
+    for count, i in enumerate(np.argsort(-crowd, kind="stable"), known):
+        point, size = points[i], sizes[i]
+        at = point + _RADII * em * _DIRECTIONS + (size.real - 0.3 * em) * _DIRECTIONS.real
+        box = Boxes(at[:, None], size)
+        near = segments[_about(point, _FARTHEST * em * (1 + 1j) + 2.0 * size, segments)]
+        cost = (
+            0.7 * _RADII
+            + 40.0 * box.overlap(Boxes(boxes[:count], halves[:count])).sum(axis=1) / em**2
+            + 4.0 * (box.overlap(dots) > 0.0).sum(axis=1)
+            + 1.5 * box.inside(near[:, 0], near[:, 1]).sum(axis=1) / em
+            + 2.0 * (abs(points - at[:, None]) < abs(point - at)[:, None]).sum(axis=1)
+            + 100.0 * ~Boxes(at, size).within(view)
+        )
+        centres[i] = boxes[count] = at[cost.argmin()]
+        halves[count] = size
+    return [complex(centre) for centre in centres]
+
+
+def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bool_]:
+    """Which segments may come as near to a point as this."""
+    near = np.ones(len(segments), bool)
+    apart = segments - point
+    for part, reach in ((apart.real, half.real), (apart.imag, half.imag)):
+        near &= (part.min(axis=1) <= reach) & (part.max(axis=1) >= -reach)
+    return near
 
 
 def typeset(label: str) -> str:

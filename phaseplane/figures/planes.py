@@ -4,12 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.constructions.sheet import reach, trail
-from phaseplane.figures.canvas import Sheet, graduation_of, is_main, time_words
-from phaseplane.figures.lettering import Box
+from phaseplane.figures.canvas import (
+    Sheet,
+    graduation_of,
+    is_main,
+    motions_of,
+    reach_of,
+    time_words,
+)
+from phaseplane.figures.lettering import Box, Points
 from phaseplane.figures.style import palette_for
 
 _NAME = 0.16  # of a sheet's height: what the name of an axis takes up
@@ -120,27 +127,20 @@ def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
     mode : of the step; left out, that of the first
     """
     mode = mode or drawing.frames[0].scheme
+    frames = [frame for frame in drawing.frames if frame.scheme == mode]
     names = [m.point for m in drawing.schemes[mode].marks if is_main(m.point) and m.label]
-
-    def room(frame: Frame) -> float:
-        points = [frame.points[name] for name in names if not name.endswith("'")]
-        gaps = sorted(abs(p - q) for i, p in enumerate(points) for q in points[:i])
-        box = view_of(drawing, [frame], turn=False)
-        return sum(gaps[:5]) / abs(box.half) ** 2
-
-    return max((f for f in drawing.frames if f.scheme == mode), key=room)
+    names = [name for name in names if not name.endswith("'")]
+    points = np.array([[frame.points[name] for name in names] for frame in frames])
+    one, other = np.triu_indices(len(names), 1)
+    gaps = np.sort(abs(points[:, one] - points[:, other]), axis=1)
+    seen = np.array([[frame.points[name] for name in _seen(drawing, mode)] for frame in frames])
+    _, halves = bounds(_shown(drawing, seen))
+    return frames[int((gaps[:, :5].sum(axis=1) / abs(halves) ** 2).argmax())]
 
 
 def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
     """What has to be seen of the sheet, with a margin."""
-    names = {
-        mark.point
-        for frame in frames
-        for mark in drawing.schemes[frame.scheme].marks
-        if is_main(mark.point) and not mark.point.startswith("S")
-    }
-    points = [frame.points[name] for frame in frames for name in names if name in frame.points]
-    points += motion_points(drawing)
+    points = [frame.points[name] for frame in frames for name in _seen(drawing, frame.scheme)]
     if turn:
         points += [
             vertex
@@ -148,37 +148,67 @@ def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
             if curve.role not in BODY_CURVES
             for vertex in curve.vertices
         ]
-    return around(points + name_room(drawing, points))
+    return around(_shown(drawing, np.array(points)))
 
 
-def name_room(drawing: Drawing, points: Sequence[complex]) -> list[complex]:
-    """How far the y axes go beyond the motion for their names, on a sheet with these points."""
-    heights = [point.imag for point in points]
-    room = _NAME * (max(heights) - min(heights))
-    ends = []
-    for plane in drawing.planes:
-        axis, motion = plane.displacement, trail(plane, drawing.frames)
-        ends.append(axis.at(reach(axis, motion)[1]) + room * axis.direction)
-    return ends
+def _seen(drawing: Drawing, scheme: str) -> list[str]:
+    """The names of the points of a step that have to be seen."""
+    marks = drawing.schemes[scheme].marks
+    return [m.point for m in marks if is_main(m.point) and not m.point.startswith("S")]
 
 
-def motion_points(drawing: Drawing) -> list[complex]:
+def _shown(drawing: Drawing, points: Points) -> Points:
+    """Corners of views that show these points, shape (..., points), and the whole motion."""
+    motion = corners(motion_points(drawing))
+    known = np.concatenate((points, np.broadcast_to(motion, (*points.shape[:-1], 2))), axis=-1)
+    return np.concatenate((corners(known), name_room(drawing, known)), axis=-1)
+
+
+def name_room(drawing: Drawing, points: Points) -> Points:
+    """How far the y axes go beyond the motion for their names, on sheets with these points.
+
+    Parameters
+    ----------
+    points : shape (..., points)
+
+    Returns
+    -------
+    shape (..., planes)
+    """
+    room = _NAME * np.ptp(points.imag, axis=-1)[..., None]
+    axes = [plane.displacement for plane in drawing.planes]
+    ends = [
+        axis.at(reach_of(axis, m)[1]) for axis, m in zip(axes, motions_of(drawing), strict=True)
+    ]
+    return np.array(ends) + room * np.array([axis.direction for axis in axes])
+
+
+def motion_points(drawing: Drawing) -> Points:
     """The motion in all planes, with their origins and the values on their y-bar axes."""
-    points: list[complex] = []
-    for plane in drawing.planes:
-        motion = trail(plane, drawing.frames)
+    points = []
+    for plane, motion in zip(drawing.planes, motions_of(drawing), strict=True):
         axis = plane.scaled_velocity
-        points += [*motion, plane.displacement.origin]
-        points += [axis.at(value) for value in graduation_of(axis, motion).values]
-    return points
+        values = [axis.at(value) for value in graduation_of(axis, motion).values]
+        points += [motion, np.array([plane.displacement.origin, *values])]
+    return np.concatenate(points)
 
 
-def around(points: Sequence[complex], margin: float = 0.05) -> Box:
+def around(points: Points, margin: float = 0.05) -> Box:
     """The smallest box that holds the points with a margin, a part of the larger side."""
-    left, right = min(z.real for z in points), max(z.real for z in points)
-    bottom, top = min(z.imag for z in points), max(z.imag for z in points)
-    border = margin * max(right - left, top - bottom) or 0.01
-    return Box(
-        complex(left + right, bottom + top) / 2,
-        complex(right - left, top - bottom) / 2 + border * (1 + 1j),
-    )
+    centre, half = bounds(points, margin)
+    return Box(complex(centre), complex(half))
+
+
+def bounds(points: Points, margin: float = 0.05) -> tuple[Points, Points]:
+    """Centres and halves of the smallest boxes that hold the points of each row, shape (..., points)."""
+    low, high = np.moveaxis(corners(points), -1, 0)
+    size = high - low
+    border = margin * np.maximum(size.real, size.imag)
+    return (low + high) / 2, size / 2 + np.where(border > 0.0, border, 0.01) * (1 + 1j)
+
+
+def corners(points: Points) -> Points:
+    """The lower left and the upper right corner of what the points of each row take up."""
+    x, y = points.real, points.imag
+    ends = x.min(axis=-1) + 1j * y.min(axis=-1), x.max(axis=-1) + 1j * y.max(axis=-1)
+    return np.stack(ends, axis=-1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
@@ -126,7 +127,7 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     )
     names = ("P2", "Q2", "A2", "A2*", "B0")
     points = [frame.points[name] for frame in shown for name in names]
-    sheet = Sheet(only, around([*motion_points(only), *points]), palette_for(dark))
+    sheet = Sheet(only, around(np.append(motion_points(only), points)), palette_for(dark))
     sheet.axes_of_planes()
     sheet.stay(("auxiliary",))
     sheet.trails()

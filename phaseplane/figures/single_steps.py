@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Arc, Drawing, Frame, Plane
 from phaseplane.figures import dimensions
 from phaseplane.figures.canvas import Sheet, arc_vertices, time_words
 from phaseplane.figures.lettering import typeset
-from phaseplane.figures.planes import around, frame_at, motion_points, name_room
+from phaseplane.figures.planes import around, bounds, frame_at, motion_points, name_room
 from phaseplane.figures.style import palette_for
 
 Named = tuple[str, str, str]
@@ -98,9 +99,10 @@ def figure8(
         raise ValueError(f"figure 8 shows two planes or more; {drawing.title!r} has one")
     _needs(drawing, "figure 8", "tangent")
     one, _ = _telling(drawing, _STEP, frame, together=True)
-    points = motion_points(drawing)
-    points += [z for plane in drawing.planes for z in _points(one, plane, _STEP)]
-    view = around(points + name_room(drawing, points))
+    points = np.append(
+        motion_points(drawing), [_points(one, plane, _STEP) for plane in drawing.planes]
+    )
+    view = around(np.append(points, name_room(drawing, points)))
     sheet = Sheet(drawing, view, palette_for(dark))
     sheet.axes_of_planes()
     sheet.trails()
@@ -140,16 +142,15 @@ def _telling(
 ) -> tuple[Frame, Plane]:
     """The step and the plane whose points lie farthest apart for the room that they take up."""
     frames = drawing.frames if index is None else (frame_at(drawing, index),)
-
-    def clear(frame: Frame, plane: Plane) -> float:
-        """The smallest gap: on the whole sheet, or on one that this plane has to itself."""
-        planes = drawing.planes if together else (plane,)
-        points = [_points(frame, each, named) for each in planes]
-        gap = min(abs(p - q) for group in points for i, p in enumerate(group) for q in group[:i])
-        return gap if together else gap / abs(around(points[0]).half)
-
-    planes = drawing.planes[:1] if together else drawing.planes
-    return max(((f, plane) for f in frames for plane in planes), key=lambda pair: clear(*pair))
+    planes = drawing.planes
+    points = np.array([[_points(frame, plane, named) for plane in planes] for frame in frames])
+    one, other = np.triu_indices(len(named), 1)
+    clear = abs(points[..., one] - points[..., other]).min(axis=-1)
+    if together:  # on the whole sheet; otherwise on one that the plane has to itself
+        return frames[int(clear.min(axis=1).argmax())], planes[0]
+    clear /= abs(bounds(points)[1])
+    frame, plane = divmod(int(clear.argmax()), len(planes))
+    return frames[frame], planes[plane]
 
 
 def _close_up(
@@ -157,7 +158,7 @@ def _close_up(
 ) -> Sheet:
     """A sheet with the step alone, its y axis, its integral curve and its normal."""
     points = _points(frame, plane, named)
-    sheet = Sheet(drawing, around(points, 0.12), palette_for(dark))
+    sheet = Sheet(drawing, around(np.array(points), 0.12), palette_for(dark))
     sheet.y_axis(plane)
     p, d, *_ = points
     sheet.lines("normal", [[d, p]])

@@ -3,32 +3,6 @@
 `record` writes a file from a construction, or from a `Content` that says all there is to show.
 """
 
-from __future__ import annotations
+import lazy_loader
 
-from .content import DETAILS, VIEWS, Content, Detail, View
-from .layout import blueprint
-from .live import Live
-from .server import LOOPBACK, Server, is_loopback, listens, serving
-from .sinks import new_recording, record
-from .vehicle import AxleView, Vehicle
-from .whole import log
-
-__all__ = [
-    "DETAILS",
-    "LOOPBACK",
-    "VIEWS",
-    "AxleView",
-    "Content",
-    "Detail",
-    "Live",
-    "Server",
-    "Vehicle",
-    "View",
-    "blueprint",
-    "is_loopback",
-    "listens",
-    "log",
-    "new_recording",
-    "record",
-    "serving",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

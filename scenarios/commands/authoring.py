@@ -7,7 +7,10 @@ from pathlib import Path
 import click
 
 from ..errors import InputError
+from ..results.folder import as_json
 from .console import json_option
+from .guide import guide, json_schema, sweep_guide, sweep_schema
+from .template import write_template
 
 
 @click.command()
@@ -20,9 +23,6 @@ def schema(model: str | None, sweep: bool, as_data: bool) -> None:
     The variables are its parameters, outputs and measures. As JSON it is a JSON Schema, by which
     editors can check scene files.
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-    from .guide import guide, json_schema, sweep_guide, sweep_schema  # noqa: PLC0415
-
     if sweep and model:
         raise InputError("schema: give a MODEL or --sweep, not both")
     if as_data:
@@ -36,7 +36,5 @@ def schema(model: str | None, sweep: bool, as_data: bool) -> None:
 @click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
 def new(path: Path, model: str) -> None:
     """Write a scene to begin with, its choices explained."""
-    from .template import write_template  # noqa: PLC0415
-
     write_template(path, model)
     click.echo(f"{path}: run it with 'phaseplane run {path}'")

@@ -9,6 +9,7 @@ import click
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
 from ..errors import InputError, RunError, one_line
+from ..results.folder import as_json
 from .console import json_option
 
 
@@ -29,8 +30,6 @@ def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> No
 
     A reference result is written beside each.
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-
     files = [str(path) for path in build_models(models, output, ssp)]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
 

@@ -13,6 +13,7 @@ from ..measures import catalogue
 from ..scene.expectations import During, Reference
 from ..scene.fmus import fmu_named
 from ..scene.sections import Construction, Show
+from ..sweeps.plan import SWEEPS, Range, SweepFile
 
 _TOP = {
     "extends": ("", "another case or scene file, over which this one is laid"),
@@ -49,8 +50,6 @@ def sweep_guide() -> str:
 
 def sweep_schema() -> dict[str, Any]:
     """The JSON Schema (2020-12) of a sweep file."""
-    from ..sweeps.plan import SweepFile  # noqa: PLC0415
-
     schema = SweepFile.model_json_schema()
     return {"$schema": _DIALECT, **schema, "title": "A sweep over a scene"}
 
@@ -114,8 +113,6 @@ def _of_scenes() -> Iterator[str]:
 
 
 def _of_sweeps() -> Iterator[str]:
-    from ..sweeps.plan import SWEEPS, Range, SweepFile  # noqa: PLC0415
-
     yield "A sweep is a TOML file that runs a scene many times."
     yield ""
     yield from _keys(SweepFile)

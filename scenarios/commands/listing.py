@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import click
 
+from ..results.folder import as_json
+from ..scene.layers import case_titles
+from ..sweeps.plan import sweep_titles
 from .console import json_option
 
 
@@ -11,10 +14,6 @@ from .console import json_option
 @json_option
 def list_cases(as_data: bool) -> None:
     """List the scenes and the sweeps that come with the package."""
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..scene.layers import case_titles  # noqa: PLC0415
-    from ..sweeps.plan import sweep_titles  # noqa: PLC0415
-
     titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
     if as_data:
         click.echo(as_json(titles))

@@ -6,6 +6,12 @@ from pathlib import Path
 
 import click
 
+from ..draw.portraits import portrait as make
+from ..draw.portraits import portrait_in_words
+from ..results.folder import as_json
+from ..scene.loading import load_scene
+from ..studies.ladder import ladder as climb
+from ..studies.ladder import ladder_in_words
 from .console import dark_option, figure_option, json_option, set_option
 
 
@@ -22,11 +28,6 @@ from .console import dark_option, figure_option, json_option, set_option
 @json_option
 def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bool) -> None:
     """Find the smallest model that serves SCENE, by running them all."""
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..scene.loading import load_scene  # noqa: PLC0415
-    from ..studies.ladder import ladder as climb  # noqa: PLC0415
-    from ..studies.ladder import ladder_in_words  # noqa: PLC0415
-
     told = climb(load_scene(scene, overrides), tolerance)
     click.echo(as_json(told) if as_data else ladder_in_words(told))
 
@@ -68,10 +69,6 @@ def portrait(
     as_data: bool,
 ) -> None:
     """Show the phase portrait of SCENE: equilibria, cycles, sections."""
-    from ..draw.portraits import portrait as make  # noqa: PLC0415
-    from ..draw.portraits import portrait_in_words  # noqa: PLC0415
-    from ..results.folder import as_json  # noqa: PLC0415
-
     told = make(
         scene, overrides, figure,
         coordinate=coordinate, window=window or (), period=period or 0.0, dark=dark,

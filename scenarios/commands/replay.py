@@ -10,6 +10,10 @@ from typing import Any
 import click
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
+from ..draw.constructions import constructed, laid_over, told_of
+from ..draw.live import show_in
+from ..draw.pictures import RULES_SHOWN, draw, record
+from ..draw.recording_content import content, of_results, readings
 from ..errors import (
     MOVING,
     PICTURES,
@@ -20,9 +24,12 @@ from ..errors import (
     check_recording,
     one_line,
 )
-from ..results.folder import read_results, read_summary
+from ..results.folder import as_json, read_results, read_summary
+from ..results.report import drift_words
 from ..results.tables import read_table
 from ..scene.layers import find_scene
+from ..scene.loading import construction_settings, load_scene
+from ..scene.sections import CONSTRUCTION_FIGURES
 from .console import dark_option, figure_option, json_option, set_option
 from .viewing import page, save_option, until_interrupted, viewer_options
 
@@ -68,9 +75,6 @@ def replay(
     as_data: bool,
 ) -> None:
     """Draw the construction of a SCENE, or over the RESULTS of a run."""
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..results.report import drift_words  # noqa: PLC0415
-
     if save is None and figure is None and not viewer and not served:
         raise InputError(
             "replay: nothing to do; give one or more of --save F.rrd, --figure F.png, --connect URL "
@@ -122,13 +126,6 @@ def replay_construction(
     InputError : a scene, folder or file name that is not fit.
     RunError : the construction leaves every sheet; the viewer does not take the recording.
     """
-    from ..draw.constructions import constructed, laid_over, told_of  # noqa: PLC0415
-    from ..draw.live import show_in  # noqa: PLC0415
-    from ..draw.pictures import RULES_SHOWN, draw, record  # noqa: PLC0415
-    from ..draw.recording_content import content, of_results, readings  # noqa: PLC0415
-    from ..scene.loading import construction_settings, load_scene  # noqa: PLC0415
-    from ..scene.sections import CONSTRUCTION_FIGURES  # noqa: PLC0415
-
     check_recording(recording)
     if figure is not None:
         check_picture(figure, PICTURES + MOVING)

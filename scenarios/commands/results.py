@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ..results.folder import as_json
+from ..results.inspection import contents, contents_in_words, difference, difference_in_words
 from .console import DONE, FAILED, complain, figure_option, json_option
 
 _columns = click.option(
@@ -20,9 +22,6 @@ _columns = click.option(
 @json_option
 def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
     """Show what is in RESULTS: the folder of a run, or a table."""
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..results.inspection import contents, contents_in_words  # noqa: PLC0415
-
     told = contents(what, columns, figure)
     click.echo(as_json(told) if as_data else contents_in_words(told, what))
 
@@ -53,9 +52,6 @@ def compare(
 
     Exit status 1 if they differ.
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..results.inspection import difference, difference_in_words  # noqa: PLC0415
-
     told = difference(ours, other, tolerance, columns, figure)
     click.echo(as_json(told) if as_data else difference_in_words(told))
     if told["equal"]:

@@ -9,15 +9,23 @@ from typing import Any
 
 import click
 
+from ..draw.constructions import constructed, drifting, told_of
+from ..draw.live import shown_live
+from ..draw.pictures import draw_all
+from ..draw.planes import CONSTRUCTED
 from ..errors import DrawingError, InputError, check_recording, one_line
 from ..results.folder import (
     OUTPUT,
     Results,
+    as_json,
     check_replaceable,
     read_summary,
     replaced_whole,
     write_results,
 )
+from ..results.report import failures, report
+from ..scene.loading import load_scene
+from ..simulate import runner
 from .console import (
     DONE,
     FAILED,
@@ -59,9 +67,6 @@ def run(
 
     With --connect, --serve or --save it is shown or recorded while it goes on.
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..results.report import failures, report  # noqa: PLC0415
-
     shown = [f"show.planes={list(planes)}", "show.recording=stages"] if planes else []
     with page(served, address) as server:
         with progress_bar(scene) as progress:
@@ -114,13 +119,6 @@ def run_scene(
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
     """
-    from ..draw.constructions import constructed, drifting, told_of  # noqa: PLC0415
-    from ..draw.live import shown_live  # noqa: PLC0415
-    from ..draw.pictures import draw_all  # noqa: PLC0415
-    from ..draw.planes import CONSTRUCTED  # noqa: PLC0415
-    from ..scene.loading import load_scene  # noqa: PLC0415
-    from ..simulate.runner import run  # noqa: PLC0415
-
     check_recording(save)
     scene = load_scene(reference, overrides)
     folder = folder or OUTPUT / scene.name
@@ -146,7 +144,7 @@ def run_scene(
             # a recording alone does without, as of any model that has no construction
     with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
-        results = run(scene, progress=progress, watch=watch, realtime=realtime)
+        results = runner.run(scene, progress=progress, watch=watch, realtime=realtime)
         if live is not None:
             problems += live.complete(results)
     if drawing is not None:

@@ -6,6 +6,11 @@ from pathlib import Path
 
 import click
 
+from ..errors import RunError
+from ..results.folder import as_json
+from ..scene.loading import load_scene
+from ..studies import rules as study
+from ..studies.reports import study_accuracy, study_stability
 from .console import json_option, progress_bar, set_option
 
 
@@ -31,9 +36,6 @@ def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
 ) -> None:
     """Compare error with run time, on SCENEs or the package's problems."""
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..studies.reports import study_accuracy  # noqa: PLC0415
-
     with progress_bar("accuracy") as progress:
         data, tables, folder = study_accuracy(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")
@@ -49,10 +51,6 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
     The integrator is compared, too. [default of SCENE: ap57_figure13, the 60 points of the worked
     example]
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..scene.loading import load_scene  # noqa: PLC0415
-    from ..studies import rules as study  # noqa: PLC0415
-
     loaded = load_scene(scene, overrides)
     results = study.measure_rules(loaded)
     click.echo(
@@ -76,10 +74,6 @@ def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) ->
     The runs are those of SCENEs, or of the problems that come with the package. Also runs a table of
     extreme cases; exit status 1 if one of them went wrong.
     """
-    from ..errors import RunError  # noqa: PLC0415
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..studies.reports import study_stability  # noqa: PLC0415
-
     with progress_bar("stability") as progress:
         data, table, folder = study_stability(scenes, output, progress)
     click.echo(as_json(data) if as_data else f"{table}\n\nfiles  {folder}")

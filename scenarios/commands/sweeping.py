@@ -6,6 +6,9 @@ from pathlib import Path
 
 import click
 
+from ..results.folder import as_json
+from ..sweeps.job import run_sweep
+from ..sweeps.report import sweep_in_words
 from .console import DONE, FAILED, complain, json_option, progress_bar
 
 
@@ -47,10 +50,6 @@ def sweep(
     sample of parameters: see `schema --sweep`. An interrupted sweep goes on where it stopped when it
     is started again.
     """
-    from ..results.folder import as_json  # noqa: PLC0415
-    from ..sweeps.job import run_sweep  # noqa: PLC0415
-    from ..sweeps.report import sweep_in_words  # noqa: PLC0415
-
     with progress_bar(Path(file).stem) as progress:
         plan, summary, folder = run_sweep(
             file,

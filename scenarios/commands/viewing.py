@@ -10,6 +10,9 @@ from typing import Any
 
 import click
 
+from ..draw import live
+from ..draw.live import recordings_in
+
 _LOOPBACK = "127.0.0.1"
 _OPTIONS = (
     click.option(
@@ -41,8 +44,6 @@ def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @_OPTIONS[-1]
 def serve(folder: Path, address: str) -> None:
     """Show all recordings of a folder on a page, until Ctrl-C."""
-    from ..draw.live import recordings_in  # noqa: PLC0415
-
     with page(True, address, recordings_in(folder)) as shown:
         until_interrupted(shown)
 
@@ -53,8 +54,6 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
     if not wanted:
         yield None
         return
-    from ..draw import live  # noqa: PLC0415
-
     if not live.is_loopback(address):
         click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)
     before = signal(SIGTERM, default_int_handler)

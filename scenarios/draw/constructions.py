@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.variables import Value
 
+from phaseplane import constructions
+
 from ..errors import DrawingError, InputError, one_line
 from .planes import planes_of
 
@@ -37,13 +39,15 @@ def constructed(
     InputError : a model without a construction.
     ArithmeticError : the construction leaves every sheet.
     """
-    from phaseplane.constructions import march, rule_named, with_shortcuts  # noqa: PLC0415
-
     planes = planes_of(model, parameters, settings)
-    rule, step = rule_named(settings["rule"]), settings["step"]
+    rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     try:
-        drawing = march(planes, rule, step=step, duration=duration)
-        return with_shortcuts(drawing, planes, rule, step) if settings.get("shortcut") else drawing
+        drawing = constructions.march(planes, rule, step=step, duration=duration)
+        return (
+            constructions.with_shortcuts(drawing, planes, rule, step)
+            if settings.get("shortcut")
+            else drawing
+        )
     except ValueError as error:
         raise DrawingError(f"construction: {one_line(error)}") from None
 
@@ -68,8 +72,6 @@ def laid_over(
     InputError : a model without a construction, columns that are missing, or settings with which it
         cannot be drawn.
     """
-    from phaseplane.constructions import overlay, rule_named  # noqa: PLC0415
-
     planes = planes_of(model, parameters, settings)
     shown = [name for plane in planes.planes for name in (plane.name, rate_of(plane.name))]
     missing = [name for name in ("time", *shown) if name not in columns]
@@ -82,11 +84,11 @@ def laid_over(
     rows = list(_rows(columns, flying, settings["step"], settings.get("duration")))
     wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
     try:
-        return overlay(
+        return constructions.overlay(
             planes,
             columns["time"][rows].tolist(),
             *(columns[name][rows].tolist() for name in shown),
-            rule=rule_named(settings["rule"]),
+            rule=constructions.rule_named(settings["rule"]),
             airborne=list(zip(*wheels, strict=True)) if wheels else None,
         )
     except ValueError as error:
@@ -95,13 +97,11 @@ def laid_over(
 
 def drifting(drawing: Drawing, columns: Columns) -> Drawing:
     """A construction by itself with how far it has drifted from a run, where the run tells enough."""
-    from phaseplane.constructions import held_against  # noqa: PLC0415
-
     shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
     if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:
         return drawing
     motion = (columns[name].tolist() for name in shown)
-    return held_against(drawing, columns["time"].tolist(), *motion)
+    return constructions.held_against(drawing, columns["time"].tolist(), *motion)
 
 
 def rate_of(displacement: str) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from math import inf, isfinite
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import Value
@@ -33,8 +34,6 @@ def energies(
     parameters : its public parameters, SI
     columns : `time`, displacements, velocities and the ground under the wheels, shape (rows,), SI
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     system = build(model, parameters)
     motion = _motion(system, columns)
     if motion is None or any(isfinite(e.yield_force) or e.friction for e in system.elements):
@@ -64,8 +63,6 @@ def _motion(
     system: System, columns: Mapping[str, Reals]
 ) -> tuple[Reals, Reals, dict[str, tuple[Reals, Reals]]] | None:
     """Displacements and velocities, shape (coordinates, rows), and the grounds by their signals."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     grounds = {
         axle.road: tuple(f"{axle.prefix}ground_{what}" for what in ("elevation", "velocity"))
         for axle in system.axles
@@ -82,8 +79,6 @@ def _motion(
 
 
 def _force(element: Element, d: Reals, w: Reals) -> Reals:
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     force = [
         element.spring.force(x) + element.damper.force(y) * element.modulation.force(x)
         for x, y in zip(d.tolist(), w.tolist(), strict=True)
@@ -93,8 +88,6 @@ def _force(element: Element, d: Reals, w: Reals) -> Reals:
 
 def _potential(element: Element, d: Reals) -> Reals:
     """Potential of a spring, linear where an element that cannot pull is beyond its limit."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     free = _free_deflection(element)
     elastic = np.array([element.spring.potential(x) for x in np.minimum(d, free).tolist()])
     beyond = np.maximum(0.0, d - free)
@@ -118,7 +111,5 @@ def _free_deflection(element: Element) -> float:
 
 def _summed(times: Reals, power: Reals) -> Reals:
     """Integral over time from the first instant on, by the trapezoidal rule."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     parts = 0.5 * np.diff(times) * (power[1:] + power[:-1])
     return np.concatenate([[0.0], np.cumsum(parts)])

@@ -8,6 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from phaseplane import recording
+
 from ..errors import InputError, RunError, one_line
 from .recording_content import content, known, of_results
 
@@ -53,9 +57,6 @@ def shown_live(
     if not viewer and path is None:
         yield None
         return
-    import numpy as np  # noqa: PLC0415  (heavy)
-
-    from phaseplane.recording import Live  # noqa: PLC0415  (imports rerun)
 
     outputs = scene.fmu.outputs()
     before = content(
@@ -70,7 +71,7 @@ def shown_live(
         live=True,
     )
     try:
-        live = Live(before, viewer, path)
+        live = recording.Live(before, viewer, path)
     except ValueError as error:
         raise InputError(one_line(error)) from None
     with live:
@@ -85,10 +86,8 @@ def show_in(shown: Content, viewer: str) -> None:
     InputError : not the address of a viewer.
     RunError : the viewer is not there, or does not take the recording.
     """
-    from phaseplane.recording import Live  # noqa: PLC0415  (imports rerun)
-
     try:
-        live = Live(shown, viewer)
+        live = recording.Live(shown, viewer)
     except ValueError as error:
         raise InputError(one_line(error)) from None
     with live:
@@ -99,9 +98,7 @@ def show_in(shown: Content, viewer: str) -> None:
 
 def is_loopback(address: str) -> bool:
     """Whether only this machine can reach an address."""
-    from phaseplane.recording import is_loopback  # noqa: PLC0415  (imports rerun)
-
-    return is_loopback(address)
+    return recording.is_loopback(address)
 
 
 @contextmanager
@@ -112,10 +109,8 @@ def page(files: Sequence[Path], address: str) -> Iterator[Server]:
     ------
     RunError : nothing can be served at this address.
     """
-    from phaseplane.recording import serving  # noqa: PLC0415  (imports rerun)
-
     try:
-        with serving(files, address) as server:
+        with recording.serving(files, address) as server:
             yield server
     except OSError as error:
         raise RunError(one_line(error)) from None

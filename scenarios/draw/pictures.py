@@ -9,6 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from phaseplane import figures, recording
+
 from ..errors import MOVING, PICTURES, one_line
 from .recording_content import of_results
 
@@ -69,8 +71,6 @@ def draw(
     ------
     ValueError : a construction that has not got what the picture shows.
     """
-    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
     if path.suffix in MOVING:
         if name != "phase_planes":
             raise ValueError(f"only phase_planes is moving; write it as {', '.join(PICTURES)}")
@@ -87,8 +87,6 @@ def draw(
 
 def record(shown: Content, path: Path) -> None:
     """Write a recording."""
-    from phaseplane import recording  # noqa: PLC0415  (imports rerun)
-
     recording.record(shown, path)
 
 

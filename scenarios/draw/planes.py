@@ -9,15 +9,18 @@ from operator import add
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.characteristics import Characteristic, linear
+from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Axle, Element, System
 from phaseplane.suspension.variables import MODELS, Value
+
+from phaseplane import constructions
 
 from ..errors import InputError, one_line
 from ..scene.equation import EQUATION, function_of
 
 if TYPE_CHECKING:
-    from phaseplane.constructions import Construction, Strut
+    from phaseplane.constructions import Construction
     from phaseplane.constructions.laws import Damper
 
     Start = tuple[list[float], list[float]]
@@ -48,8 +51,6 @@ def planes_of(
 
 def _start(system: System, parameters: Mapping[str, Value]) -> Start:
     """Displacements and velocities of the coordinates at time 0, as a run has them."""
-    from phaseplane.suspension.equilibrium import static_equilibrium  # noqa: PLC0415  (only where it is used)
-
     levels = {axle.road: system.signals[axle.road].before(0.0) for axle in system.axles}
     q, v = (
         [
@@ -96,13 +97,11 @@ def of_system(
 
 
 def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
-    from phaseplane.constructions import OneDofPlane  # noqa: PLC0415
-
     (axle,) = system.axles
     spring, damper = _laws(system, axle)
     road = system.signals[axle.road]
     (q, v), (elevation, velocity) = start, road.derivatives(0.0)[:2]
-    return OneDofPlane(
+    return constructions.OneDofPlane(
         mass=system.mass[0][0],
         spring=spring,
         damper=damper,
@@ -114,13 +113,11 @@ def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Const
 
 
 def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
-    from phaseplane.constructions import QuarterCarPlanes  # noqa: PLC0415
-
     (axle,) = system.axles
     spring, damper = _laws(system, axle)
     body, wheel = system.mass[0][0], system.mass[1][1]
     q, v = start
-    return QuarterCarPlanes(
+    return constructions.QuarterCarPlanes(
         sprung_mass=body,
         unsprung_mass=wheel,
         spring=spring,
@@ -140,15 +137,13 @@ def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> C
 def _half_car_rigid_tyres(
     system: System, settings: Mapping[str, Any], start: Start
 ) -> Construction:
-    from phaseplane.constructions import HalfCarRigidTyresPlanes  # noqa: PLC0415
-
     (front_spring, front_damper), (rear_spring, rear_damper) = (
         _laws(system, axle) for axle in system.axles
     )
     front, rear = (system.signals[axle.road] for axle in system.axles)
     roads = [road.derivatives(0.0) for road in (front, rear)]
     q, v = start
-    return HalfCarRigidTyresPlanes(
+    return constructions.HalfCarRigidTyresPlanes(
         front_mass=system.mass[0][0],
         rear_mass=system.mass[1][1],
         coupling_mass=system.mass[0][1],
@@ -165,11 +160,9 @@ def _half_car_rigid_tyres(
 
 
 def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
-    from phaseplane.constructions import AxleData, HalfCarPlanes  # noqa: PLC0415
-
     q, v = start
     front, rear = (
-        AxleData(
+        constructions.AxleData(
             system.mass[i + 2][i + 2],
             *_laws(system, axle),
             static_load=axle.static_load,
@@ -179,7 +172,7 @@ def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Cons
         )
         for i, axle in enumerate(system.axles)
     )
-    return HalfCarPlanes(
+    return constructions.HalfCarPlanes(
         system.mass[0][0],
         system.mass[1][1],
         system.mass[0][1],
@@ -191,8 +184,6 @@ def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Cons
 
 
 def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) -> Construction:
-    from phaseplane.constructions import ElastoplasticPlane  # noqa: PLC0415
-
     yielding = [element for element in system.elements if element.yield_force < inf]
     loads = [system.signals[load.signal] for load in system.loads]
     acting = [load for load in loads if load.joints or load.value(0.0)] or loads[:1]
@@ -200,7 +191,7 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
         raise ValueError("no construction is known for a system without axles, but that of H83")
     (spring,) = yielding
     damping = sum(element.damper.force(1.0) for element in system.elements)
-    return ElastoplasticPlane(
+    return constructions.ElastoplasticPlane(
         mass=system.mass[0][0],
         damping=damping,
         spring_rate=spring.spring.tangent(0.0),
@@ -215,12 +206,10 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
 
 
 def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
-    from phaseplane.constructions import EquationPlane  # noqa: PLC0415
-
     text = str(parameters["equation"])
     function, autonomous = function_of(text)
     scales = settings.get("plane_scales")
-    return EquationPlane(
+    return constructions.EquationPlane(
         function,
         autonomous,
         float(parameters["angular_frequency"]),
@@ -248,15 +237,13 @@ def _laws(system: System, axle: Axle) -> tuple[Characteristic, Damper]:
 
 def _tyre(system: System, axle: Axle) -> dict[str, Any]:
     """The tyre as stiffness and damping where it is linear, else as it is."""
-    from phaseplane.constructions import Strut  # noqa: PLC0415
-
     tyre = _element(system, axle.tyre)
     if _is_linear(tyre.spring) and _is_linear(tyre.damper):
         return {
             "tyre_stiffness": tyre.spring.tangent(0.0),
             "tyre_damping": tyre.damper.tangent(0.0),
         }
-    law: Strut = Strut(tyre.spring, tyre.damper)
+    law: constructions.Strut = constructions.Strut(tyre.spring, tyre.damper)
     return {"tyre": law}
 
 

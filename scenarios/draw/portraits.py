@@ -7,12 +7,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS, Value
 
+from phaseplane import figures
+from phaseplane import portrait as computed
+
 from ..errors import InputError, check_picture, one_line
 from ..scene.equation import EQUATION, function_of
+from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
     from phaseplane.suspension.systems import System
@@ -54,28 +59,22 @@ def portrait(
     ------
     InputError : a scene without a portrait, no such coordinate, a window that is none.
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
-    from phaseplane.portrait import Window, good_window, whole_portrait  # noqa: PLC0415
-
-    from ..scene.loading import load_scene  # noqa: PLC0415
-
     if figure is not None:
         check_picture(figure)
     scene = load_scene(reference, overrides)
     try:
         system, forced, labels, reach, start = _of_scene(scene, coordinate, period)
-        shown = Window(*window) if window else good_window(system, reach)
+        shown = computed.Window(*window) if window else computed.good_window(system, reach)
         with np.errstate(all="ignore"):  # motions that leave every window
-            made = whole_portrait(system, shown, forced=forced, start=start, periods=_PERIODS)
+            made = computed.whole_portrait(
+                system, shown, forced=forced, start=start, periods=_PERIODS
+            )
     except (ValueError, OverflowError) as error:
         raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
         title = f"{title}: x'' + {scene.all_parameters['equation']} = 0"
     if figure is not None:
-        from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
         figures.save(figures.portrait(made, labels=labels, title=title, dark=dark), figure)
     return {
         "title": title,
@@ -137,10 +136,8 @@ def _of_scene(
 def _of_equation(
     parameters: Mapping[str, Value], period: float
 ) -> tuple[PhaseSystem, PhaseSystem | None, tuple[str, str], float, tuple[float, float]]:
-    from phaseplane.portrait import PhaseSystem  # noqa: PLC0415
-
     function, _ = function_of(str(parameters["equation"]))
-    system = PhaseSystem(function)
+    system = computed.PhaseSystem(function)
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     forced = replace(system, period=period) if period else None
     return system, forced, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start
@@ -150,8 +147,6 @@ def _of_model(
     system: System, parameters: Mapping[str, Value], coordinate: str
 ) -> tuple[PhaseSystem, PhaseSystem | None, tuple[str, str], float, tuple[float, float]]:
     """A section in which one coordinate moves; on a sinusoidal road also once in each period."""
-    from phaseplane.portrait import of_coordinate  # noqa: PLC0415
-
     names = list(system.coordinates)
     name = (coordinate or names[0]).removesuffix("_displacement")
     if name not in names:
@@ -159,7 +154,7 @@ def _of_model(
             f"coordinate {coordinate!r} is not known{nearest(name, names)}; there are "
             f"{', '.join(names)}"
         )
-    section = of_coordinate(system, names.index(name))
+    section = computed.of_coordinate(system, names.index(name))
     forced = None
     if len(names) == 1 and system.axles and parameters.get("road.shape") == "sine":
         road = system.signals[system.axles[0].road]

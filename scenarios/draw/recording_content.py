@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
+
+from phaseplane import recording
 
 from .energies import energies
 
@@ -60,22 +63,20 @@ def content(
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs)
     live : whether the run is yet to come
     """
-    from phaseplane.recording import DETAILS, VIEWS, Content  # noqa: PLC0415  (imports rerun)
-
-    views = tuple(shown.get("views") or VIEWS)
-    rows = thinned(columns, _MOST_ROWS)
+    views = tuple(shown.get("views") or recording.VIEWS)
+    rows = recording.thinned(columns, _MOST_ROWS)
     if "energies" in views and model in MODELS and not live:
         rows = {**rows, **energies(model, parameters, rows)}
     detail = shown.get("recording")
     pairs = tuple(map(tuple, shown.get("planes") or default_pairs(units)))
-    return Content(
+    return recording.Content(
         title=title,
         drawing=None if shown.get("planes") else drawing,
         histories={known(name): column for name, column in rows.items()},
         units={known(name): unit for name, unit in units.items()},
         pairs=pairs,
         vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
-        detail=detail if detail in DETAILS else "stages",
+        detail=detail if detail in recording.DETAILS else "stages",
         views=views,
         live=live,
     )
@@ -83,8 +84,6 @@ def content(
 
 def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
     """Columns of what a construction has read off its sheet, but for its own phase planes."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     names = [
         name
         for name in drawing.frames[0].readings
@@ -98,11 +97,9 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
 
 def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
     """Displacements and their rates whose phase planes tell most."""
-    from phaseplane.recording.quantities import rate_of  # noqa: PLC0415
-
     names = set(names)
     for displacements in _PLANES:
-        pairs = [(y, rate_of(y)) for y in displacements if {y, rate_of(y)} <= names]
+        pairs = [(y, rate) for y in displacements if {y, rate := recording.rate_of(y)} <= names]
         if pairs:
             return pairs
     return []
@@ -115,8 +112,6 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
     ----------
     duration : for which it travels, s
     """
-    from phaseplane.recording import AxleView, Vehicle  # noqa: PLC0415
-
     if model not in MODELS:
         return None
     system = build(model, parameters)
@@ -137,7 +132,7 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
         of = axle.prefix.replace("_", ".")
         load = axle.static_load
         axles.append(
-            AxleView(
+            recording.AxleView(
                 name=axle.prefix.rstrip("_") or "axle",
                 position=places.get(axle.prefix, 0.0),
                 body=f"{axle.prefix}body_displacement",
@@ -152,7 +147,9 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
             )
         )
     road = system.signals[system.axles[0].road]
-    return Vehicle(tuple(axles), float(parameters["speed"]), tuple(_profile(road, duration)))
+    return recording.Vehicle(
+        tuple(axles), float(parameters["speed"]), tuple(_profile(road, duration))
+    )
 
 
 def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:
@@ -175,13 +172,6 @@ def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, An
         duration=summary["duration"],
         shown=shown,
     )
-
-
-def thinned(columns: Columns, most: int) -> Columns:
-    """Every so manieth row, the last one included."""
-    from phaseplane.recording.motion import thinned  # noqa: PLC0415
-
-    return thinned(columns, most)
 
 
 def known(name: str) -> str:

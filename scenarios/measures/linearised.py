@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from math import inf, nextafter, pi
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.systems import System
@@ -62,8 +63,6 @@ class Linearised:
 
     def modes(self) -> list[Mode]:
         """All modes, slowest first; two that creep count separately."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         n = len(self.mass)
         state = np.block(
             [
@@ -100,8 +99,6 @@ class Linearised:
         -------
         m/m, shape (m, n)
         """
-        import numpy as np  # noqa: PLC0415
-
         w = 2.0 * pi * np.asarray(frequencies)[:, None, None]
         dynamic = self.stiffness + 1j * w * self.damping - w**2 * self.mass
         excitation = self.road_stiffness[road] + 1j * w[..., 0] * self.road_damping[road]
@@ -115,8 +112,6 @@ def linearised(system: System) -> Linearised:
     ------
     ValueError : a system that has no equilibrium.
     """
-    import numpy as np  # noqa: PLC0415
-
     n = len(system.mass)
     rest = static_equilibrium(system)
     damping, stiffness = np.zeros((n, n)), np.zeros((n, n))

@@ -8,6 +8,7 @@ from functools import partial
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import Variable
 
+from .linearised import linearised
 from .reading import Measure, Reading, Run
 
 
@@ -25,8 +26,6 @@ def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
 
 
 def _of_run(what: str, run: Run) -> Reading:
-    from .linearised import linearised  # noqa: PLC0415  (heavy)
-
     if not run.model:
         return Reading(None)
     modes = linearised(build(run.model, run.parameters)).modes()

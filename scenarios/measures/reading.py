@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.variables import Value
 
 if TYPE_CHECKING:
@@ -55,8 +56,6 @@ class Run:
 
     def mean(self, values: Column) -> float:
         """Mean over time of values given at the rows, joined by straight lines."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         span = float(self.time[-1] - self.time[0])
         return float(np.trapezoid(values, self.time)) / span if span > 0.0 else float(values[0])
 

@@ -12,6 +12,7 @@ from functools import cache, partial
 from math import pi, sqrt
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
@@ -57,15 +58,12 @@ def weighted_acceleration(name: str, run: Run) -> Reading:
 
 def vibration_dose(name: str, run: Run) -> Reading:
     """VDV = (integral a_w^4 dt)^(1/4)."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     integral = np.trapezoid(weighted(run.time, run.columns[name]) ** 4, run.time)
     return Reading(float(integral) ** 0.25)
 
 
 def largest_transient(name: str, run: Run) -> Reading:
     """MTVV: the largest of a_w(t0) = sqrt(1/tau integral of a_w^2 from t0 - tau to t0), tau = 1 s."""
-    import numpy as np  # noqa: PLC0415
     from scipy.integrate import cumulative_trapezoid  # noqa: PLC0415
 
     time = run.time
@@ -79,8 +77,6 @@ def largest_transient(name: str, run: Run) -> Reading:
 
 def response(frequency: Column) -> npt.NDArray[np.complex128]:
     """The weighting Wk at frequencies in Hz (ISO 2631-1 eqs. A.1 to A.4)."""
-    import numpy as np  # noqa: PLC0415
-
     numerator, denominator = _weighting()
     p = 2j * pi * np.asarray(frequency)
     return np.polyval(numerator, p) / np.polyval(denominator, p)
@@ -94,7 +90,6 @@ def weighted(time: Column, acceleration: Column) -> Column:
     time : s, shape (rows,), ascending; the last interval may be of another length
     acceleration : m/s2, shape (rows,)
     """
-    import numpy as np  # noqa: PLC0415
     from scipy.signal import lfilter, residue  # noqa: PLC0415
 
     if len(time) < 2:
@@ -119,8 +114,6 @@ def weighted(time: Column, acceleration: Column) -> Column:
 @cache
 def _weighting() -> tuple[Column, Column]:
     """Numerator and denominator of Wk in p, highest power first."""
-    import numpy as np  # noqa: PLC0415
-
     w1, w2, w3, w4, w5, w6 = (2.0 * pi * f for f in (_F1, _F2, _F3, _F4, _F5, _F6))
     numerator = np.polymul([1.0, 0.0, 0.0], [1.0 / w3, 1.0])
     numerator = np.polymul(numerator, [1.0 / w5**2, 1.0 / (_Q5 * w5), 1.0]) * (w5 / w6) ** 2

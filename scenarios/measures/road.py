@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run
@@ -53,7 +54,6 @@ def roughness_index(position: Column, elevation: Column) -> float:
     position : m, shape (points,), ascending
     elevation : m, shape (points,)
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
     from scipy.linalg import expm  # noqa: PLC0415
     from scipy.signal import lfilter  # noqa: PLC0415
 
@@ -92,6 +92,4 @@ def roughness_index(position: Column, elevation: Column) -> float:
 
 def _warm(z: Column, taps: int) -> Column:
     """State of a moving average that has seen the first elevation for ever."""
-    import numpy as np  # noqa: PLC0415
-
     return z[0] * np.arange(taps - 1, 0, -1) / taps

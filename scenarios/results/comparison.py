@@ -6,6 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
@@ -51,8 +53,6 @@ def compared(ours: Columns, other: Columns, names: Iterable[str] | None = None) 
     ------
     ValueError : no column or no time in common.
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     common = [name for name in ours if name in other and name != "time"]
     if names is not None:
         common = [name for name in names if name in common]

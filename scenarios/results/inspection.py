@@ -8,6 +8,8 @@ from typing import Any
 
 from phaseplane.suspension.units import nearest
 
+from phaseplane import figures
+
 from ..errors import InputError, check_picture, one_line, shown
 from .comparison import Difference, compared
 from .folder import Results, read_results
@@ -50,8 +52,6 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
         },
     }
     if figure is not None:
-        from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
         drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
         title = str(results.summary.get("title", what.name))
         figures.save(
@@ -110,8 +110,6 @@ def difference(
         "differences": [_plain(d) for d in found],
     }
     if figure is not None:
-        from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
         worst = [d.name for d in found[:_MOST_DRAWN]]
         picture = figures.comparison(
             {name: (first.columns[name], second.columns[name]) for name in worst},

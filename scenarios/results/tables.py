@@ -6,12 +6,14 @@ folder keeps in its summary.
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, one_line
@@ -84,9 +86,6 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
 
 
 def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
-    import csv  # noqa: PLC0415
-
-    import numpy as np  # noqa: PLC0415  (heavy)
 
     with path.open(encoding="utf-8-sig", newline="") as table:
         names = [name.strip() for name in next(csv.reader(table), [])]

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from time import perf_counter
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value, Variable
 
@@ -140,7 +141,6 @@ def solve(
     -------
     columns as far as the solution goes, seconds that it took, and why it ended early, if it did
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
     from scipy.integrate import solve_ivp  # noqa: PLC0415
 
     function, _ = function_of(str(parameters["equation"]))

@@ -14,6 +14,7 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from ..errors import shown
 from ..measures import COUNT, Reading
 from ..results.comparison import compared
+from ..results.folder import read_results
 from .fields import Factor, Instant, Strict, choices, one_of, tuple_from, unit_words
 
 if TYPE_CHECKING:
@@ -120,8 +121,6 @@ class Reference(Strict):
 
     def judged(self, path: Path, columns: Columns) -> dict[str, Any]:
         """Whether the worst column is close enough."""
-        from ..results.folder import read_results  # noqa: PLC0415  (only where there is a reference)
-
         worst = compared(columns, read_results(path).columns, self.columns)[0]
         return {
             "measure": f"difference of {worst.name} from {path.name}",

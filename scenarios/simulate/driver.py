@@ -12,6 +12,8 @@ from pathlib import Path
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import InputError, RunError, one_line
 from ..scene.fmus import Fmu
 from .fmu_cache import kept
@@ -219,8 +221,6 @@ def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
     ------
     RunError : it was not well from the start.
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     columns = {name: np.asarray(table[name]) for name in table.dtype.names or ()}
     well = columns.get("ok", np.ones(len(table), bool)).astype(bool)
     for column in columns.values():

@@ -9,6 +9,8 @@ from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import one_line
 from ..measures import Run, catalogue, outputs_needed, take
 from ..results.folder import Results
@@ -69,8 +71,6 @@ def _results(scene: Scene, drive: Drive, build_time: float | None) -> Results:
 
 def _solved(scene: Scene) -> Results:
     """An equation, which is solved where we are."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     rows = round(scene.duration / scene.show.output_interval) + 1
     times = np.linspace(0.0, scene.duration, max(rows, 2))
     columns, seconds, complaint = solve(scene.all_parameters, times)

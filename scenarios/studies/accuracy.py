@@ -19,6 +19,7 @@ from typing import Any, Literal
 from phaseplane.suspension.variables import MODELS
 
 from ..errors import one_line
+from ..scene.sections import RULES
 from . import own, peers
 from .problems import Problem
 from .reference import largest_error, truth
@@ -93,8 +94,6 @@ def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
 
 
 def _own() -> Iterator[Solver]:
-    from ..scene.sections import RULES  # noqa: PLC0415
-
     def tolerant(method: str) -> Callable[[Workbench, float], Run]:
         return lambda bench, value: own.in_process(bench, method=method, tolerance=value)
 

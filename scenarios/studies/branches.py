@@ -8,6 +8,7 @@ from copy import copy
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.characteristics import Piece
 
 from .equations import LATE, Equations, Guard
@@ -43,8 +44,6 @@ class Branches:
         y: Vector,
         guards: Callable[[float, Vector, Vector, Vector], Any] | None = None,
     ) -> None:
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         self.equations = equations
         self.system = equations.system
         self.p: Vector = np.zeros(equations.size)
@@ -264,8 +263,6 @@ class Branches:
         for k, number in written:
             self.p[k] = number
         if self.system.elements[i].yield_force == inf:
-            import numpy as np  # noqa: PLC0415  (heavy)
-
             at, numbers = zip(*written, strict=True) if written else ((), ())
             self._known[where] = (np.array(at, int), np.array(numbers, float))
 
@@ -301,8 +298,6 @@ class Branches:
 
     def _write_sticking(self) -> None:
         """The inverse of b' M^-1 b over what sticks, zero elsewhere."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         equations, rubbing = self.equations, self.equations.rubbing
         stuck = [j for j, i in enumerate(rubbing) if self.slip[i] == 0]
         whole = np.zeros((len(rubbing), len(rubbing)))

@@ -13,11 +13,14 @@ from math import pi, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.models import axle_masses
+from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, Value
 
 from ..errors import InputError, RunError, one_line
 from ..results.comparison import compared
+from ..results.report import aligned
 
 if TYPE_CHECKING:
     import numpy as np
@@ -246,9 +249,6 @@ def _frequency_words(p: Mapping[str, Value], axles: Sequence[str]) -> str:
 
 def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float]:
     """The outputs a rung can tell, under the scene's names, and its shortest time, s."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-    from phaseplane.suspension.session import simulate  # noqa: PLC0415
-
     rows = round(scene.duration / scene.show.output_interval)
     time = np.linspace(0.0, scene.duration, rows + 1)
     columns: Columns = {"time": time}
@@ -272,8 +272,6 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
 
 def ladder_in_words(told: Mapping[str, Any]) -> str:
     """The same for a terminal."""
-    from ..results.report import aligned  # noqa: PLC0415
-
     rows = [("rung", "degrees", "error", "time", "serves")]
     for rung in told["rungs"]:
         error = "" if rung["error"] is None else f"{rung['error']:.2g}"

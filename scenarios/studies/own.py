@@ -9,9 +9,13 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.engine import FAILURES, Integrator
 from phaseplane.suspension.variables import MODELS
 
+from ..draw.constructions import constructed, planes_of
+from ..errors import InputError, one_line
+from ..simulate.fmu_cache import kept
 from .workbench import Prepared, Run, UnableError, Workbench
 
 if TYPE_CHECKING:
@@ -30,8 +34,6 @@ def in_process(bench: Workbench, **options: Any) -> Run:
     ----------
     options : of `Integrator`
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     problem = bench.problem
     n = len(problem.system.mass)
     try:
@@ -56,8 +58,6 @@ def _unpacked(model: str) -> Path:
     """The folder of a model's FMU, unpacked until this process ends."""
     from fmpy import extract  # noqa: PLC0415  (heavy)
 
-    from ..simulate.fmu_cache import kept  # noqa: PLC0415
-
     folder = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     path, _ = kept(model, folder)
@@ -67,7 +67,6 @@ def _unpacked(model: str) -> Path:
 
 def through_fmu(bench: Workbench, tolerance: float) -> Run:
     """`fmpy.simulate_fmu` at the output interval, with an instance that is reset before."""
-    import numpy as np  # noqa: PLC0415  (heavy)
     from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
     from phaseplane.vehicle_fmus.build import SCRIPTS  # noqa: PLC0415  (heavy)
@@ -102,11 +101,6 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
 
 def drawn(rule: str, bench: Workbench, step: float) -> Run:
     """The graphical construction with steps of one length (AP57 section 4)."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
-    from ..draw.constructions import constructed, planes_of  # noqa: PLC0415
-    from ..errors import InputError, one_line  # noqa: PLC0415
-
     problem = bench.problem
     if problem.model not in MODELS:
         raise UnableError("there is no construction of this system")

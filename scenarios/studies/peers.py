@@ -10,6 +10,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .branches import Branches
 from .reference import Stretch, by_scipy, drive, until
 from .workbench import Prepared, Run, Workbench
@@ -36,7 +38,6 @@ def scipy_method(method: str, bench: Workbench, tolerance: float) -> Run:
 
 def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
     """SUNDIALS' CVODE by scikit-sundae, with the smallest guard as its event."""
-    import numpy as np  # noqa: PLC0415  (heavy)
     from sksundae.cvode import CVODE  # noqa: PLC0415  (optional)
 
     _, margin = bench.returning
@@ -82,7 +83,6 @@ def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
 def heyoka(bench: Workbench, tolerance: float) -> Run:
     """A Taylor integrator of adaptive step, compiled once; its events change the numbers p."""
     import heyoka as hy  # noqa: PLC0415  (heavy, optional)
-    import numpy as np  # noqa: PLC0415  (heavy)
 
     equations, problem, n = bench.equations, bench.problem, bench.equations.n
     par = [hy.par[k] for k in range(equations.size)]
@@ -161,7 +161,6 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
 
 def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
     """`lsoda` or `dop853` of numbalsoda, cut at the joints of the road."""
-    import numpy as np  # noqa: PLC0415  (heavy)
     from numba import carray, cfunc  # noqa: PLC0415  (heavy, optional)
     from numbalsoda import dop853, lsoda, lsoda_sig  # noqa: PLC0415  (optional)
 
@@ -195,7 +194,6 @@ def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
 
 def runge_kutta(bench: Workbench, step: float) -> Run:
     """The classical method of order 4 with fixed steps, bare, all in one compiled function."""
-    import numpy as np  # noqa: PLC0415  (heavy)
     from numba import njit  # noqa: PLC0415  (heavy, optional)
 
     rhs = bench.choosing()

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from math import inf, pi, sqrt
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.models import SYSTEMS, build
 from phaseplane.suspension.session import Session
@@ -16,6 +17,8 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, one_line, shown
+from ..scene.layers import case_names
+from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
     import numpy as np
@@ -57,15 +60,11 @@ class Problem:
     @cached_property
     def times(self) -> Vector:
         """The instants at which displacements are wanted, s."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         return np.linspace(0.0, self.duration, self.intervals + 1)
 
     @property
     def start(self) -> Vector:
         """Displacements and velocities at the start."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         rest = (0.0,) * len(self.system.mass)
         return np.array([*(self.displacements or rest), *(self.velocities or rest)])
 
@@ -273,9 +272,6 @@ def find_problem(name: str) -> Problem:
     ------
     InputError : neither, or a scene whose FMU is not one of this project's models.
     """
-    from ..scene.layers import case_names  # noqa: PLC0415
-    from ..scene.loading import load_scene  # noqa: PLC0415
-
     if name in PROBLEMS:
         return PROBLEMS[name]()
     if not name.endswith(".toml") and "/" not in name and name not in case_names():

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .branches import Branches
 from .equations import Equations
 from .problems import Problem
@@ -57,8 +59,6 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
     ------
     ArithmeticError : the solver makes no progress.
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     times, n = problem.times, len(problem.system.mass)
     t, y = 0.0, problem.start
     branches = start.copy()
@@ -106,7 +106,6 @@ def by_scipy(
     rhs : y' at (t, y, p)
     margin : smallest guard at (t, y, p), whose fall through zero ends a stretch; None for no guards
     """
-    import numpy as np  # noqa: PLC0415  (heavy)
     from scipy.integrate import solve_ivp  # noqa: PLC0415  (heavy)
 
     def advance(t: float, end: float, y: Vector, p: Vector, wanted: Vector) -> Stretch:
@@ -146,8 +145,6 @@ def plain(
     Callable[[float, Vector, Vector], Vector], Callable[[float, Vector, Vector], float] | None
 ]:
     """Right-hand side and smallest guard in plain Python."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     functions = equations.functions()
     size, guards = 2 * equations.n, len(equations.guards)
 
@@ -176,6 +173,4 @@ def truth(problem: Problem, method: str = "DOP853", tolerance: float = _TOLERANC
 
 def largest_error(found: Vector, true: Vector) -> float:
     """Largest difference over all displacements and instants, relative to the largest displacement."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     return float(np.abs(found - true).max() / np.abs(true).max())

@@ -6,7 +6,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from phaseplane import figures
+from phaseplane.figures.stability import GrowthMap
+
 from ..results.folder import OUTPUT, check_replaceable, replaced_whole, write_summary
+from . import stability as study
+from .accuracy import measure, solvers
+from .problems import PROBLEMS, find_problem
+from .telling import as_data, panels, table
 
 
 def study_accuracy(
@@ -32,12 +39,6 @@ def study_accuracy(
     ------
     InputError : no such problem or scene, or one that is no model of this project.
     """
-    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
-    from .accuracy import measure, solvers  # noqa: PLC0415
-    from .problems import PROBLEMS, find_problem  # noqa: PLC0415
-    from .telling import as_data, panels, table  # noqa: PLC0415
-
     folder = folder or OUTPUT / "accuracy"
     check_replaceable(folder)
     problems = [find_problem(name) for name in references or PROBLEMS]
@@ -82,12 +83,6 @@ def study_stability(
     ------
     InputError : no such problem or scene, or one that is no model of this project.
     """
-    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-    from phaseplane.figures.stability import GrowthMap  # noqa: PLC0415
-
-    from . import stability as study  # noqa: PLC0415
-    from .problems import PROBLEMS, find_problem  # noqa: PLC0415
-
     folder = folder or OUTPUT / "stability"
     check_replaceable(folder)
     problems = [find_problem(name) for name in references or PROBLEMS]

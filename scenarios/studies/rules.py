@@ -11,7 +11,10 @@ from operator import attrgetter
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.session import SimulationError, simulate
+
+from phaseplane import constructions
 
 from ..draw.constructions import constructed
 from ..draw.planes import planes_of
@@ -76,12 +79,10 @@ def measure_rules(scene: Scene) -> list[RuleResult]:
     ------
     InputError : a scene whose model has no construction.
     """
-    from phaseplane.constructions import RULES  # noqa: PLC0415
-
     names = _displacements(scene)
     results = [
         _measured(name, rule.order, scene, partial(_drawn, scene, name, names))
-        for name, rule in RULES.items()
+        for name, rule in constructions.RULES.items()
     ]
     if scene.fmu.model != EQUATION:
         results += [
@@ -115,8 +116,6 @@ def _measured(name: str, order: int, scene: Scene, run: Callable[[float], _Motio
 
 
 def _drawn(scene: Scene, rule: str, names: Sequence[str], step: float) -> _Motion:
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     settings = {**scene.construction.model_dump(), "rule": rule, "step": step, "shortcut": False}
     started = process_time()
     drawing = constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
@@ -127,8 +126,6 @@ def _drawn(scene: Scene, rule: str, names: Sequence[str], step: float) -> _Motio
 
 
 def _stepped(scene: Scene, method: str, names: Sequence[str], step: float) -> _Motion:
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     steps = round(scene.construction_time / step)
     times = np.linspace(0.0, steps * step, steps + 1)
     started = process_time()
@@ -138,8 +135,6 @@ def _stepped(scene: Scene, method: str, names: Sequence[str], step: float) -> _M
 
 def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
     """Largest error of each displacement, m."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     names = list(motion.columns)
     exact = (
         solve(scene.all_parameters, motion.times)[0]
@@ -156,8 +151,6 @@ def _simulated(
     method: str = "extrapolated",
     step: float = 0.0,
 ) -> Columns:
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     solver = {"solver.method": method, "solver.step": step, "solver.tolerance": _TOLERANCE}
     parameters = {**scene.all_parameters, **solver}
     columns = simulate(scene.fmu.model, parameters, times.tolist(), names)

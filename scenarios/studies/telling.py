@@ -13,6 +13,8 @@ from typing import Any
 
 from phaseplane.suspension import engine
 
+from phaseplane.figures.work_precision import Curve
+
 from .accuracy import Point
 from .problems import Problem
 
@@ -129,8 +131,6 @@ def _failures(points: Sequence[Point]) -> Iterator[str]:
 
 def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:
     """What `phaseplane.figures.work_precision` draws: for each problem a title and its curves."""
-    from phaseplane.figures.work_precision import Curve  # noqa: PLC0415  (imports matplotlib)
-
     drawn = []
     for problem in problems:
         curves: dict[tuple[str, str], list[Point]] = {}

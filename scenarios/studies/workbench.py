@@ -13,6 +13,8 @@ from importlib.util import find_spec
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from .branches import Branches
 from .equations import Equations
 from .problems import Problem
@@ -97,8 +99,6 @@ class Workbench:
     @cached_property
     def scale(self) -> Vector:
         """Largest displacement and largest velocity, for each coordinate's two tolerances."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         rates = np.gradient(self.true, self.problem.times, axis=0)
         n = self.equations.n
         largest = [np.abs(self.true).max(), np.abs(rates).max()]
@@ -132,7 +132,6 @@ class Workbench:
         """Right-hand side and smallest guard as functions that return their result."""
         if not self.compiled:
             return plain(self.equations)
-        import numpy as np  # noqa: PLC0415  (heavy)
         from numba import njit  # noqa: PLC0415  (heavy, optional)
 
         fill, fill_guards = self.compiled["rhs"], self.compiled["guards"]
@@ -165,8 +164,6 @@ class Workbench:
 
     def stretches(self) -> list[Segmented]:
         """The run from joint to joint."""
-        import numpy as np  # noqa: PLC0415  (heavy)
-
         times, y, t, k = self.problem.times, self.problem.start, 0.0, 1
         branches = self.branches.copy()
         found = []

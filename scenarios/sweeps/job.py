@@ -6,7 +6,12 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from phaseplane import figures
+
 from ..errors import one_line
+from ..measures import catalogue
 from ..results.folder import check_replaceable, replaced_whole, write_summary
 from .plan import Plan, load_plan
 from .report import check_table, summary_of, write_rows
@@ -63,11 +68,6 @@ def run_sweep(
 
 def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
     """Draw the sweep; a line for what could not be drawn."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
-    from phaseplane import figures  # noqa: PLC0415  (imports matplotlib)
-
-    from ..measures import catalogue  # noqa: PLC0415
 
     def numbers(values: Iterable[object]) -> list[float]:
         return [float(x) if isinstance(x, int | float) else float("nan") for x in values]

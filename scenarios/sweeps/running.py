@@ -19,11 +19,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension.session import SimulationError
+import numpy as np
+from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.session import SimulationError, simulate
 from phaseplane.suspension.variables import ParameterError, Value
 
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
+from ..simulate.driver import opened
+from ..simulate.runner import run_with
 from .plan import Plan
 
 if TYPE_CHECKING:
@@ -127,8 +131,6 @@ def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
 
 def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """The model itself, all runs over the same instants."""
-    import numpy as np  # noqa: PLC0415  (heavy)
-
     scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
     time = _instants(scene.duration, scene.communication_step)
     varied = [dict(zip(plan.keys, plan.points[run], strict=True)) for run in runs]
@@ -151,9 +153,6 @@ def _columns(
     Where the integrator can give them all it makes each run in one call. What is wanted at the end
     alone is then a column of one row.
     """
-    from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many  # noqa: PLC0415
-    from phaseplane.suspension.session import simulate  # noqa: PLC0415
-
     rows = {output for measure in measures if not measure.at_end for output in measure.needs}
     ends = {output for measure in measures if measure.at_end for output in measure.needs} - rows
     if rows <= set(outputs_over_time(model)) and ends <= set(outputs_at_end(model)):
@@ -182,9 +181,6 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
 
 def _through_fmu(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """The FMU, which stays open from run to run."""
-    from ..simulate.driver import opened  # noqa: PLC0415
-    from ..simulate.runner import run_with  # noqa: PLC0415
-
     with opened(plan.scene.fmu) as (fmu, _):
         for run in runs:
             try:
@@ -199,8 +195,6 @@ def _through_fmu(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
 
 def _instants(duration: float, interval: float) -> Column:
     """The instants of the rows, as FMPy takes them: the last interval may be shorter."""
-    import numpy as np  # noqa: PLC0415
-
     count = int(duration / interval * (1.0 + 1e-12))
     time = [k * interval for k in range(count + 1)]
     return np.array(time if time[-1] >= duration * (1.0 - 1e-12) else [*time, duration])

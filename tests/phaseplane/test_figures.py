@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 
-from phaseplane.constructions import OneDofPlane, QuarterCarPlanes, march, tangent
+from phaseplane.constructions import EquationPlane, OneDofPlane, QuarterCarPlanes, march, tangent
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
-from phaseplane.figures.lettering import Box, place, text_box, typeset
+from phaseplane.figures.lettering import Box, Boxes, place, text_box, typeset
 from phaseplane.figures.planes import telling_frame
 from phaseplane.figures.style import DARK, LIGHT
 
@@ -356,7 +356,7 @@ def test_letters_are_typeset(label, wanted):
 def test_letters_avoid_each_other_and_stay_in_view():
     view = Box(0j, 1 + 1j)
     letters = [(0.95 + 0.95j, "AA"), (0.93 + 0.95j, "BB"), (0.9 + 0.9j, "CC")]
-    centres = place(letters, 0.05, view, [])
+    centres = place(letters, 0.05, view, np.zeros((0, 2), complex))
     boxes = [text_box(c, text, 0.05) for c, (_, text) in zip(centres, letters, strict=True)]
     assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
     assert all(view.contains(box) for box in boxes)
@@ -365,7 +365,38 @@ def test_letters_avoid_each_other_and_stay_in_view():
 
 
 def test_length_of_a_line_in_a_box():
-    box = Box(1 + 1j, 0.5 + 0.25j)
-    assert box.inside(0 + 1j, 3 + 1j) == pytest.approx(1.0)
-    assert box.inside(0 + 2j, 3 + 2j) == 0.0
-    assert box.inside(1 + 1j, 1 + 5j) == pytest.approx(0.25)
+    box = Boxes.of([Box(1 + 1j, 0.5 + 0.25j)])
+    starts, ends = np.array([[0 + 1j, 0 + 2j, 1 + 1j, 1 + 1j], [3 + 1j, 3 + 2j, 1 + 5j, 1 + 1j]])
+    assert box.inside(starts, ends) == pytest.approx([1.0, 0.0, 0.25, 0.0])
+
+
+# Work.
+
+
+def calls_of(function) -> int:
+    """How many Python functions a call of a function calls: a measure of work that knows no clock."""
+    count = 0
+
+    def tally(_frame, event, _argument):
+        nonlocal count
+        count += event == "call"
+
+    sys.setprofile(tally)
+    try:
+        function()
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+@pytest.mark.parametrize("draw", [phase_planes, construction_sheet])
+def test_pictures_of_long_motions_cost_in_proportion(draw):
+    def oscillator(steps):
+        return march(
+            EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0), step=0.05, steps=steps
+        )
+
+    few, many = oscillator(300), oscillator(1200)
+    draw(few)  # fonts and text are read once
+    work = calls_of(lambda: draw(few)), calls_of(lambda: draw(many))
+    assert work[1] < 5.0 * work[0]

@@ -1,0 +1,51 @@
+"""Packages that give their names lazily: all names are there, and none is imported before it is used."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib import import_module
+from inspect import isfunction
+from pathlib import Path
+
+import pytest
+
+import phaseplane
+from phaseplane import figures
+
+ROOT = Path(phaseplane.__path__[0])
+PACKAGES = [
+    "phaseplane", "phaseplane.constructions", "phaseplane.portrait", "phaseplane.figures",
+    "phaseplane.recording",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", PACKAGES)
+def test_every_name_is_there(name: str) -> None:
+    package = import_module(name)
+    assert package.__all__
+    assert [each for each in package.__all__ if getattr(package, each) is None] == []
+
+
+def test_every_package_that_says_its_names_is_tested() -> None:
+    stubs = [path.parent.relative_to(ROOT) for path in ROOT.rglob("*.pyi")]
+    assert sorted(PACKAGES) == sorted(".".join(["phaseplane", *stub.parts]) for stub in stubs)
+
+
+def test_a_function_stands_before_the_module_of_its_name() -> None:
+    for name in ("portrait", "columns"):
+        import_module(f"phaseplane.figures.{name}")
+        assert isfunction(getattr(figures, name))
+
+
+def test_importing_the_packages_imports_nothing_else() -> None:
+    code = f"import sys, {', '.join(PACKAGES)}\nprint(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    loaded = set(done.stdout.split())
+    assert {name for name in loaded if name.startswith("phaseplane")} == set(PACKAGES)
+    assert not loaded & {"numpy", "scipy", "matplotlib", "rerun", "pydantic"}
