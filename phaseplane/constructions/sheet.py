@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from cmath import exp
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import ceil, floor, log10
 
 from phaseplane.constructions.primitives import Axis, Curve, Frame, Plane
@@ -47,16 +48,30 @@ def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
     ]
 
 
-def events_of(frame: Frame, planes: Sequence[Plane]) -> list[tuple[str, list[Plane]]]:
-    """What happens at the start of a frame, and the planes it happens in.
+@dataclass(frozen=True, slots=True)
+class Event:
+    """What happens at the start of a step.
 
-    An event of one axle, such as `front_lift_off`, happens in the planes of that axle.
+    Parameters
+    ----------
+    name : `lift_off`, `touchdown` and the like, `front_lift_off` where one axle is concerned
+    kind, axle : the two parts of the name; the axle, `front_` or `rear_`, is empty if there is but one
+    planes : the planes in which it happens, those of its axle
     """
+
+    name: str
+    kind: str
+    axle: str
+    planes: tuple[Plane, ...]
+
+
+def events_of(frame: Frame, planes: Sequence[Plane]) -> list[Event]:
+    """The events at the start of a frame, one for each axle."""
     found = []
-    for event in filter(None, frame.event.split(", ")):
-        axle = next((a for a in ("front_", "rear_") if event.startswith(a)), "")
-        where = [plane for plane in planes if plane.name.startswith(axle)]
-        found.append((event.removeprefix(axle), where))
+    for name in filter(None, frame.event.split(", ")):
+        axle = next((a for a in ("front_", "rear_") if name.startswith(a)), "")
+        own = [plane for plane in planes if plane.name.startswith(axle)] or planes
+        found.append(Event(name, name.removeprefix(axle), axle, tuple(own)))
     return found
 
 

@@ -300,10 +300,10 @@ class Sheet:
         """Lift-off U and touchdown V in every plane."""
         colour = self.colour("event")
         named = [
-            (frame.points[plane.state], _EVENTS.get(event, event), colour)
+            (frame.points[plane.state], _EVENTS.get(event.kind, event.kind), colour)
             for frame in self.drawing.frames
-            for event, planes in events_of(frame, self.drawing.planes)
-            for plane in planes
+            for event in events_of(frame, self.drawing.planes)
+            for plane in event.planes
         ]
         if named:
             self.dots("event", [z for z, *_ in named])

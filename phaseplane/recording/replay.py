@@ -18,6 +18,7 @@ from phaseplane.constructions.primitives import (
     Scheme,
     Stroke,
 )
+from phaseplane.constructions.sheet import events_of
 
 from . import sheet
 from .columns import Clock, Integers, lettering, line_style, point_style, strips
@@ -106,34 +107,32 @@ def _log_trail(
 
 
 def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
-    """Marks in the planes of the axle that an event is named after, or in all."""
-    rows = np.array([i for i, frame in enumerate(drawing.frames) if frame.event])
-    if not rows.size:
+    """Marks in the planes in which something happens."""
+    found = {i: events_of(frame, drawing.planes) for i, frame in enumerate(drawing.frames)}
+    found = {i: events for i, events in found.items() if events}
+    if not found:
         return
-    frames = [drawing.frames[i] for i in rows]
-    marked = [_planes_of(frame.event, drawing.planes) for frame in frames]
     z = [
-        frame.points[p.state] for frame, planes in zip(frames, marked, strict=True) for p in planes
+        drawing.frames[i].points[plane.state]
+        for i, events in found.items()
+        for event in events
+        for plane in event.planes
     ]
-    length = 1 if len(frames) > _MOST_NAMED else None  # U or V alone
+    length = 1 if len(found) > _MOST_NAMED else None  # U or V alone
     labels = [
-        legible(event_texts(frame.event)[0])[:length] if len(frames) <= _MOST_LETTERED else ""
-        for frame, planes in zip(frames, marked, strict=True)
-        for _ in planes
+        legible(event_texts(event)[0])[:length] if len(found) <= _MOST_LETTERED else ""
+        for events in found.values()
+        for event in events
+        for _ in event.planes
     ]
     recording.log(EVENTS, point_style([style("event")]), static=True)
     recording.send_columns(
         EVENTS,
-        clock.columns(rows),
+        clock.columns(np.array(list(found))),
         rr.Points2D.columns(positions=sheet.vertices(np.array(z)), labels=labels).partition(
-            [len(planes) for planes in marked]
+            [sum(len(event.planes) for event in events) for events in found.values()]
         ),
     )
-
-
-def _planes_of(event: str, planes: Sequence[Plane]) -> Sequence[Plane]:
-    axle = event.partition("_")[0]
-    return [plane for plane in planes if plane.name.startswith(f"{axle}_")] or planes
 
 
 def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:

@@ -8,11 +8,12 @@ from functools import lru_cache
 from operator import mul
 
 from phaseplane.constructions.primitives import Drawing, Frame, Scheme
+from phaseplane.constructions.sheet import Event, events_of
 
 from .quantities import in_words, quantity_of
 from .styles import legible, typeset
 
-# What an event, named after its axle, is called: beside its mark, and in words.
+# What an event of an axle is called beside its mark, and what is said of it.
 _EVENTS = {
     "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
     "touchdown": ("V {}touchdown", "The {}wheel is back (V)."),
@@ -22,23 +23,23 @@ _EVENTS = {
 _HEAD = "| read off the sheet | |\n|---|---|\n"
 
 
-def event_texts(event: str) -> tuple[str, str]:
+def event_texts(event: Event) -> tuple[str, str]:
     """What is written beside the mark of an event, and what is said of it."""
-    for ending, texts in _EVENTS.items():
-        if event.endswith(ending):
-            axle = in_words(event.removesuffix(ending))
-            return texts[0].format(axle), texts[1].format(axle)
-    return in_words(event), in_words(event)
+    if event.kind not in _EVENTS:
+        return in_words(event.name), in_words(event.name)
+    mark, sentence = _EVENTS[event.kind]
+    axle = in_words(event.axle)
+    return mark.format(axle), sentence.format(axle)
 
 
 def step_text(drawing: Drawing, frame: Frame) -> str:
     """The words and numbers of a step, in Markdown."""
-    event = _plain(legible(event_texts(frame.event)[1])) if frame.event else ""
+    events = (event_texts(event)[1] for event in events_of(frame, drawing.planes))
     state = f", {_words(frame.scheme)}" if len(drawing.schemes) > 1 else ""
     return (
         f"**Step {frame.step} of {len(drawing.frames)}{state}**: "
-        f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {event}\n\n"
-        + readings_table(frame.readings)
+        f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. "
+        f"{_plain(legible(' '.join(events)))}\n\n" + readings_table(frame.readings)
     )
 
 

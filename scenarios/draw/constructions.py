@@ -119,6 +119,8 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
     most; `drift`: how far from a given motion a construction by itself gets, or a step that is laid
     over it ends, at most; both in m
     """
+    from phaseplane.constructions.sheet import events_of  # noqa: PLC0415
+
     readings = drawing.frames[-1].readings
     controls = [name.removeprefix("control_") for name in readings if name.startswith("control_")]
     return {
@@ -126,7 +128,11 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
         "steps": len(drawing.frames),
         "seconds": seconds,
         "unit": drawing.planes[0].displacement.unit,
-        "events": [{"event": f.event, "time": f.time} for f in drawing.frames if f.event],
+        "events": [
+            {"event": event.name, "time": frame.time}
+            for frame in drawing.frames
+            for event in events_of(frame, drawing.planes)
+        ],
         "control": {
             name: max(abs(f.readings[name] - f.readings[f"control_{name}"]) for f in drawing.frames)
             for name in controls

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
     from phaseplane.suspension.signals import Signal
+    from phaseplane.suspension.systems import Axle, System
 
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content, Vehicle
@@ -129,8 +131,6 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
 
     axles = []
     for axle in system.axles:
-        of = axle.prefix.replace("_", ".")
-        load = axle.static_load
         axles.append(
             recording.AxleView(
                 name=axle.prefix.rstrip("_") or "axle",
@@ -139,9 +139,7 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
                 road=f"{axle.prefix}road_elevation",
                 wheel=f"{axle.prefix}wheel_displacement" if axle.tyre else "",
                 airborne=f"{axle.prefix}airborne" if axle.tyre else "",
-                static_tyre_deflection=(
-                    load / float(parameters[f"{of}tyre.stiffness"]) if axle.tyre else 0.0
-                ),
+                static_tyre_deflection=_static_tyre_deflection(system, axle),
                 bump_gap=gap(axle.prefix, "bump_stop"),
                 rebound_gap=gap(axle.prefix, "rebound_stop"),
             )
@@ -150,6 +148,15 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
     return recording.Vehicle(
         tuple(axles), float(parameters["speed"]), tuple(_profile(road, duration))
     )
+
+
+def _static_tyre_deflection(system: System, axle: Axle) -> float:
+    """How far the weight compresses a tyre, m: as far as it must extend to be free of force."""
+    number = system.element(axle.tyre)
+    if number is None:
+        return 0.0
+    free = system.elements[number].spring.argument(axle.static_load)
+    return free if isfinite(free) else 0.0  # a table that never lets go
 
 
 def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:

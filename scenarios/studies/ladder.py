@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.models import axle_masses
+from phaseplane.suspension.models import axle_masses, build
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, Value
 
@@ -25,6 +25,7 @@ from ..results.report import aligned
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    from phaseplane.suspension.systems import System
 
     from ..scene.schema import Scene
 
@@ -178,11 +179,11 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
         yield _two(single, p, _coupling_words(p))
         if model == "HalfCar":
             rigid = _only("HalfCarRigidTyres", p)
-            words = _frequency_words(p, ("front.", "rear."))
+            words = _frequency_words(model, p)
             yield Rung("rigid tyres", (Part("HalfCarRigidTyres", rigid),), 2, words)
             yield _two("OneDof", p, f"{_coupling_words(p)}; {words}")
     else:
-        words = _frequency_words(p, ("",))
+        words = _frequency_words(model, p)
         yield Rung("rigid tyre", (Part("OneDof", _only("OneDof", p)),), 1, words)
 
 
@@ -229,19 +230,23 @@ def _coupling_words(p: Mapping[str, Value]) -> str:
     return f"M3 = {coupling:.3g} kg couples M1 = {front:.3g} and M2 = {rear:.3g} kg"
 
 
-def _frequency_words(p: Mapping[str, Value], axles: Sequence[str]) -> str:
+def _frequency_words(model: str, p: Mapping[str, Value]) -> str:
     """The excitation's frequency against half of the wheels' own, where both are known."""
     shape, speed = p["road.shape"], float(p["speed"])
     if shape not in ("bump", "obstacle", "sine"):
         return "AP57: the excitation must stay below half of the wheel's own frequency"
     excitation = speed / float(p["road.length"])
-    own = min(
-        sqrt((float(p[f"{axle}spring.rate"]) + float(p[f"{axle}tyre.stiffness"]))
-             / float(p[f"{axle}unsprung_mass"])) / (2.0 * pi)
-        for axle in axles
-    )  # fmt: skip
+    own = min(_wheel_frequencies(build(model, p)))
     relation = "below" if excitation < 0.5 * own else "not below"
     return f"excitation of {excitation:.3g} Hz is {relation} half of the wheel's own {own:.3g} Hz"
+
+
+def _wheel_frequencies(system: System) -> Iterator[float]:
+    """Natural frequency of each wheel while the body is held, Hz, by the tangents at rest."""
+    for i, name in enumerate(system.coordinates):
+        if name.endswith("wheel"):
+            stiffness = sum(e.direction[i] ** 2 * e.spring.tangent(0.0) for e in system.elements)
+            yield sqrt(max(0.0, stiffness) / system.mass[i][i]) / (2.0 * pi)
 
 
 # -- running ---------------------------------------------------------------------------------------

@@ -198,6 +198,22 @@ def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
     np.testing.assert_allclose(paper(row["Points2D:positions"]), [spiral(2, 1)], atol=1e-7)
 
 
+def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
+    planes = [
+        replace(p, name=f"{axle}_{p.name}")
+        for axle, p in zip(("front", "rear"), PLANES, strict=True)
+    ]
+    frames = (frame(0), replace(frame(1), event="front_lift_off, rear_touchdown"))
+    record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
+    recorded = Recorded(tmp_path / "f.rrd")
+    (row,) = recorded.rows["/sheet/events"]
+    assert row["Points2D:labels"] == ["U front lift-off", "V rear touchdown"]
+    places = [spiral(1, 1), spiral(2, 1)]
+    np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
+    said = "The front wheel leaves the road (U). The rear wheel is back (V)."
+    assert any(said in text for text in recorded.words())
+
+
 def test_a_step_in_words(recorded: Recorded) -> None:
     for timeline, instant in (("step", 30), ("stage", STAGES * 30 + 1)):
         row = recorded.shown("/words/step", timeline, instant)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -66,3 +67,15 @@ def test_a_model_without_a_smaller_one_is_refused(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["ladder", str(tmp_path / "scene.toml")])
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
     assert "OneDof has no smaller model" in result.stderr
+
+
+def test_the_wheels_own_frequency_is_that_of_the_springs_in_force(tmp_path: Path) -> None:
+    """A table replaces a stiffness, in the argument too."""
+    text = 'fmu="QuarterCar"\nduration="0.2 s"\n[parameters]\n'
+    tables = 'spring.table="-1:-1e4, 0:0, 1:1e4"\ntyre.table="-1:-4e5, 0:0, 1:4e5"\n'
+    given = climbed(tmp_path, text + "spring.rate=1e4\ntyre.stiffness=4e5\n")
+    replaced = climbed(tmp_path, text + tables + "spring.rate=1.0\ntyre.stiffness=1.0\n")
+    argument = by_name(given)["rigid tyre"]["argument"]
+    wheel = sqrt((1e4 + 4e5) / 29.41995) / (2.0 * pi)
+    assert argument.endswith(f"{wheel:.3g} Hz")
+    assert by_name(replaced)["rigid tyre"]["argument"] == argument
