@@ -66,7 +66,7 @@ def _version(ctx: click.Context, _option: click.Parameter, wanted: bool) -> None
 def main(ctx: click.Context) -> None:
     """Nonlinear vehicle suspensions: FMUs, scripted runs and the graphical construction of 1957.
 
-    Exit status: 0 done, 1 a run or an expectation failed, 2 bad input.
+    Exit status: 0 done, 1 a run or an expectation failed, 2 bad input, 130 interrupted.
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())

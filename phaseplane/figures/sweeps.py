@@ -1,28 +1,55 @@
-"""Sweeps: measures over one parameter, over two, or over many."""
+"""Sweeps: measures over one parameter, as a family of curves, over two, or over many."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from math import ceil
+from textwrap import fill
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from phaseplane.figures.style import BLUE, Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import (
+    BLUE,
+    GREEN,
+    OCHRE,
+    ORANGE,
+    PINK,
+    RED,
+    TEAL,
+    VIOLET,
+    Palette,
+    dress,
+    new_figure,
+    palette_for,
+)
 
-Quantities = Mapping[str, tuple[str, Sequence[float]]]
-_MOST = 6
+Values: TypeAlias = Sequence[float] | Sequence[str]
+Quantities = Mapping[str, tuple[str, Values]]
+_MOST = 6  # measures
 _LEVELS = 14
+_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
+_FAMILY = len(_COLOURS)  # curves that are still told apart
+_LONGEST, _LEGEND = 36, 88  # characters of a text in a legend, and of a line of it
 
 
 def sweep(
     varied: Quantities, measured: Quantities, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """Measures over what was varied: lines over one parameter, maps over two, scatter over more.
+    """Draw the measures of a sweep over what was varied.
+
+    Curves over one number; a family of curves where another number, or texts, take a few values; maps
+    over two numbers; otherwise every measure against every number. Texts alone stand side by side.
 
     Parameters
     ----------
-    varied : unit and value in each run by the parameter's name
+    varied : unit and value in each run by the parameter's name; numbers, or texts
     measured : unit and value in each run by the measure's name; not a number where there is none
     title : written above
     dark : on a dark ground
@@ -35,8 +62,12 @@ def sweep(
         raise ValueError("a sweep is drawn of at least one parameter and one measure")
     palette = palette_for(dark)
     shown = dict(list(measured.items())[:_MOST])
-    draw = {1: _lines, 2: _maps}.get(len(varied), _matrix)
-    figure = draw(varied, shown, palette)
+    abscissa = _abscissa(varied)
+    if abscissa:
+        figure = _lines(abscissa, varied, shown, palette)
+    else:
+        numbers = {key: column for key, column in varied.items() if not _are_texts(column[1])}
+        figure = (_maps if len(numbers) == 2 else _matrix)(numbers, shown, palette)
     if title:
         figure.suptitle(
             title, color=palette.ink, fontsize=11.0, y=1.0 - 0.12 / figure.get_figheight()
@@ -44,25 +75,85 @@ def sweep(
     return figure
 
 
-def _lines(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
-    """One panel for each measure."""
-    ((key, (unit, x)),) = varied.items()
-    height = 1.0 + 1.8 * len(measured)
+def _abscissa(varied: Quantities) -> str:
+    """The parameter over which curves are drawn, the others taking few values; or none."""
+    numbers = [key for key, (_, values) in varied.items() if not _are_texts(values)]
+    first = max(numbers or varied, key=lambda key: len(set(varied[key][1])))
+    others = [values for key, (_, values) in varied.items() if key != first]
+    curves = len(set(zip(*others, strict=True))) if others else 1
+    runs = len(varied[first][1])
+    few = curves <= _FAMILY and runs >= 2 * curves
+    return first if few or len(numbers) < 2 else ""
+
+
+def _are_texts(values: Values) -> bool:
+    return any(isinstance(value, str) for value in values)
+
+
+def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
+    """One panel for each measure, one curve for each combination of the other parameters."""
+    unit, x = varied[abscissa]
+    others = {key: column for key, column in varied.items() if key != abscissa}
+    family = list(_family(others, len(x)))
+    columns = max(1, min(4, _LEGEND // (4 + max(len(label) for label, _ in family))))
+    legend = 0.22 * (1 + ceil(len(family) / columns)) if len(family) > 1 else 0.0
+    height = 1.0 + 1.8 * len(measured) + legend
     figure = new_figure(7.5, height, palette)
     panels = figure.subplots(len(measured), 1, sharex=True, squeeze=False)[:, 0]
-    order = np.argsort(x)
+    texts = list(dict.fromkeys(x)) if _are_texts(x) else []
+    places = np.array([texts.index(value) for value in x] if texts else x, float)
     for axes, (name, (measure_unit, y)) in zip(panels, measured.items(), strict=True):
-        axes.plot(
-            np.array(x)[order], np.array(y)[order], ".-", color=BLUE, linewidth=1.3, markersize=5
-        )
+        for k, ((label, runs), colour) in enumerate(
+            zip(family, _colours(len(family)), strict=True)
+        ):
+            beside = 0.08 * (k - 0.5 * (len(family) - 1)) if texts else 0.0
+            ordered = runs[np.argsort(places[runs], kind="stable")]
+            axes.plot(
+                places[ordered] + beside, np.array(y, float)[ordered], "o" if texts else ".-",
+                color=colour, linewidth=1.3, markersize=5, label=label, clip_on=False, zorder=3,
+            )  # fmt: skip
         axes.set_ylabel(_words(name, measure_unit), fontsize=8.5)
-        _plain(axes, palette)
-    panels[-1].set_xlabel(_words(key, unit, broken=False))
+        _plain(axes, palette, counted=measure_unit == "count")
+    if texts:
+        panels[-1].set_xticks(range(len(texts)), [_wrapped(str(text)) for text in texts])
+        panels[-1].set_xlim(-0.5, len(texts) - 0.5)
+    panels[-1].set_xlabel(_words(abscissa, unit, broken=False))
+    if legend:
+        told = figure.legend(
+            *panels[0].get_legend_handles_labels(), loc="upper left", frameon=False, fontsize=8.0,
+            bbox_to_anchor=(0.155, 1.0 - 0.3 / height), ncols=columns, title_fontsize=8.0,
+            title=", ".join(_words(k, u, broken=False) for k, (u, _) in others.items()),
+            labelcolor=palette.ink, alignment="left",
+        )  # fmt: skip
+        told.get_title().set_color(palette.ink)
     figure.align_ylabels(list(panels))
+    lines = 1 + max((_wrapped(str(text)).count("\n") for text in texts), default=0)
     figure.subplots_adjust(
-        left=0.16, right=0.97, bottom=0.55 / height, top=1.0 - 0.45 / height, hspace=0.12
-    )
+        left=0.16, right=0.97, bottom=(0.42 + 0.13 * lines) / height,
+        top=1.0 - (0.45 + legend) / height, hspace=0.12,
+    )  # fmt: skip
     return figure
+
+
+def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np.int64]]]:
+    """Every combination of the other parameters in words, with the runs that have it."""
+    combinations = list(zip(*(values for _, values in others.values()), strict=True))
+    if not combinations:
+        yield "", np.arange(runs)
+        return
+    for found in dict.fromkeys(combinations):
+        label = ", ".join(
+            _short(value) if isinstance(value, str) else f"{value:.5g}" for value in found
+        )
+        yield label, np.array([k for k, c in enumerate(combinations) if c == found])
+
+
+def _colours(count: int) -> list[str]:
+    """Colours of so many curves; beyond what is told apart, those of a scale."""
+    if count <= _FAMILY:
+        return list(_COLOURS[:count])
+    scale = colormaps["viridis"](np.linspace(0.0, 0.92, count))
+    return [tuple(colour) for colour in scale.tolist()]  # type: ignore[misc]
 
 
 def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
@@ -74,21 +165,25 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
     figure = new_figure(width, height, palette)
     panels = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, (name, (unit, z)) in zip(panels, measured.items(), strict=False):
-        good = np.isfinite(z)
-        px, py, pz = (np.asarray(v, float)[good] for v in (x, y, z))
-        if len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2 and np.ptp(pz) > 0.0:
+        px, py, pz = (np.asarray(v, float) for v in (x, y, z))
+        px, py, pz = (v[np.isfinite(pz)] for v in (px, py, pz))
+        words = _words(name, unit, broken=False)
+        if np.ptp(pz) == 0.0:
+            words = f"{words}: {pz[0]:.5g} everywhere"
+        elif len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2:
             counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each whole number
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
             filled = axes.tricontourf(px, py, pz, levels=levels, cmap="viridis")
-            axes.tricontour(px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4)
+            axes.tricontour(
+                px, py, pz, levels=levels, colors=palette.paper, linewidths=0.4, linestyles="-"
+            )
             ticks = np.arange(pz.min(), pz.max() + 0.5) if counts else None
-            bar = figure.colorbar(filled, ax=axes, ticks=ticks)
+            _scale(figure.colorbar(filled, ax=axes, ticks=ticks), palette)
         else:
-            dots = axes.scatter(px, py, c=pz, cmap="viridis")
-            bar = figure.colorbar(dots, ax=axes)
-        bar.ax.tick_params(colors=palette.ink, labelsize=8.0)
-        axes.plot(px, py, ".", color=palette.ink, markersize=1.5)
-        axes.set_title(_words(name, unit, broken=False), fontsize=9.5, color=palette.ink)
+            dots = axes.scatter(px, py, c=pz, cmap="viridis", clip_on=False, zorder=3)
+            _scale(figure.colorbar(dots, ax=axes), palette)
+        axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
+        axes.set_title(words, fontsize=9.5, color=palette.ink)
         axes.set_xlabel(_words(x_key, x_unit, broken=False))
         axes.set_ylabel(_words(y_key, y_unit, broken=False))
         _plain(axes, palette)
@@ -107,8 +202,9 @@ def _matrix(varied: Quantities, measured: Quantities, palette: Palette) -> Figur
     for i, (name, (unit, y)) in enumerate(measured.items()):
         for j, (key, (key_unit, x)) in enumerate(varied.items()):
             axes = panels[i, j]
-            axes.plot(x, y, ".", color=BLUE, markersize=3, alpha=0.6)
-            _plain(axes, palette)
+            axes.plot(x, y, ".", color=BLUE, markersize=3, alpha=0.6, clip_on=False, zorder=3)
+            _plain(axes, palette, counted=unit == "count")
+            axes.xaxis.set_major_locator(MaxNLocator(4))
             if j == 0:
                 axes.set_ylabel(_words(name, unit), fontsize=8.0)
             if i == rows - 1:
@@ -127,8 +223,27 @@ def _words(name: str, unit: str, *, broken: bool = True) -> str:
     return f"{words} [{unit}]" if unit not in ("", "1", "count") else words
 
 
-def _plain(axes: Axes, palette: Palette) -> None:
+def _short(text: str) -> str:
+    """A text that fits into a legend."""
+    return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}...") or "none"
+
+
+def _wrapped(text: str) -> str:
+    """A text that fits under a tick."""
+    return fill(_short(text), _LONGEST // 2)
+
+
+def _scale(bar: Colorbar, palette: Palette) -> None:
+    bar.ax.tick_params(colors=palette.ink, labelsize=8.0)
+
+
+def _plain(axes: Axes, palette: Palette, *, counted: bool = False) -> None:
     dress(axes, palette, 8.0)
+    if counted:
+        axes.yaxis.set_major_locator(MaxNLocator(5, integer=True))
     axes.set_axisbelow(True)
+    axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set(color=palette.ink, fontsize=7.5)
     for label in (axes.xaxis.label, axes.yaxis.label):
         label.set_color(palette.ink)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 from uuid import uuid4
@@ -22,7 +22,7 @@ from .layout import blueprint
 from .sinks import new_recording, record
 from .whole import begin, log_state_planes, send
 
-READY, TAKEN, DONE = b"r", b"t", b"d"
+READY, TAKEN, DONE, FILED = b"r", b"t", b"d", b"f"  # filed: written, but no longer shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +62,18 @@ class Drawer:
         self.recording.send_blueprint(blueprint(order.content))
         begin(self.recording, order.content)
         self.recording.flush()
+        self.shown = True
         self.last: dict[str, Reals] = {}
         self.reach: dict[str, Reals] = {}
         self.clock = Clock.of(None, stages=False)
 
     def take(self, rows: Rows) -> None:
-        """Draw more rows; the last one before them is where they go on from."""
+        """Draw more rows."""
+        if self.shown:
+            self._unless_filed(self._go_on, rows)
+
+    def _go_on(self, rows: Rows) -> None:
+        """Draw on from the last row before these."""
         columns = {
             name: np.concatenate([self.last.get(name, column[:0]), column])
             for name, column in rows.columns.items()
@@ -90,15 +96,27 @@ class Drawer:
 
     def complete(self, order: Complete) -> None:
         """Draw the whole run, and write its file anew."""
-        if self.order.url:
-            self.recording.send_blueprint(blueprint(order.content))
-            begin(self.recording, order.content, construction=False)
-            clock = Clock.of(order.content.drawing, stages=order.content.detail == "stages")
-            send(self.recording, order.content, clock)
-            self.recording.flush()
+        if self.order.url and self.shown:
+            self._unless_filed(self._show, order.content)
         if self.order.path:
             record(order.content, self.order.path)
             os.unlink(self.order.draft)
+
+    def _show(self, content: Content) -> None:
+        self.recording.send_blueprint(blueprint(content))
+        begin(self.recording, content, construction=False)
+        clock = Clock.of(content.drawing, stages=content.detail == "stages")
+        send(self.recording, content, clock)
+        self.recording.flush()
+
+    def _unless_filed(self, draw: Callable[..., None], *what: object) -> None:
+        """Draw; a viewer that has gone is given up where there is a file still to be written."""
+        try:
+            draw(*what)
+        except Exception:  # whatever rerun raises when nobody takes what it sends
+            if not (self.order.url and self.order.path):
+                raise
+            self.shown = False
 
 
 def follow(orders: BinaryIO, answers: int) -> None:
@@ -117,7 +135,7 @@ def follow(orders: BinaryIO, answers: int) -> None:
             os.write(answers, TAKEN)
         elif isinstance(order, Complete) and drawer:
             drawer.complete(order)
-            os.write(answers, DONE)
+            os.write(answers, DONE if drawer.shown else FILED)
             return
 
 

@@ -23,7 +23,7 @@ from typing import IO, Any
 import numpy as np
 
 from .content import Content
-from .drawer import DONE, READY, TAKEN, Begin, Complete, Rows
+from .drawer import DONE, FILED, READY, TAKEN, Begin, Complete, Rows
 from .server import listens
 
 _INTERVAL = 0.1  # s of wall time between two batches
@@ -57,6 +57,7 @@ class Live:
     ) -> None:
         self.content, self.url, self.path, self.patience = content, url, path, patience
         self.problem = ""
+        self.filed = False  # whether the file is written
         self.rows_drawn = 0
         self._child: subprocess.Popen[bytes] | None = None
         self._noise: IO[bytes] | None = None
@@ -134,7 +135,11 @@ class Live:
             stdout=subprocess.PIPE,
             bufsize=0,
             stderr=self._noise,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            env={
+                **os.environ,
+                "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+                "NO_COLOR": "1",
+            },
             start_new_session=True,  # an interrupt is for the run; the drawer ends with its input
         )
         self._listener = threading.Thread(target=self._listen, args=(self._child.stdout,))
@@ -151,6 +156,7 @@ class Live:
             self._expect(TAKEN, "the viewer was too slow")
         self._order(Complete(content))
         self._expect(DONE, "the viewer has not taken the whole run")
+        self.filed = bool(self.path) and (self.filed or not self.problem)
 
     def _stop_thread(self) -> None:
         self._over.set()
@@ -167,8 +173,11 @@ class Live:
             answer = self._answers.get(timeout=patience)
         except Empty:
             return False
-        if answer != wanted:
-            self._fail(self._last_words() or "the drawing ended early")
+        if answer == FILED:
+            self.filed = True
+            self._fail(self._silent)
+        elif answer != wanted:
+            self._fail_early()
         return answer == wanted
 
     def _listen(self, answers: IO[bytes]) -> None:
@@ -189,9 +198,19 @@ class Live:
             pickle.dump(order, self._child.stdin, protocol=pickle.HIGHEST_PROTOCOL)
             self._child.stdin.flush()
         except OSError:
-            self._fail(self._last_words() or "the drawing ended early")
+            self._fail_early()
         finally:
             alarm.cancel()
+
+    @property
+    def _silent(self) -> str:
+        return f"the viewer at {self.url} no longer answers"
+
+    def _fail_early(self) -> None:
+        """The drawer has ended before it was told to."""
+        words = self._last_words()
+        silent = self.url and not listens(self.url)
+        self._fail(self._silent if silent else words or "the drawing ended early")
 
     def _last_words(self) -> str:
         """What the drawer said last on its way out."""

@@ -107,8 +107,8 @@ class Commands(click.Group):
         except (RunError, OSError) as error:
             complain(error)
             status = FAILED
-        except click.Abort:
-            complain("interrupted")
+        except click.Abort as abort:  # made by click of the interrupt, which may say what is kept
+            complain(f"interrupted {abort.__cause__ or ''}")
             status = INTERRUPTED
         except _PipeClosedError:
             status = PIPE_CLOSED

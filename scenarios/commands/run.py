@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from signal import SIGTERM
 from time import perf_counter
 from typing import Any
 
@@ -16,6 +18,7 @@ from ..draw.planes import CONSTRUCTED
 from ..errors import DrawingError, InputError, check_recording, one_line
 from ..results.folder import (
     OUTPUT,
+    Place,
     Results,
     as_json,
     check_replaceable,
@@ -29,6 +32,7 @@ from ..simulate import runner
 from .console import (
     DONE,
     FAILED,
+    TERMINATED,
     complain,
     json_option,
     output_option,
@@ -81,9 +85,10 @@ def run(
             )
         click.echo(as_json(summary) if as_data else report(summary, folder))
         told = failures(summary)
-        if told:
-            more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
-            complain(f"{summary['scene']}: {told[0]}{more}")
+        lines = [*told, *summary["notes"]]
+        if lines:
+            more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
+            complain(f"{summary['scene']}: {lines[0]}{more}")
         until_interrupted(server)
     return FAILED if told else DONE
 
@@ -118,13 +123,15 @@ def run_scene(
     ------
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
+    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM; what was computed until then has been written.
     """
     check_recording(save)
     scene = load_scene(reference, overrides)
-    folder = folder or OUTPUT / scene.name
-    check_replaceable(folder)
+    place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
+    check_replaceable(place)
     problems: list[str] = []
-    drawing, told = None, None
+    notes: list[str] = []
+    drawing, drawn = None, None
     known = scene.fmu.model in CONSTRUCTED
     if scene.show.figures_construction or (known and scene.show.records_construction):
         started = perf_counter()
@@ -144,14 +151,38 @@ def run_scene(
             # a recording alone does without, as of any model that has no construction
     with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
-        results = runner.run(scene, progress=progress, watch=watch, realtime=realtime)
+        try:
+            results = runner.run(scene, progress=progress, watch=watch, realtime=realtime)
+        except runner.Interrupted as interrupted:
+            _keep(interrupted.results, problems, place)
+            if interrupted.number == SIGTERM:
+                sys.exit(TERMINATED)
+            raise KeyboardInterrupt(_kept_words(interrupted.results, place)) from None
         if live is not None:
-            problems += live.complete(results)
+            unwritten, notes = live.complete(results)
+            problems += unwritten
     if drawing is not None:
         drawing = drifting(drawing, results.columns)
-        told = told_of(drawing, drawing_time)
-    with replaced_whole(folder) as draft:
+        drawn = told_of(drawing, drawing_time)
+    with replaced_whole(place) as draft:
         problems += draw_all(scene, results, drawing, draft)
-        results = Results(results.columns, {**results.summary, "drawn": told, "problems": problems})
-        write_results(results, draft)
-    return read_summary(folder) or {}, folder
+        told = {"origin": place.origin, "drawn": drawn, "problems": problems, "notes": notes}
+        write_results(Results(results.columns, {**results.summary, **told}), draft)
+    return read_summary(place.folder) or {}, place.folder
+
+
+def _keep(results: Results, problems: Sequence[str], place: Place) -> None:
+    """Write the results of a run that was interrupted; nothing of it is drawn."""
+    told = {"origin": place.origin, "drawn": None, "problems": list(problems), "notes": []}
+    with replaced_whole(place) as draft:
+        write_results(Results(results.columns, {**results.summary, **told}), draft)
+
+
+def _kept_words(results: Results, place: Place) -> str:
+    stopped = results.stopped
+    until = (
+        f"at {stopped['time']:.6g} s of {results.summary['duration']:g} s"
+        if stopped
+        else "at its end"
+    )
+    return f"{until}; what was computed until then is in {place.folder}"

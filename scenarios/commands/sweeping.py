@@ -19,7 +19,7 @@ from .console import DONE, FAILED, complain, json_option, progress_bar
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of the results, replaced whole. [default: out/SWEEP]",
+    help="Folder of the results, replaced whole. [default: out/sweeps/SWEEP]",
 )
 @click.option(
     "--through",

@@ -37,11 +37,21 @@ class LiveRun:
         """Say after a step what FMPy has recorded so far."""
         self.live.watch([known(name) for name, *_ in recorder.cols], recorder.rows)
 
-    def complete(self, results: Results) -> Iterator[str]:
-        """Show the whole run; yields a line if it could not be shown."""
+    def complete(self, results: Results) -> tuple[list[str], list[str]]:
+        """Show the whole run.
+
+        Returns
+        -------
+        a line if its file could not be written, and one if it could not be shown, which costs the
+        drawing only
+        """
         self.live.complete(of_results(results, self.drawing, self.scene.show.model_dump()))
-        if self.live.problem:
-            yield f"the run was not shown: {one_line(self.live.problem)}"
+        if not self.live.problem:
+            return [], []
+        why = one_line(self.live.problem)
+        if self.live.path and not self.live.filed:
+            return [f"{self.live.path} was not written: {why}"], []
+        return [], [f"the run was not shown: {why}"]
 
 
 @contextmanager

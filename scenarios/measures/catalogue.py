@@ -38,8 +38,13 @@ def catalogue(outputs: Mapping[str, Variable]) -> dict[str, Measure]:
 
 
 def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tuple[str, ...]:
-    """What is taken where a scene does not say: peaks of the motions shown, contact, the solver."""
-    peaks = {f"peak.{name}" for name in shown if name.endswith(_DEFAULT_PEAKS)}
+    """What is taken where a scene does not say: peaks of the motions shown, contact, the solver.
+
+    Of a model whose outputs are none of these motions, peaks of all that is shown.
+    """
+    shown = list(shown)
+    motions = [name for name in shown if name.endswith(_DEFAULT_PEAKS)]
+    peaks = {f"peak.{name}" for name in motions or shown}
     return tuple(name for name in known if name in peaks or name.endswith(_DEFAULT))
 
 

@@ -1,8 +1,9 @@
 """The results of a run, and the folder that keeps them.
 
 A results folder is replaced whole: everything is written beside it first and moved into its place
-at the end. It is known by its `summary.json`, which lists its files; a folder that holds anything
-else is never touched.
+at the end. It is known by its `summary.json`, which lists its files and says where they come from: a
+folder that holds anything else is never touched, and one that holds the results of another file only if
+it is named.
 """
 
 from __future__ import annotations
@@ -32,6 +33,40 @@ SUMMARY = "summary.json"
 TABLE = "results.csv"
 _MARK = "phaseplane_results"  # the first key of our summaries, with the number of their layout
 _LAYOUT = 1
+_PACKAGE = Path(__file__).parents[1]  # holds the cases and sweeps that come with it
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where results are to go, and what they come from.
+
+    Parameters
+    ----------
+    folder : of the results
+    kind : what makes them: `run`, `sweep` or the name of a study
+    file : the scene or sweep file they come from; None where there is none
+    named : whether the user has named the folder
+    """
+
+    folder: Path
+    kind: str = "run"
+    file: Path | None = None
+    named: bool = True
+
+    @property
+    def origin(self) -> dict[str, str]:
+        """What the results come from, as plain data; the file as it is found from their folder.
+
+        So it is still the same file when both have been moved together.
+        """
+        if self.file is None or self.file.is_relative_to(_PACKAGE):
+            return {"kind": self.kind, "file": self.file.stem if self.file else ""}
+        file, folder = self.file.resolve(), self.folder.resolve()
+        try:
+            seen = Path(os.path.relpath(file, folder))
+        except ValueError:  # on another drive
+            seen = file
+        return {"kind": self.kind, "file": seen.as_posix()}
 
 
 @dataclass(frozen=True)
@@ -121,13 +156,15 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
     return summary
 
 
-def check_replaceable(folder: Path) -> None:
-    """Refuse to replace what is not a results folder.
+def check_replaceable(place: Place) -> None:
+    """Refuse to replace what is not a results folder, or holds other results.
 
     Raises
     ------
-    FolderError : a file, a folder that was not written by a run, or one with other files in it.
+    FolderError : a file, a folder that was not written by a run, one with other files in it, results of
+        another kind, or those of another file where nobody has named the folder.
     """
+    folder = place.folder
     if not folder.exists():
         return
     if not folder.is_dir():
@@ -153,17 +190,42 @@ def check_replaceable(folder: Path) -> None:
                 "move that away or give another folder with -o"
             )
         )
+    _check_origin(place, (summary or {}).get("origin", place.origin))
+
+
+def _check_origin(place: Place, there: Mapping[str, str]) -> None:
+    """Refuse to replace results of another kind, or of another file in a folder nobody has named."""
+    folder, ours = place.folder, place.origin
+    if there["kind"] != ours["kind"]:
+        raise FolderError(
+            one_line(
+                f"{folder} holds the results of 'phaseplane {there['kind']}', which 'phaseplane "
+                f"{ours['kind']}' does not replace; delete them or give another folder with -o"
+            )
+        )
+    if there["file"] != ours["file"] and not place.named:
+        theirs, own = (
+            os.path.relpath(folder / file) if "/" in file else file
+            for file in (there["file"], ours["file"])
+        )
+        raise FolderError(
+            one_line(
+                f"{folder} holds the results of {theirs}, which those of {own} do not replace; "
+                f"give another folder with -o, or -o {folder} to replace them"
+            )
+        )
 
 
 @contextmanager
-def replaced_whole(folder: Path) -> Iterator[Path]:
-    """A new folder to be filled, which takes the place of `folder` if all goes well.
+def replaced_whole(place: Place) -> Iterator[Path]:
+    """A new folder to be filled, which takes its place if all goes well.
 
     Raises
     ------
     FolderError : see `check_replaceable`; or the place cannot be written to.
     """
-    check_replaceable(folder)
+    check_replaceable(place)
+    folder = place.folder
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
@@ -172,7 +234,7 @@ def replaced_whole(folder: Path) -> Iterator[Path]:
         raise FolderError(one_line(f"cannot write {folder}: {error.strerror}")) from None
     try:
         yield draft
-        check_replaceable(folder)
+        check_replaceable(place)
         _exchange(draft, target)
     except OSError as error:
         raise FolderError(one_line(f"cannot write {folder}: {error.strerror or error}")) from error

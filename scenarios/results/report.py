@@ -7,9 +7,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-# SI unit -> unit shown and how many of it make the SI unit.
-_SHOWN_IN = {"m": ("mm", 1e3), "s": ("ms", 1e3), "N": ("N", 1.0), "m/s2": ("m/s2", 1.0)}
+from .quantities import reading
+
 _WIDTH = 17
+_NAME, _NUMBER = 26, 10  # least widths of the columns of a measure
 
 
 def report(summary: Mapping[str, Any], folder: Path) -> str:
@@ -66,6 +67,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
         yield _line("" if i else "FAILED", failure)
+    for i, note in enumerate(summary.get("notes", ())):
+        yield _line("" if i else "note", note)
     yield ""
     for i, name in enumerate(summary["files"]):
         yield _line("" if i else "files", _path(folder / name))
@@ -75,10 +78,7 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
     """Peaks, then contact axle by axle, then everything else that was asked for."""
     told = {"step_count"}
     peaks = [name for name in measures if name.startswith("peak.")]
-    for name in peaks:
-        yield _peak(name.removeprefix("peak."), measures[name])
-    if peaks:
-        yield ""
+    yield from _table({name.removeprefix("peak."): measures[name] for name in peaks})
     for name in measures:
         prefix, found, rest = name.rpartition("lift_off_count")
         if found and not rest and measures[name]["value"] is not None:
@@ -87,19 +87,21 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
     if "energy_residual" in measures and measures["energy_residual"]["value"] is not None:
         told.add("energy_residual")
         yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
-    for name, reading in measures.items():
-        if name not in told and name not in peaks:
-            unit = "" if reading["unit"] in ("1", "count") else f" {reading['unit']}"
-            yield f"{name.replace('_', ' '):<31} {_number(reading['value'])}{unit}{_when(reading)}"
+    yield from _table({n: m for n, m in measures.items() if n not in told and n not in peaks})
+
+
+def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
+    """One line for each measure, and an empty one after them."""
+    width = max((_NAME, *(len(name) + 1 for name in measures)))
+    for name, measured in measures.items():
+        yield f"{name.replace('_', ' '):<{width}}{reading(measured, _NUMBER)}"
+    if measures:
+        yield ""
 
 
 def _steps(measures: Mapping[str, Any]) -> str:
     steps = measures.get("step_count", {}).get("value")
     return f"{steps} steps, " if steps is not None else ""
-
-
-def _when(reading: Mapping[str, Any]) -> str:
-    return f" at {1e3 * reading['time']:.4g} ms" if reading["time"] is not None else ""
 
 
 _CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "smallest_contact_force")
@@ -125,8 +127,8 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
     if count and values["airborne_time"] is not None:
         yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")
     if values["smallest_contact_force"] is not None:
-        reading = measures[f"{prefix}smallest_contact_force"]
-        yield _line(f"{axle}contact", f"smallest force {reading['value']:.6g} N,{_when(reading)}")
+        smallest = reading(measures[f"{prefix}smallest_contact_force"])
+        yield _line(f"{axle}contact", f"smallest force {' '.join(smallest.split())}")
 
 
 def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
@@ -207,14 +209,6 @@ def _solver_words(summary: Mapping[str, Any]) -> str:
     how = f"steps of {1e3 * step:g} ms" if step else f"tolerance {parameters['solver.tolerance']:g}"
     slow = ", uncompiled and therefore slower" if summary["uncompiled"] else ""
     return f"{parameters['solver.method']}, {how}{slow}"
-
-
-def _peak(name: str, peak: Mapping[str, Any]) -> str:
-    unit, factor = _SHOWN_IN.get(peak["unit"], (peak["unit"], 1.0))
-    return (
-        f"{name.replace('_', ' '):<26}{factor * peak['value']:>10.3f} {unit:<5}"
-        f" at {1e3 * peak['time']:>8.2f} ms"
-    )
 
 
 def _line(name: str, words: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,6 +45,17 @@ class Fmu:
         """Whether it is one of this project and version, so that the model itself can check values."""
         names = [v.name for v in MODELS.get(self.model, ())]
         return names == [v.name for v in self.variables]
+
+    @property
+    def content(self) -> str:
+        """A hash of all that the FMU is made of; of an equation, which is none, nothing."""
+        if self.path is not None:
+            return sha256(self.path.read_bytes()).hexdigest()[:24]
+        if self.model == EQUATION:
+            return ""
+        from phaseplane.vehicle_fmus.build import content_key  # noqa: PLC0415  (heavy)
+
+        return content_key(self.model)
 
     def parameters(self) -> dict[str, Variable]:
         """What can be set, by name."""

@@ -34,7 +34,7 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
     """
     path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
     layers = fmu_layers(path, overrides) if path.suffix == ".fmu" else read_layers(path, overrides)
-    content = {**layers.tables(), "name": path.stem, "unchecked": layers.unchecked}
+    content = {**layers.tables(), "name": path.stem, "file": path, "unchecked": layers.unchecked}
     expected = content.get("expect")
     if isinstance(expected, dict):
         content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}

@@ -42,6 +42,7 @@ class Scene(Strict):
     Parameters
     ----------
     name : of its file
+    file : where it was read
     fmu : a model's name, or the path of an `.fmu` file
     duration : s
     parameters : what differs from the FMU's defaults, in SI
@@ -52,6 +53,7 @@ class Scene(Strict):
     """
 
     name: str
+    file: Path | None = None
     title: str = ""
     source: str = ""
     fmu: Fmu
@@ -224,7 +226,7 @@ class Scene(Strict):
     def hash(self) -> str:
         """Of all that decides the motion and what is read of it; equal for equal runs."""
         said = (
-            self.fmu.model, str(self.fmu.path or ""), self.duration, self.show.output_interval,
+            self.fmu.model, self.fmu.path and self.fmu.content, self.duration, self.show.output_interval,
             sorted(self.all_parameters.items()), self.columns,
         )  # fmt: skip
         return sha256(repr(said).encode()).hexdigest()[:16]
@@ -262,13 +264,12 @@ class Scene(Strict):
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs shown, in the FMU's order."""
-        wanted = self.show.outputs
-        return tuple(
-            name
-            for name in self.fmu.outputs()
-            if wanted == "all" or (name.endswith(_SHOWN) if wanted is None else name in wanted)
-        )
+        """Names of the outputs shown, in the FMU's order: the motion, or all if none is one."""
+        wanted, names = self.show.outputs, tuple(self.fmu.outputs())
+        if isinstance(wanted, list):
+            return tuple(name for name in names if name in wanted)
+        motion = tuple(name for name in names if name.endswith(_SHOWN))
+        return names if wanted == "all" else motion or names
 
     @property
     def measures(self) -> tuple[str, ...]:

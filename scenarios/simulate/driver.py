@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float], None]
 Watch = Callable[["Recorder"], None]
+INTERRUPTED = "interrupted"
+"""Why a run ended early, if it was told to."""
 _LONGEST_SLEEP = 0.1  # s, after which an interrupt is looked for
 _DISCARD, _FATAL = 2, 4  # FMI status
 
@@ -174,7 +176,7 @@ class OpenFmu:
             if not usable:
                 self.close(usable=False)
         uncompiled = any("uncompiled" in message for _, _, message in self._log.lines)
-        failure = failure or self._log.complaint()
+        failure = failure or (INTERRUPTED if interrupted() else self._log.complaint())
         return Drive(_columns(table, failure), run_time, failure, uncompiled)
 
 

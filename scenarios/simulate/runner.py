@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import platform
-import signal
-from contextlib import suppress
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,9 +12,24 @@ from ..results.folder import Results
 from ..scene.equation import EQUATION, solve
 from ..scene.expectations import judged_measures
 from .driver import Drive, OpenFmu, Progress, Watch, deferred_interrupt, opened
+from .versions import versions
 
 if TYPE_CHECKING:
     from ..scene.schema import Scene
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C or SIGTERM came while a run went on.
+
+    Parameters
+    ----------
+    results : as far as they go
+    number : of the signal
+    """
+
+    def __init__(self, results: Results, number: int) -> None:
+        super().__init__(results, number)
+        self.results, self.number = results, number
 
 
 def run(
@@ -42,7 +52,7 @@ def run(
     ------
     RunError : the FMU could not be packed, loaded or initialised. A run that fails midway raises
         nothing: its results say where it stopped and why.
-    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM, at the end of the step in which it came.
+    Interrupted : Ctrl-C or SIGTERM, at the end of the step in which it came.
     """
     if scene.fmu.model == EQUATION:
         return _solved(scene)
@@ -54,11 +64,10 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
     """Run a scene with an FMU that is open already; otherwise as `run`."""
     with deferred_interrupt() as interrupted:
         drive = fmu.drive(scene, _read_in(scene), interrupted=interrupted, **how)
-    if interrupted() == signal.SIGTERM:
-        raise SystemExit(128 + signal.SIGTERM)
+    results = _results(scene, drive, build_time)
     if interrupted():
-        raise KeyboardInterrupt
-    return _results(scene, drive, build_time)
+        raise Interrupted(results, interrupted())
+    return results
 
 
 def _results(scene: Scene, drive: Drive, build_time: float | None) -> Results:
@@ -105,7 +114,7 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "model": scene.fmu.model,
         "fmu": str(scene.fmu.path) if scene.fmu.path else scene.fmu.model,
         "table": scene.show.table,
-        "versions": dict(_versions()),
+        "versions": dict(versions()),
         "hash": scene.hash,
         "duration": scene.duration,
         "output_interval": scene.communication_step,
@@ -132,13 +141,3 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "build_time": build_time,
         "run_time": drive.run_time,
     }
-
-
-@cache
-def _versions() -> dict[str, str]:
-    """What took part in a run."""
-    found = {"python": platform.python_version()}
-    for name in ("phaseplane", "fmpy", "pythonfmu", "numpy"):
-        with suppress(PackageNotFoundError):  # run from its sources
-            found[name] = version(name)
-    return found

@@ -9,7 +9,7 @@ from typing import Any
 from phaseplane import figures
 from phaseplane.figures.stability import GrowthMap
 
-from ..results.folder import OUTPUT, check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
 from . import stability as study
 from .accuracy import measure, solvers
 from .problems import PROBLEMS, find_problem
@@ -39,8 +39,8 @@ def study_accuracy(
     ------
     InputError : no such problem or scene, or one that is no model of this project.
     """
-    folder = folder or OUTPUT / "accuracy"
-    check_replaceable(folder)
+    place = Place(folder or OUTPUT / "accuracy", "accuracy", named=folder is not None)
+    check_replaceable(place)
     problems = [find_problem(name) for name in references or PROBLEMS]
     compared = solvers(with_peers=with_peers)
     points = []
@@ -53,12 +53,12 @@ def study_accuracy(
         points += measure(problem, compared, repeats, part)
     data = as_data(problems, points, repeats)
     tables = "\n\n".join(table(problem, points) for problem in problems)
-    with replaced_whole(folder) as draft:
+    with replaced_whole(place) as draft:
         figure = figures.work_precision(panels(problems, points), title="Error against run time")
         figures.save(figure, draft / "accuracy.png")
         (draft / "accuracy.txt").write_text(f"{tables}\n", encoding="utf-8")
-        write_summary(data, draft)
-    return data, tables, folder
+        write_summary({**data, "origin": place.origin}, draft)
+    return data, tables, place.folder
 
 
 def study_stability(
@@ -83,8 +83,8 @@ def study_stability(
     ------
     InputError : no such problem or scene, or one that is no model of this project.
     """
-    folder = folder or OUTPUT / "stability"
-    check_replaceable(folder)
+    place = Place(folder or OUTPUT / "stability", "stability", named=folder is not None)
+    check_replaceable(place)
     problems = [find_problem(name) for name in references or PROBLEMS]
     if not references:
         problems = [problem for problem in problems if problem.kind == "non-smooth"]
@@ -113,8 +113,8 @@ def study_stability(
             if one.theory is not None
         ],
     )  # fmt: skip
-    with replaced_whole(folder) as draft:
+    with replaced_whole(place) as draft:
         figures.save(figure, draft / "stability.png")
         (draft / "stability.txt").write_text(f"{table}\n", encoding="utf-8")
-        write_summary(data, draft)
-    return data, table, folder
+        write_summary({**data, "origin": place.origin}, draft)
+    return data, table, place.folder

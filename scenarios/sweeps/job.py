@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
 
 from ..errors import one_line
 from ..measures import catalogue
-from ..results.folder import check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.quantities import shown_in
 from .plan import Plan, load_plan
-from .report import check_table, summary_of, write_rows
-from .running import Row, sweep
+from .report import check_table, has_sign, summary_of, write_rows
+from .running import Row, journal_key, sweep
 
-OUTPUT = Path("out")
 _PICTURE = "sweep.png"
 
 
@@ -36,7 +37,7 @@ def run_sweep(
     Parameters
     ----------
     file : the sweep, by its file or the name of one that comes with the package
-    folder : None for `out/<file>`; replaced whole
+    folder : replaced whole; None for `out/sweeps/<file>`
     through, workers, dask, progress : see `running.sweep`
     table : name of the table of rows, ending in .csv or .parquet
 
@@ -51,16 +52,21 @@ def run_sweep(
     """
     check_table(table)
     plan = load_plan(file)
-    folder = folder or OUTPUT / plan.name
-    check_replaceable(folder)
-    journal = folder.with_name(f".{folder.name}.journal")
+    place = Place(
+        folder or OUTPUT / "sweeps" / plan.name, "sweep", plan.file, named=folder is not None
+    )
+    check_replaceable(place)
+    folder = place.folder
+    # every sweep, and every way to run it, has a journal of its own: none goes on with another's rows
+    journal = folder.with_name(f".{folder.name}.{journal_key(plan, through)}.journal")
     rows, told = sweep(
         plan, journal, through=through, workers=workers, dask=dask, progress=progress
     )
-    with replaced_whole(folder) as draft:
+    with replaced_whole(place) as draft:
         write_rows(plan, rows, draft / table)
         problems = _drawn(plan, rows, draft / _PICTURE)
         summary = summary_of(plan, rows, {**told, "table": table, "problems": problems})
+        summary["origin"] = place.origin
         summary["files"] = write_summary(summary, draft)
     journal.unlink(missing_ok=True)
     return plan, summary, folder
@@ -68,25 +74,32 @@ def run_sweep(
 
 def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
     """Draw the sweep; a line for what could not be drawn."""
-
-    def numbers(values: Iterable[object]) -> list[float]:
-        return [float(x) if isinstance(x, int | float) else float("nan") for x in values]
-
     varied = {
-        key: (unit, numbers(plan.points[row.run][k] for row in rows))
-        for k, (key, unit) in enumerate(zip(plan.keys, plan.units, strict=True))
+        key: (unit, _drawable([plan.points[row.run][k] for row in rows], size))
+        for k, (key, (unit, size)) in enumerate(zip(plan.keys, plan.shown, strict=True))
     }
-    varied = {key: column for key, column in varied.items() if np.isfinite(column[1]).all()}
     known = catalogue(plan.scene.fmu.outputs())
-    measured = {
-        name: (known[name].unit, numbers(row.values[k] for row in rows))
-        for k, name in enumerate(plan.measures)
-    }
-    measured = {n: m for n, m in measured.items() if np.isfinite(m[1]).any()}
-    if not varied or not measured:
+    taken = {}
+    for k, name in enumerate(plan.measures):
+        unit, factor = shown_in(known[name].unit)
+        values = np.array([row.values[k] for row in rows], float)  # None becomes not a number
+        if np.isfinite(values).any():
+            size = (factor * (abs(values) if has_sign(name) else values)).tolist()
+            taken[f"magnitude of {name}" if has_sign(name) else name] = (
+                unit or known[name].unit,
+                size,
+            )
+    if not taken:
         return []
     try:
-        figures.save(figures.sweep(varied, measured, title=plan.title or plan.name), path)
+        figures.save(figures.sweep(varied, taken, title=plan.title or plan.name), path)
     except Exception as error:  # a picture that fails must not cost the rows
         return [one_line(f"{path.name} was not drawn: {error}")]
     return []
+
+
+def _drawable(values: Sequence[Value], size: float) -> list[float] | list[str]:
+    """The values of a key as numbers in the unit shown, or as texts."""
+    if any(isinstance(value, str | bool) for value in values):
+        return [str(value).lower() if isinstance(value, bool) else str(value) for value in values]
+    return [float(value) / size for value in values]

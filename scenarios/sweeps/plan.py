@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,6 +26,7 @@ from ..scene.schema import Scene
 SWEEPS = CASES / "sweeps"
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _MOST_RUNS = 1_000_000
+_QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
 _TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
 
 
@@ -107,21 +109,25 @@ class Plan:
     Parameters
     ----------
     name : of its file
+    file : where it was read
     title : for people
     scene : what is varied
     reference : by which the scene is found
     keys : what is varied
-    units : of the keys, where they have one
+    units : of the keys in SI, where they have one
+    shown : for each key the unit in which its values were given, and how many SI units that is
     points : their values in every run, in SI where they are parameters, shape (runs, keys)
     measures : that make a row
     """
 
     name: str
+    file: Path
     title: str
     scene: Scene
     reference: str
     keys: tuple[str, ...]
     units: tuple[str, ...]
+    shown: tuple[tuple[str, float], ...]
     points: tuple[tuple[Value, ...], ...]
     measures: tuple[str, ...]
 
@@ -132,7 +138,7 @@ class Plan:
 
     @property
     def hash(self) -> str:
-        """Of all that decides the rows: a sweep that was interrupted goes on if it is equal."""
+        """Of all that the sweep says; equal for equal sweeps."""
         said = (self.scene.hash, self.keys, self.points, self.measures)
         return sha256(repr(said).encode()).hexdigest()[:24]
 
@@ -214,10 +220,11 @@ def load_plan(reference: str | Path) -> Plan:
         points = _sampled(said, [(min(c), max(c)) for c in columns])
     if len(points) > _MOST_RUNS:
         raise InputError(one_line(f"{path}: {len(points)} runs; allowed: {_MOST_RUNS}"))
-    units = tuple(declared[key].unit if key in declared else "" for key in said.vary)
+    units = tuple(_unit_of(key, declared) for key in said.vary)
+    given_in = tuple(map(_shown_in, said.vary.values(), units))
     plan = Plan(
-        path.stem, said.title, scene.only(said.measures), str(_base(path, said.scene)),
-        tuple(said.vary), units, tuple(points), said.measures,
+        path.stem, path, said.title, scene.only(said.measures), str(_base(path, said.scene)),
+        tuple(said.vary), units, given_in, tuple(points), said.measures,
     )  # fmt: skip
     if not plan.parameters_only:
         try:
@@ -240,6 +247,19 @@ def _scene(path: Path, reference: str) -> Scene:
         raise InputError(one_line(f"{path}: scene: {error}")) from None
 
 
+def _unit_of(key: str, declared: Mapping[str, Variable]) -> str:
+    """The SI unit of a key, or nothing."""
+    return declared[key].unit if key in declared else "s" if key in _TIMES else ""
+
+
+def _shown_in(values: Range | tuple[Any, ...], unit: str) -> tuple[str, float]:
+    """The unit in which all values are given, otherwise the SI unit; and how many SI units it is."""
+    given = (values.start, values.end) if isinstance(values, Range) else values
+    names = {_QUANTITY.sub("", x).strip() if isinstance(x, str) else "" for x in given}
+    (name,) = names if len(names) == 1 else ("",)
+    return (name, to_si(f"1 {name}", unit)) if name and unit else (unit, 1.0)
+
+
 def _values(
     path: Path, key: str, values: Range | tuple[Any, ...], declared: Mapping[str, Variable]
 ) -> list[Value]:
@@ -248,7 +268,7 @@ def _values(
     if variable is None and key.split(".", maxsplit=1)[0] not in KEYS:
         near = nearest(key, (*declared, *KEYS))
         raise InputError(one_line(f"{path}: vary: no parameter or scene key {shown(key)}{near}"))
-    unit = variable.unit if variable else "s" if key in _TIMES else ""
+    unit = _unit_of(key, declared)
     try:
         if isinstance(values, Range):
             first, last = values.ends(unit or "1")
@@ -257,7 +277,7 @@ def _values(
             if variable is not None and isinstance(variable.start, int):
                 values = tuple(round(value) for value in values)
         if variable is None:
-            return list(values)
+            return [to_si(x, unit) if unit and isinstance(x, str) else x for x in values]
         return [variable.checked(value) for value in values]
     except (UnitError, ValueError) as error:
         raise InputError(one_line(f"{path}: vary.{key}: {error}")) from None

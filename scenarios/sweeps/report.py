@@ -6,12 +6,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, one_line
+from phaseplane.suspension.variables import Value
+
+from ..errors import InputError, one_line, shown
+from ..measures import catalogue
+from ..results.quantities import quantity
 from ..results.report import aligned
 from .plan import Plan
 from .running import Row
 
 TABLES = (".csv", ".parquet")
+_LONGEST = 36  # characters of a text that was varied
 
 
 def check_table(name: str) -> None:
@@ -48,13 +53,18 @@ def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
 
 def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict[str, Any]:
     """All that is to be said of a sweep, as plain data."""
+    known = catalogue(plan.scene.fmu.outputs())
     failures = [row for row in rows if row.reason]
     extent = {}
     for k, name in enumerate(plan.measures):
-        found = [(row.values[k], row.run) for row in rows if row.values[k] is not None]
+        found = [(x, row.run) for row in rows if (x := row.values[k]) is not None]
         if found:
-            (low, first), (high, last) = min(found), max(found)
-            extent[name] = {"min": low, "run_of_min": first, "max": high, "run_of_max": last}
+            size = _magnitude if has_sign(name) else None
+            (low, first), (high, last) = min(found, key=size), max(found, key=size)
+            extent[name] = {
+                "unit": known[name].unit,
+                "min": low, "run_of_min": first, "max": high, "run_of_max": last,
+            }  # fmt: skip
     return {
         "sweep": plan.name,
         "title": plan.title,
@@ -69,6 +79,15 @@ def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict
     }
 
 
+def has_sign(measure: str) -> bool:
+    """Whether a measure has a sign that says which way, and is compared by its magnitude."""
+    return measure.startswith("peak.")
+
+
+def _magnitude(found: tuple[float, int]) -> float:
+    return abs(found[0])
+
+
 def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     """A sweep in a few aligned lines."""
     rows = [("measure", "smallest", "at", "largest", "at")]
@@ -76,8 +95,8 @@ def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         rows.append(
             (
                 name,
-                f"{extent['min']:.5g}", _where(plan, extent["run_of_min"]),
-                f"{extent['max']:.5g}", _where(plan, extent["run_of_max"]),
+                quantity(extent["min"], extent["unit"]), _where(plan, extent["run_of_min"]),
+                quantity(extent["max"], extent["unit"]), _where(plan, extent["run_of_max"]),
             )
         )  # fmt: skip
     made, seconds = summary["made"], summary["seconds"]
@@ -101,7 +120,11 @@ def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
 
 def _where(plan: Plan, run: int) -> str:
     parts = []
-    for key, unit, value in zip(plan.keys, plan.units, plan.points[run], strict=True):
-        number = f"{value:.4g}" if isinstance(value, float) else str(value)
+    for key, (unit, size), value in zip(plan.keys, plan.shown, plan.points[run], strict=True):
+        number = f"{value / size:.4g}" if isinstance(value, float) else _as_given(value)
         parts.append(f"{key} = {number}{f' {unit}' if unit not in ('', '1') else ''}")
     return ", ".join(parts)
+
+
+def _as_given(value: Value) -> str:
+    return str(value).lower() if isinstance(value, bool) else shown(value, _LONGEST)

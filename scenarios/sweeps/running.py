@@ -10,12 +10,20 @@ import json
 import os
 import signal
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor, as_completed
+from concurrent.futures import (
+    BrokenExecutor,
+    Executor,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    as_completed,
+)
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from hashlib import sha256
 from math import ceil, isfinite
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
 from pathlib import Path
+from threading import Thread
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -26,13 +34,18 @@ from phaseplane.suspension.variables import ParameterError, Value
 
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
+from ..scene.equation import EQUATION
+from ..simulate import runner
 from ..simulate.driver import opened
-from ..simulate.runner import run_with
+from ..simulate.versions import versions
 from .plan import Plan
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+
+    from ..scene.fmus import Fmu
+    from ..simulate.driver import OpenFmu
 
     Column = npt.NDArray[np.float64]
 
@@ -85,19 +98,22 @@ def sweep(
     Raises
     ------
     InputError : a way of running that does not fit the plan.
-    RunError : no Dask scheduler there.
-    KeyboardInterrupt : what is done stands in the journal.
+    RunError : no Dask scheduler there, or a process was killed.
+    KeyboardInterrupt : what is done stands in the journal, from which the same sweep goes on.
     """
     if through == "process" and plan.scene.fmu.path is not None:
         raise InputError("a sweep over an .fmu file goes through the FMU: add --through fmu")
+    if through == "fmu" and plan.scene.fmu.model == EQUATION:
+        raise InputError("an equation is solved in the process: leave out --through fmu")
     started = perf_counter()
-    rows = _kept_rows(plan, journal)
+    key = journal_key(plan, through)
+    rows = _kept_rows(key, journal)
     left = [run for run in range(len(plan.points)) if run not in rows]
     count = workers or os.cpu_count() or 1
     most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))
     size = max(1, min(most, ceil(len(left) / (8 * count))))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with _kept(plan, journal) as keep, _executor(count, dask) as executor:
+    with _kept(key, journal) as keep, _executor(count, dask) as executor:
         futures = [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
         try:
             for future in as_completed(futures):
@@ -106,9 +122,14 @@ def sweep(
                 keep(chunk)
                 if progress is not None:
                     progress(len(rows) / len(plan.points))
-        except BaseException:
+        except BaseException as error:
             for future in futures:
                 future.cancel()
+            kept = f"after {len(rows)} of {len(plan.points)} runs; start it again to go on"
+            if isinstance(error, KeyboardInterrupt):
+                raise KeyboardInterrupt(kept) from None
+            if isinstance(error, BrokenExecutor):
+                raise RunError(f"a process of the sweep was killed {kept}") from None
             raise
     ordered = [rows[run] for run in range(len(plan.points))]
     told = {"seconds": perf_counter() - started, "made": len(left)}
@@ -122,8 +143,8 @@ def sweep(
 
 def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
     """Some runs of a plan, one after the other."""
-    if through == "fmu":
-        return list(_through_fmu(plan, runs))
+    if through == "fmu" or plan.scene.fmu.model == EQUATION:
+        return list(_scene_by_scene(plan, runs))
     if plan.parameters_only:
         return list(_in_process(plan, runs))
     return [row for run in runs for row in _in_process_alone(plan, run)]
@@ -175,16 +196,26 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
     except InputError as error:
         yield Row(run, (None,) * len(plan.measures), one_line(error))
         return
+    if scene.fmu.path is not None or scene.fmu.model == EQUATION:
+        yield from _scene_by_scene(plan, [run])
+        return
     alone = Plan(**{**vars(plan), "scene": scene, "keys": (), "points": ((),)})
     yield from (Row(run, row.values, row.reason) for row in _in_process(alone, [0]))
 
 
-def _through_fmu(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
-    """The FMU, which stays open from run to run."""
-    with opened(plan.scene.fmu) as (fmu, _):
+def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
+    """Every run as a scene of its own; an FMU stays open from run to run."""
+    with ExitStack() as stack:
+        fmus: dict[Fmu, OpenFmu] = {}
         for run in runs:
             try:
-                summary = run_with(fmu, plan.scene_of(plan.points[run])).summary
+                scene = plan.scene_of(plan.points[run])
+                if scene.fmu.model == EQUATION:
+                    summary = runner.run(scene).summary
+                else:
+                    if scene.fmu not in fmus:
+                        fmus[scene.fmu], _ = stack.enter_context(opened(scene.fmu))
+                    summary = runner.run_with(fmus[scene.fmu], scene).summary
             except (InputError, RunError) as error:
                 yield Row(run, (None,) * len(plan.measures), one_line(error))
                 continue
@@ -238,7 +269,7 @@ def _executor(count: int, dask: str) -> Iterator[Executor]:
                 ThreadPoolExecutor(1)  # no process is worth its start for a single worker
                 if count == 1
                 else ProcessPoolExecutor(
-                    count, mp_context=get_context("spawn"), initializer=_leave_interrupts_to_us
+                    count, mp_context=get_context("spawn"), initializer=_begin_worker
                 )
             )
             stack.callback(pool.shutdown, cancel_futures=True)
@@ -255,18 +286,33 @@ def _executor(count: int, dask: str) -> Iterator[Executor]:
         yield client.get_executor()
 
 
-def _leave_interrupts_to_us() -> None:
+def _begin_worker() -> None:
+    """Leave interrupts to the process that started this one, and end with it however it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)  # the main thread waits for work that nobody will send
+
+
+def journal_key(plan: Plan, through: str) -> str:
+    """A hash of all that decides the rows: a sweep that was interrupted goes on where it is equal."""
+    said = (plan.hash, through, versions(), plan.scene.fmu.content)
+    return sha256(repr(said).encode()).hexdigest()[:24]
 
 
 @contextmanager
-def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
-    """The journal, open for further rows; without work to be kept it is not there."""
+def _kept(key: str, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
+    """The journal, open for further rows."""
     journal.parent.mkdir(parents=True, exist_ok=True)
-    fresh = not journal.exists() or not _is_of(plan, journal)
+    fresh = not _is_of(key, journal)
     with journal.open("w" if fresh else "a", encoding="utf-8") as file:
         if fresh:
-            file.write(json.dumps({"plan": plan.hash}) + "\n")
+            file.write(json.dumps({"sweep": key}) + "\n")
 
         def keep(rows: Sequence[Row]) -> None:
             file.writelines(json.dumps([r.run, r.values, r.reason]) + "\n" for r in rows)
@@ -275,9 +321,9 @@ def _kept(plan: Plan, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]
         yield keep
 
 
-def _kept_rows(plan: Plan, journal: Path) -> dict[int, Row]:
-    """The rows that an interrupted sweep of the same plan has left."""
-    if not journal.exists() or not _is_of(plan, journal):
+def _kept_rows(key: str, journal: Path) -> dict[int, Row]:
+    """The rows that an interrupted sweep has left, if it was the same one."""
+    if not _is_of(key, journal):
         return {}
     rows = {}
     for line in journal.read_text(encoding="utf-8").splitlines()[1:]:
@@ -289,9 +335,9 @@ def _kept_rows(plan: Plan, journal: Path) -> dict[int, Row]:
     return rows
 
 
-def _is_of(plan: Plan, journal: Path) -> bool:
+def _is_of(key: str, journal: Path) -> bool:
     try:
         with journal.open(encoding="utf-8") as file:
-            return bool(json.loads(file.readline()) == {"plan": plan.hash})
-    except ValueError:
+            return bool(json.loads(file.readline()) == {"sweep": key})
+    except (OSError, ValueError):
         return False

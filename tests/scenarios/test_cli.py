@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
 from time import monotonic, sleep
+from typing import Any
 
 import pytest
 from click import Command, Context
@@ -17,6 +19,9 @@ from click.testing import CliRunner, Result
 from fmpy.util import read_csv
 from phaseplane.scenarios import commands
 from phaseplane.scenarios.cli import COMMANDS, main
+from phaseplane.scenarios.results.folder import read_results
+from phaseplane.scenarios.scene.schema import Scene
+from phaseplane.scenarios.simulate.driver import Drive, OpenFmu
 from phaseplane.vehicle_fmus.build import SCRIPTS
 
 ROOT = Path(__file__).parents[2]
@@ -143,7 +148,7 @@ def test_run_tells_the_figures_that_matter(ap57: tuple[Path, str]) -> None:
     wanted = [
         "Apetaur", "QuarterCar", "bump 50 mm high, 1 m long, at 20 m/s", "extrapolated",
         f"{1e3 * peak['value']:.3f} mm", "30.662 ms", "65.601 ms", "34.938 ms",
-        "smallest force 0 N",
+        "smallest force 0.000 N at 31.00 ms",
         f"{summary['measures']['step_count']['value']} steps", "4 of 4 hold", "QuarterCar, packed",
         *(f"out/ap57/{name}" for name in summary["files"]),
     ]  # fmt: skip
@@ -300,6 +305,32 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
     result = CliRunner().invoke(main, ["run", "ap57"])
     assert result.exit_code == 130
     assert result.stderr.strip() == "phaseplane: interrupted"
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_keeps_what_it_has_computed(
+    number: signal.Signals, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drive = OpenFmu.drive
+
+    def interrupted_at_half(self: OpenFmu, scene: Scene, *args: Any, **how: Any) -> Drive:
+        def progress(part: float) -> None:
+            if part >= 0.5 and not how["interrupted"]():
+                os.kill(os.getpid(), number)
+
+        return drive(self, scene, *args, **{**how, "progress": progress})
+
+    monkeypatch.setattr(OpenFmu, "drive", interrupted_at_half)
+    result = CliRunner().invoke(
+        main, ["run", "ap57"]
+    )  # with the pictures and the recording of the scene
+    assert result.exit_code == status
+    said = "phaseplane: interrupted at 0.5 s of 1 s; what was computed until then is in out/ap57\n"
+    assert result.stderr.lstrip() == (said if number == signal.SIGINT else "")
+    assert sorted(os.listdir("out/ap57")) == ["results.csv", "summary.json"]
+    kept = read_results(Path("out/ap57"))
+    assert kept.stopped == {"time": 0.5, "reason": "interrupted"}
+    assert len(kept.columns["time"]) == 501
 
 
 def test_a_closed_pipe_is_no_error() -> None:

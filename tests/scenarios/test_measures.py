@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from phaseplane.scenarios.measures import COUNT, Reading, Run, catalogue, default_measures, take
 from phaseplane.scenarios.measures.ride import response, weighted
 from phaseplane.scenarios.measures.road import roughness_index
+from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.variables import MODELS, Variable, checked_parameters
 
 COLUMNS = {
@@ -202,3 +204,17 @@ def test_roughness_needs_a_speed_and_three_rows() -> None:
     whole = roughness_index(15.0 * time, columns["ground_elevation"])
     assert index(1001, speed=15.0) == pytest.approx(whole)
     assert [index(1001), index(2, speed=15.0)] == [None, None]
+
+
+def test_where_nothing_is_a_motion_of_a_vehicle_the_peaks_of_all_outputs_are_taken() -> None:
+    """An equation, or an FMU of another kind, prints what its outputs reach."""
+    scene = load_scene("van_der_pol")
+    assert scene.outputs == ("displacement", "velocity", "acceleration")
+    assert [n for n in scene.measures if n.startswith("peak.")] == [
+        "peak.displacement", "peak.velocity", "peak.acceleration",
+    ]  # fmt: skip
+    foreign = {name: Variable(name, "", "output", 0.0, "1") for name in ("x0", "x1")}
+    assert default_measures(catalogue(foreign), foreign) == ("peak.x0", "peak.x1")
+    fmu = replace(scene.fmu, variables=tuple(foreign.values()))
+    assert scene.model_copy(update={"fmu": fmu}).outputs == ("x0", "x1")
+    assert "peak.body_velocity" not in load_scene("ap57").measures

@@ -14,6 +14,7 @@ from phaseplane.scenarios.errors import FolderError, InputError
 from phaseplane.scenarios.results.folder import (
     SUMMARY,
     TABLE,
+    Place,
     Results,
     as_json,
     check_replaceable,
@@ -35,7 +36,7 @@ def results(values: list[float], scene: str = "made_up") -> Results:
 
 
 def write(folder: Path, values: list[float], *, extra: str = "") -> None:
-    with replaced_whole(folder) as draft:
+    with replaced_whole(Place(folder)) as draft:
         if extra:
             (draft / extra).touch()
         write_results(results(values), draft)
@@ -92,7 +93,7 @@ def test_what_fails_midway_leaves_the_old_results(
     folder = tmp_path / "out"
     write(folder, [1.0])
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    with pytest.raises(failure), replaced_whole(folder) as draft:  # noqa: PT012
+    with pytest.raises(failure), replaced_whole(Place(folder)) as draft:  # noqa: PT012
         (draft / "half").touch()
         raise failure
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
@@ -139,7 +140,7 @@ def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with (  # noqa: PT012
         pytest.raises(FolderError, match=r"holds diary\.txt"),
-        replaced_whole(folder) as draft,
+        replaced_whole(Place(folder)) as draft,
     ):
         write_results(results([1.0]), draft)
         write(folder, [2.0])
@@ -150,11 +151,11 @@ def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
 def test_no_folder_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(FolderError, match="is a file"):
-        check_replaceable(tmp_path / "file")
+        check_replaceable(Place(tmp_path / "file"))
     monkeypatch.chdir(tmp_path)
     for above in (Path(), tmp_path.parent):
         with pytest.raises(FolderError, match="current folder or above"):
-            check_replaceable(above)
+            check_replaceable(Place(above))
     with pytest.raises(FolderError, match="cannot write"):
         write(tmp_path / "file" / "out", [1.0])
 

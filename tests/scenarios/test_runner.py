@@ -14,7 +14,7 @@ import pytest
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.driver import opened
-from phaseplane.scenarios.simulate.runner import run, run_with
+from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with
 from phaseplane.suspension.session import simulate
 
 REFERENCE = Path(__file__).parents[1] / "reference"
@@ -134,9 +134,13 @@ def test_an_interrupt_ends_the_run_at_its_next_step(fmu: Path) -> None:
             os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.getsignal(signal.SIGINT)
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(Interrupted) as caught:
         run(scene_of(fmu), progress=interrupt_once)
     assert len(seen) == 3
+    results = caught.value.results
+    assert results.columns["time"].tolist() == pytest.approx([0.0, 1e-3, 2e-3, 3e-3])
+    assert results.stopped == {"time": pytest.approx(3e-3), "reason": "interrupted"}
+    assert caught.value.number == signal.SIGINT
     assert signal.getsignal(signal.SIGINT) is before
 
 

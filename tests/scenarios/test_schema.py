@@ -133,7 +133,7 @@ def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
 
 def test_the_scene_has_the_keys_that_its_file_may_have() -> None:
     assert set(KEYS) - {"extends"} == set(Scene.model_fields) - {
-        "name", "unchecked", "during", "reference", "reference_folder",
+        "name", "file", "unchecked", "during", "reference", "reference_folder",
     }  # fmt: skip
 
 

@@ -9,7 +9,12 @@ import signal
 import subprocess
 import sys
 import time
+import zipfile
+from collections.abc import Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,8 +23,8 @@ from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.sweeps import running
-from phaseplane.scenarios.sweeps.plan import SWEEPS, load_plan, sweep_titles
-from phaseplane.scenarios.sweeps.running import Row, sweep
+from phaseplane.scenarios.sweeps.plan import SWEEPS, Plan, load_plan, sweep_titles
+from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 
@@ -55,7 +60,7 @@ def phaseplane(*arguments: str) -> Result:
     return CliRunner().invoke(main, arguments)
 
 
-def rows(folder: str = "out/sweep") -> list[dict[str, str]]:
+def rows(folder: str = "out/sweeps/sweep") -> list[dict[str, str]]:
     with Path(folder, "runs.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
@@ -160,6 +165,31 @@ def test_a_stepped_sine_follows_the_transfer_function(tmp_path: Path) -> None:
         assert row.values[1] == pytest.approx(1e-3 * wheel, rel=5e-3)
 
 
+def test_values_are_shown_in_the_unit_in_which_they_were_given() -> None:
+    plan = load_plan(written(GRID.replace("to = 20.0", 'to = "72 km/h"')))
+    assert plan.shown == (("km/h", pytest.approx(1 / 3.6)), ("m", 1.0))  # not all in cm
+    assert load_plan(written(GRID)).shown[0] == ("m/s", 1.0)
+    timed = GRID.split("[vary]", maxsplit=1)[0] + '[vary]\nduration = ["100 ms", "200 ms"]\n'
+    plan = load_plan(written(timed))
+    assert plan.points == ((0.1,), (0.2,))
+    assert plan.shown == (("ms", 1e-3),)
+    assert plan.units == ("s",)
+
+
+def test_a_sweep_is_told_with_units_and_peaks_by_their_magnitude() -> None:
+    text = GRID.replace("to = 20.0", 'to = "72 km/h"').replace('["2 cm", 0.05]', '["2 cm", "5 cm"]')
+    text = text.replace("peak.body_displacement", "peak.suspension_deflection")
+    result = phaseplane("sweep", str(written(text)), "--workers", "1")
+    found = [float(row["peak.suspension_deflection"]) for row in rows()]
+    assert min(found) < 0.0
+    largest = max(found, key=abs)
+    (line,) = (one for one in result.stdout.splitlines() if one.startswith("peak."))
+    assert f"{1e3 * largest:.3f} mm  speed = 36 km/h, road.height = 5 cm" in line
+    told = json.loads(Path("out/sweeps/sweep/summary.json").read_text())["measures"]
+    assert told["peak.suspension_deflection"]["max"] == largest
+    assert told["peak.suspension_deflection"]["unit"] == "m"
+
+
 # -- runs ------------------------------------------------------------------------------------------
 
 
@@ -176,8 +206,8 @@ def test_rows_are_what_runs_by_hand_give() -> None:
         assert float(row["peak.body_displacement"]) == peak
         assert int(row["lift_off_count"]) == columns["lift_off_count"][-1]
         assert (row["ok"], row["reason"]) == ("true", "")
-    assert sorted(os.listdir("out/sweep")) == ["runs.csv", "summary.json", "sweep.png"]
-    assert os.listdir("out") == ["sweep"]  # and no journal
+    assert sorted(os.listdir("out/sweeps/sweep")) == ["runs.csv", "summary.json", "sweep.png"]
+    assert os.listdir("out/sweeps") == ["sweep"]  # and no journal
 
 
 def test_runs_in_one_call_and_runs_that_are_stepped_give_the_same_rows(tmp_path: Path) -> None:
@@ -242,8 +272,8 @@ def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(running, "_PATIENCE", 0.3)
     made = phaseplane("sweep", str(written(GRID)), "--workers", "1", "--table", "rows.parquet")
     assert made.exit_code == 0
-    assert parquet.read_table("out/sweep/rows.parquet").num_rows == 6
-    Path("out/sweep/diary.txt").touch()
+    assert parquet.read_table("out/sweeps/sweep/rows.parquet").num_rows == 6
+    Path("out/sweeps/sweep/diary.txt").touch()
     for arguments, words in (
         (["--table", "rows.xlsx"], "ends in .csv or .parquet"),
         ([], "diary.txt, which no run wrote"),
@@ -263,16 +293,62 @@ def test_what_is_in_the_journal_is_not_done_again(tmp_path: Path) -> None:
     journal = tmp_path / "journal"
     made_up = (123.0, 45)
     journal.write_text(
-        json.dumps({"plan": plan.hash}) + "\n" + json.dumps([2, list(made_up), ""]) + "\n[3, [1"
+        json.dumps({"sweep": journal_key(plan, "process")})
+        + "\n"
+        + json.dumps([2, list(made_up), ""])
+        + "\n[3, [1"
     )
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 5
     assert found[2] == Row(2, made_up)
     assert found[3].values != made_up
-    journal.write_text(json.dumps({"plan": "another"}) + "\n" + json.dumps([2, list(made_up), ""]))
+    journal.write_text(json.dumps({"sweep": "another"}) + "\n" + json.dumps([2, list(made_up), ""]))
     found, told = sweep(plan, journal, workers=1)
     assert told["made"] == 6
     assert found[2].values != made_up
+
+
+def test_a_journal_is_that_of_one_way_to_run_one_version_and_one_content(
+    fmu: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows of the process are not passed off as the FMU's, nor old ones as those of new code."""
+    plan = load_plan(written(GRID))
+    key = journal_key(plan, "process")
+    assert key == journal_key(load_plan("sweep.toml"), "process")
+    assert key != journal_key(plan, "fmu")
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "versions", lambda: {"phaseplane": "99"})
+        assert key != journal_key(plan, "process")
+    own = tmp_path / "own.fmu"
+    own.write_bytes(fmu.read_bytes())
+    Path("scene.toml").write_text(SCENE.replace('"QuarterCar"', '"own.fmu"'))
+    before = journal_key(load_plan("sweep.toml"), "fmu")
+    assert before == journal_key(load_plan("sweep.toml"), "fmu")
+    with zipfile.ZipFile(own, "a") as archive:
+        archive.writestr("resources/note.txt", "another content")
+    assert before != journal_key(load_plan("sweep.toml"), "fmu")
+
+
+def test_an_interrupted_sweep_of_the_process_is_not_that_of_the_fmu(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[str] = []
+
+    def stopping(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
+        made.append(through)
+        if len(made) == 2:
+            raise KeyboardInterrupt
+        return [Row(run, (123.0, 45)) for run in runs]
+
+    command = ("sweep", str(written(GRID)), "--workers", "1")
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "run_chunk", stopping)
+        assert phaseplane(*command).exit_code == 130
+    through_fmu = phaseplane(*command, "--through", "fmu", "--json")
+    assert json.loads(through_fmu.stdout)["made"] == 6
+    assert "123" not in {row["peak.body_displacement"] for row in rows()}
+    in_process = phaseplane(*command, "--json")
+    assert json.loads(in_process.stdout)["made"] == 5
 
 
 @pytest.mark.slow
@@ -290,7 +366,9 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     ]
     environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
     process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
-    journal = Path("out/.sweep.journal")
+    journal = Path(
+        "out/sweeps", f".sweep.{journal_key(load_plan('sweep.toml'), 'process')}.journal"
+    )
     for _ in range(600):
         if journal.exists() and len(journal.read_text().splitlines()) > 3:
             break
@@ -299,7 +377,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     _, complaint = process.communicate(timeout=60)
     assert process.returncode == 130
     assert complaint.splitlines()[-1].startswith("phaseplane: interrupted")
-    assert not Path("out/sweep").exists()
+    assert not Path("out/sweeps/sweep").exists()
     kept = len(journal.read_text().splitlines()) - 1
     assert 0 < kept < 120
     again = subprocess.run([*command, "--json"], env=environment, capture_output=True, text=True,
@@ -307,6 +385,54 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     assert json.loads(again.stdout)["made"] == 120 - kept
     assert len(rows()) == 120
     assert not journal.exists()
+
+
+def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where the memory does not suffice; what is done is kept."""
+
+    class Broken(ThreadPoolExecutor):
+        def submit(self, *_: object, **__: object) -> Future[Any]:
+            future: Future[Any] = Future()
+            future.set_exception(BrokenProcessPool("terminated abruptly"))
+            return future
+
+    monkeypatch.setattr(running, "ThreadPoolExecutor", Broken)
+    result = phaseplane("sweep", str(written(GRID)), "--workers", "1")
+    assert result.exit_code == 1
+    told = (
+        "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to go on\n"
+    )
+    assert result.stderr == told
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="not on this platform: no /proc")
+def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
+    Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
+    command = [
+        sys.executable, "-m", "phaseplane.scenarios.cli",
+        "sweep", str(written(GRID.replace("count = 3", "count = 60"))), "--workers", "2",
+    ]  # fmt: skip
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
+    with subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL) as process:
+        while not any(
+            len(journal.read_text().splitlines()) > 1
+            for journal in Path("out/sweeps").glob(".sweep.*.journal")
+        ):
+            assert process.poll() is None
+            time.sleep(0.1)
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+        process.kill()
+    assert len(children) >= 2
+    while any(running_still(int(child)) for child in children):
+        time.sleep(0.1)  # for ever, if they do not end
+
+
+def running_still(number: int) -> bool:
+    try:
+        return Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 @pytest.mark.slow
@@ -321,3 +447,67 @@ def test_a_dask_cluster_does_the_same_work(tmp_path: Path) -> None:
     ) as cluster:
         together, _ = sweep(plan, tmp_path / "b", dask=cluster.scheduler_address)
     assert together == alone
+
+
+# -- folders ---------------------------------------------------------------------------------------
+
+
+def test_a_sweep_and_a_run_of_one_name_keep_their_folders() -> None:
+    Path("car.toml").write_text(SCENE)
+    Path("sub").mkdir()
+    written(GRID.replace("scene.toml", "../scene.toml"), "sub/car.toml")
+    assert phaseplane("sweep", "sub/car.toml", "--workers", "1").exit_code == 0
+    assert phaseplane("run", "car.toml").exit_code == 0
+    assert len(rows("out/sweeps/car")) == 6
+    assert Path("out/car/results.csv").exists()
+    for arguments, words in (
+        (("run", "car.toml", "-o", "out/sweeps/car"), "'phaseplane sweep', which 'phaseplane run'"),
+        (("sweep", "sub/car.toml", "-o", "out/car"), "'phaseplane run', which 'phaseplane sweep'"),
+    ):
+        refused = phaseplane(*arguments)
+        assert refused.exit_code == 2
+        assert words in refused.stderr
+        assert len(refused.stderr.splitlines()) == 1
+    assert len(rows("out/sweeps/car")) == 6
+    assert Path("out/car/results.csv").exists()
+
+
+def test_files_of_one_name_in_two_folders_do_not_replace_each_others_results() -> None:
+    for name in ("a", "b"):
+        Path(name).mkdir()
+        Path(name, "car.toml").write_text(SCENE)
+        written(GRID, f"{name}/sweep.toml")
+    for command, file, folder in (
+        ("run", "car.toml", "out/car"), ("sweep", "sweep.toml", "out/sweeps/sweep"),
+    ):  # fmt: skip
+        for again in range(2):
+            assert phaseplane(command, f"a/{file}").exit_code == 0, again
+        before = Path(folder, "summary.json").read_bytes()
+        refused = phaseplane(command, f"b/{file}")
+        assert refused.exit_code == 2
+        told = f"{folder} holds the results of a/{file}, which those of b/{file} do not replace"
+        assert told in refused.stderr
+        assert Path(folder, "summary.json").read_bytes() == before
+        asked = phaseplane(command, f"b/{file}", "-o", folder)  # who names the folder means it
+        assert asked.exit_code == 0, asked.stderr
+    os.mkdir("moved")
+    for name in ("b", "out"):
+        os.rename(name, f"moved/{name}")
+    os.chdir("moved")
+    assert phaseplane("run", "b/car.toml").exit_code == 0  # still the same file
+
+
+def test_equations_are_swept_too() -> None:
+    text = """
+    scene = "van_der_pol"
+    measures = ["peak.displacement"]
+    [vary]
+    displacement_start = [0.5, 3.0]
+    """
+    assert phaseplane("sweep", str(written(text)), "--workers", "1").exit_code == 0
+    small, large = (float(row["peak.displacement"]) for row in rows())
+    assert abs(small) == pytest.approx(2.009, abs=2e-3)  # the limit cycle
+    assert large == 3.0
+    refused = phaseplane("sweep", "sweep.toml", "--through", "fmu")
+    assert refused.exit_code == 2
+    assert "leave out --through fmu" in refused.stderr

@@ -1,0 +1,86 @@
+"""Pictures of sweeps: which kind is drawn of what, and that everything on them can be read."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from phaseplane.figures import sweep
+
+SPEEDS = [10.0, 30.0, 20.0, 40.0]
+TABLES = ["", "-1:0.5, 1:0.5", "-1:2, 0:1, 0.1:2, 0.2:3, 0.3:4, 0.4:5"]
+
+
+def gridded(*columns: list[float] | list[str]) -> list[list[float] | list[str]]:
+    return [list(column) for column in zip(*product(*columns), strict=True)]
+
+
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for found in figure.legends for text in found.get_texts()]
+
+
+def test_a_number_and_a_text_are_a_family_of_curves() -> None:
+    """No line leads from one table to the next."""
+    speed, table = gridded(SPEEDS, TABLES)
+    measured = [v * (1 + TABLES.index(t)) for v, t in zip(speed, table, strict=True)]  # type: ignore[operator, arg-type]
+    figure = sweep(
+        {"speed": ("km/h", speed), "spring.table": ("", table)}, {"travel": ("mm", measured)}
+    )
+    (axes,) = figure.axes
+    curves = [np.asarray(line.get_xydata()) for line in axes.lines]
+    assert len(curves) == 3
+    for k, curve in enumerate(curves):
+        np.testing.assert_array_equal(curve[:, 0], sorted(SPEEDS))
+        np.testing.assert_array_equal(curve[:, 1], (1 + k) * curve[:, 0])
+    assert legend(figure) == ["none", TABLES[1], f"{TABLES[2][:33]}..."]
+    assert axes.get_xlabel() == "speed [km/h]"
+    assert axes.get_ylabel() == "travel [mm]"
+
+
+def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> None:
+    speed, few = gridded(SPEEDS, [500.0, 1000.0])
+    quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", few)}
+    figure = sweep(quantities, {"travel": ("mm", speed)})
+    assert legend(figure) == ["500", "1000"]
+    assert figure.legends[0].get_title().get_text() == "rate [N.s/m]"
+    speed, many = gridded(list(np.linspace(10.0, 40.0, 10)), list(np.linspace(500.0, 1000.0, 9)))
+    quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", many)}
+    figure = sweep(quantities, {"travel": ("mm", speed)})
+    assert not figure.legends
+    assert len(figure.axes) == 2  # the map and its scale
+
+
+def test_texts_alone_stand_side_by_side() -> None:
+    table, lift = gridded(TABLES, ["true", "false"])
+    quantities = {"spring.table": ("", table), "lift_off": ("", lift)}
+    figure = sweep(quantities, {"travel": ("mm", [1.0] * 6)})
+    (axes,) = figure.axes
+    places = np.concatenate([np.asarray(line.get_xdata()) for line in axes.lines])
+    assert len(set(places.tolist())) == 6
+    assert [label.get_text() for label in axes.get_xticklabels()][:2] == ["none", TABLES[1]]
+
+
+@pytest.mark.parametrize("parameters", [1, 2, 3])
+def test_no_tick_label_overlaps_another_and_no_point_is_cut(parameters: int) -> None:
+    drawn = np.random.default_rng(1).uniform(150_000.0, 250_000.0, (parameters, 40))
+    varied = {f"rate_{k}": ("N/m", list(column)) for k, column in enumerate(drawn)}
+    measured = {
+        "body_displacement": ("m", list(1e-6 * drawn[0])),
+        "lift_off_count": ("count", [0.0] * 40),
+    }
+    figure = sweep(varied, measured, title="a title")
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            boxes = [
+                label.get_window_extent()
+                for label in axis.get_ticklabels()
+                if label.get_visible() and label.get_text()
+            ]
+            for k, box in enumerate(boxes):
+                assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        for line in axes.lines:
+            assert not line.get_clip_on()
