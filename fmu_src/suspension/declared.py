@@ -182,8 +182,8 @@ def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
 ROAD_INPUTS = (
     Variable("road_elevation", "elevation of the contact point, upwards positive "
              "(used when road.shape is 'input')", "input", 0.0, "m", "mm", nominal=0.01),
-    Variable("road_velocity", "rate of change of road_elevation, upwards positive; carries the "
-             "elevation on within a communication step", "input", 0.0, "m/s", nominal=0.1),
+    Variable("road_velocity", "rate of change of road_elevation, upwards positive; once it is set, it "
+             "carries the elevation on until that is set again", "input", 0.0, "m/s", nominal=0.1),
 )  # fmt: skip
 
 
@@ -219,8 +219,9 @@ CONTACT = (
             "wheel down)", "N", display="kN", nominal=1e3),
     output("contact_force", "force of the road on the tyre, never negative (may be negative "
             "where lift_off is false)", "N", display="kN", nominal=1e3),
-    output("airborne", "whether the wheel has left the road", start=False),
-    output("lift_off_count", "how often the wheel has left the road", start=0),
+    output("airborne", "whether the wheel is off the road", start=False),
+    output("lift_off_count", "how often the wheel has left the road (a start in flight is no "
+            "lift-off)", start=0),
     output("airborne_time", "time spent off the road so far", "s", display="ms", nominal=0.01),
     output("last_lift_off", "instant of the latest lift-off, -1 before the first", "s", start=-1.0),
     output("last_touchdown", "instant of the latest touchdown, -1 before the first", "s",

@@ -202,7 +202,9 @@ class Series:
             for k, line in enumerate(self._lines):
                 if line is None:
                     for run, log in enumerate(self._logs, first):
-                        into[k, run] = self._of_contact(self._names[k], self._times, log)
+                        into[k, run] = self._of_contact(
+                            self._names[k], self._times, log, run - first
+                        )
                 elif self._alone[k]:
                     filled = self._filled[line.kind][: last - first]
                     into[k, first:last] = filled[:, next(iter(line.direction))]
@@ -241,16 +243,22 @@ class Series:
             known = self._roads[road, order] = segments, column
         return known[1]
 
-    def _of_contact(self, name: str, times: array[float], log: _Log) -> array[float]:
-        """Contact as it stands at these instants, from the switches located."""
+    def _of_contact(self, name: str, times: array[float], log: _Log, run: int) -> array[float]:
+        """Contact as it stands at these instants, from the switches located in a run of the last go."""
         tyre, what = self._tyres[name]
         read = attrgetter(_CONTACT[what])
-        contact, column = Contact(), array("d")
-        for instant, element, kind, _, after in log:
-            if element == tyre and kind == _OF_CONTACT:
-                before = array("d", [read(contact)])
-                column += before * (bisect_left(times, instant) - len(column))
-                contact.switch(instant, bool(after))
+        switches = [
+            (instant, bool(before), bool(after))
+            for instant, element, kind, before, after in log
+            if element == tyre and kind == _OF_CONTACT
+        ]
+        # a wheel that starts in flight has not lifted off: only its touchdown is a switch
+        flies = switches[0][1] if switches else self._rows.limited_time(run, tyre) > 0.0
+        contact, column = Contact(airborne=flies), array("d")
+        for instant, _, after in switches:
+            before = array("d", [read(contact)])
+            column += before * (bisect_left(times, instant) - len(column))
+            contact.switch(instant, after)
         return column + array("d", [read(contact)]) * (len(times) - len(column))
 
     def _end(self, name: str, k: int, ended: Ended) -> float:
@@ -258,7 +266,7 @@ class Series:
             return ended.steps
         tyre, what = self._tyres[name]
         if what in _CONTACT:
-            return self._of_contact(name, self._times[-1:], self._logs[k])[0]
+            return self._of_contact(name, self._times[-1:], self._logs[k], k)[0]
         return float(self._rows.limited_time(k, tyre))
 
 

@@ -2,7 +2,8 @@
 
 This is what an FMU does, without FMI. With a road of its own the integrator steps as it likes, ahead
 of the communication points, and outputs are read off its interpolant; with signals from outside it
-stops on every communication point, because nothing is known beyond it.
+stops on every communication point, because what comes after it is not known, and carries them on
+within each step (see `inputs`).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from typing import Any
 
 from .engine import FAILURES, KINDS, Integrator
 from .equilibrium import static_equilibrium
+from .inputs import Course, Line, carried, carried_road, from_plain, to_plain
 from .models import build
 from .outputs import Contact, State, readers
 from .signals import Segment, Signal
@@ -86,16 +88,12 @@ class Session:
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
-        self._inputs = {v.name: 0.0 for v in declared if v.causality == "input"}
+        self._inputs = {v.name: Course() for v in declared if v.causality == "input"}
         self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
         system = build(model, self.parameters)
         self._sampled = self.parameters.get("road.shape") == "input"
-        self._changed: set[str] = set()
         self._roads = tuple(axle.road for axle in system.axles) if self._sampled else ()
         self._forces = tuple(m.signal for m in system.loads if m.signal in self._inputs)
-        self._velocity_given = dict.fromkeys(self._roads, False)
-        # instant and elevation
-        self._sample_before = dict.fromkeys(self._roads, (start_time, 0.0))
         self._ahead: list[tuple[float, str, bool]] = []  # contact switches yet to be reported
         self.contacts = {axle.prefix: Contact() for axle in system.axles if axle.tyre}
         self._signals = dict(system.signals)
@@ -104,6 +102,11 @@ class Session:
         self._sample()
 
     def _start_moving(self) -> None:
+        """Start from equilibrium on the road as it is, and as the initial values say.
+
+        A wheel may hang in the air then: it has not lifted off during the run, so that counts as no
+        lift-off.
+        """
         now = replace(self._system, signals=self._signals)  # with what the inputs say
         rest = [0.0] * len(now.coordinates)
         state = start_state(now, self.parameters, self.time) or (rest, rest)
@@ -111,6 +114,8 @@ class Session:
         if state != (list(self._integrator.sample_q), list(self._integrator.sample_v)):
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
+        for tyre, axle in self._tyres.items():
+            self.contacts[axle] = Contact(airborne=self._integrator.at_limit(tyre))
 
     def _new_integrator(self, system: System) -> Any:
         """An integrator at the present time, by the solver's parameters."""
@@ -150,6 +155,9 @@ class Session:
     def set_input(self, name: str, value: float) -> None:
         """Give an input its value from the present time on.
 
+        A call counts as a sample also if the value is the one before; how it goes on between
+        samples says `inputs`.
+
         Raises
         ------
         ParameterError : no such input, or a value that is not finite.
@@ -157,9 +165,7 @@ class Session:
         refuse_unknown([name], self._inputs, f"{self.model} has no input")
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")
-        if value != self._inputs[name]:
-            self._inputs[name] = value
-            self._changed.add(name)
+        self._inputs[name] = self._inputs[name].set(self.time, value)
 
     def set_parameter(self, name: str, value: object) -> None:
         """Give a tunable parameter its value from the present time on.
@@ -193,8 +199,13 @@ class Session:
             )
         if self._tuned:
             self._take_parameters()
-        if self._changed or self._sampled:
-            self._take_inputs()
+        self._take_inputs(until)
+        if self.time == self._start < until:
+            self.messages += [
+                ("event", f"{axle.replace('_', ' ')}wheel in the air at the start")
+                for axle, contact in self.contacts.items()
+                if contact.airborne
+            ]
         if self._integrator.time < until:
             if not self._sampled:
                 self._behind = self._integrator.snapshot()
@@ -254,21 +265,27 @@ class Session:
         self._compare_contacts()
 
     def _compare_contacts(self) -> None:
-        """A contact may end or begin without motion: by another tyre, or where the road is at first."""
+        """A contact may end or begin without motion, by another tyre."""
         for tyre, axle in self._tyres.items():
             airborne = self._integrator.at_limit(tyre)
             if airborne != self.contacts[axle].airborne:
                 self._ahead.append((self.time, axle, airborne))
 
-    def _take_inputs(self) -> None:
-        """Hand the inputs to the integrator, at the present time."""
-        changed, self._changed = self._changed, set()
+    def _take_inputs(self, until: float) -> None:
+        """Hand the inputs to the integrator, at the present time, for a step that ends at `until`."""
         if not self._sampled:
-            if changed.isdisjoint(self._forces):
-                return  # the road is internal: its inputs are not looked at
+            # of an internal road the inputs are not looked at; forces may set in at any time
+            now = [self._signals[name].segments[0].coefficients[0] for name in self._forces]
+            if now == [self._inputs[name].value for name in self._forces]:
+                return
             self._sampled = True
             self._stop_here()
-        self._hand_over()
+        self._hand_over(until)
+
+    def _line(self, signal: str) -> Line:
+        """How a signal from outside goes on at present."""
+        now = self._signals[signal].segments[0]
+        return Line(now.origin, *now.coefficients[:2])
 
     def _stop_here(self) -> None:
         """The integrator may have gone ahead as if nothing would change: repeat that up to now."""
@@ -282,38 +299,26 @@ class Session:
         self._ahead = []
         del self.messages[said:]
 
-    def _hand_over(self) -> None:
-        """What the inputs say from now on: the road goes on at its velocity, forces stay."""
-        held = {name: (self._inputs.get(name, 0.0), 0.0, 0.0, 0.0) for name in self._forces}
-        for name in self._roads:
-            elevation = self._inputs[f"{name}_elevation"]
-            held[name] = (elevation, self._velocity(name, elevation), 0.0, 0.0)
-        moved_at_start = False
+    def _hand_over(self, until: float) -> None:
+        """What the inputs say for a step that ends at `until`."""
+        lines = {name: carried(self._inputs[name], until) for name in self._forces}
+        for road in self._roads:
+            elevation, velocity = (self._inputs[f"{road}_{x}"] for x in ("elevation", "velocity"))
+            lines[road] = carried_road(elevation, velocity, self._line(road), self.time, until)
+        moved = False
         for signal, name in enumerate(self._system.signals):
-            if name in held:
-                segment = Segment(-inf, self.time, held[name])
-                if self._signals[name].segments[0] != segment:
-                    self._signals[name] = Signal((segment,))
-                    # a road that is elsewhere at the start has always been there: no jump
-                    self._integrator.set_signal(signal, held[name], self.time > self._start)
-                    moved_at_start = moved_at_start or self.time == self._start
+            if name not in lines or lines[name].continues(self._line(name)):
+                continue
+            moved = True
+            coefficients = (lines[name].at(self.time), lines[name].slope, 0.0, 0.0)
+            self._signals[name] = Signal((Segment(-inf, self.time, coefficients),))
+            # a road that is elsewhere at the start has always been there: no jump
+            self._integrator.set_signal(signal, coefficients, self.time > self._start)
         if self.time > self._start:
             self._note_switches()
-            return
-        if moved_at_start:
+        elif moved:
             self._start_moving()
-        self._integrator.take_log()  # where the road is from the start on, nothing switches
-        self._compare_contacts()
-
-    def _velocity(self, road: str, elevation: float) -> float:
-        """The road's input velocity; where it is never given, the slope since the sample before."""
-        given = self._inputs[f"{road}_velocity"]
-        then, before = self._sample_before[road]
-        self._velocity_given[road] = self._velocity_given[road] or given != 0.0
-        self._sample_before[road] = (self.time, elevation)
-        if self._velocity_given[road] or self.time <= then:
-            return given
-        return (elevation - before) / (self.time - then)
+            self._integrator.take_log()  # where the road is from the start on, nothing switches
 
     def _note_switches(self) -> None:
         log = self._integrator.take_log()
@@ -353,7 +358,7 @@ class Session:
                 return nan if isinstance(start, float) else type(start)(0)
             return self.readers[name]()
         if name in self._inputs:
-            return self._inputs[name]
+            return self._inputs[name].value
         refuse_unknown([name], (*self.readers, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
 
@@ -369,11 +374,8 @@ class Session:
                 "start": self._start,
                 "ok": self.ok,
                 "tuned": self._tuned,
-                "inputs": self._inputs,
-                "changed": sorted(self._changed),
+                "inputs": to_plain(self._inputs),
                 "sampled": self._sampled,
-                "velocity_given": self._velocity_given,
-                "sample_before": self._sample_before,
                 "ahead": self._ahead,
                 "contacts": {axle: asdict(contact) for axle, contact in self.contacts.items()},
                 "signals": {
@@ -400,9 +402,7 @@ class Session:
         self._forget_events()
         self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
         self._tuned = kept["tuned"]
-        self._inputs, self._changed = kept["inputs"], set(kept["changed"])
-        self._sampled, self._velocity_given = kept["sampled"], kept["velocity_given"]
-        self._sample_before = {road: tuple(at) for road, at in kept["sample_before"].items()}
+        self._inputs, self._sampled = from_plain(kept["inputs"]), kept["sampled"]
         self._ahead = [(instant, axle, airborne) for instant, axle, airborne in kept["ahead"]]
         self.contacts = {axle: Contact(**was) for axle, was in kept["contacts"].items()}
         self._signals = {

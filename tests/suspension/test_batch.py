@@ -99,6 +99,19 @@ def test_each_run_has_its_own_start_and_its_own_contact(goes: list[list[Ended]])
     assert 5 < lifted < len(cars)
 
 
+@pytest.mark.parametrize("end", [0.02, 0.3])
+def test_a_start_in_flight_is_told_as_a_single_run_tells_it(end: float) -> None:
+    told = ["airborne", "lift_off_count", "last_lift_off", "last_touchdown"]
+    cars: list[dict[str, object]] = [
+        {"road.shape": "flat", "initial.wheel_displacement": x} for x in (0.05, 0.0, 0.03)
+    ]
+    times = [0.0, 0.005, 0.01, end]
+    for car, run in zip(cars, run_many("QuarterCar", cars, times, told), strict=True):
+        for name, values in simulate("QuarterCar", car, times, told).items():
+            if name != "time":
+                assert list(run.columns[name]) == values, (car, name)
+
+
 def test_more_runs_than_are_made_in_one_go(goes: list[list[Ended]]) -> None:
     """As many as a go may have and some more, with a run among them that fails."""
     cars: list[dict[str, object]] = [{"speed": 10.0 + 0.1 * k} for k in range(150)]

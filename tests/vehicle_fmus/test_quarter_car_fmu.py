@@ -188,6 +188,28 @@ def test_events_reach_the_log(car: Any) -> None:
         assert instants == pytest.approx((0.0306624689, 0.0656005836), abs=1e-7)
 
 
+def test_a_velocity_of_zero_counts_as_set(car: Any) -> None:
+    """A kerb between two samples, on a road that stands still before and behind it."""
+    kerb = {"road.height": 0.03, "road.start": 0.05, "speed": 1.0, "lift_off": False}
+    inside = simulate("QuarterCar", {**kerb, "road.shape": "step"}, [0.0, 0.3], MOTION)
+    with car.instance():
+        car.start(road__shape="input", lift_off=False)
+        for k in range(30):
+            car.set(road_elevation=0.03 * (k >= 5), road_velocity=0.0)
+            car.step(0.01 * k, 0.01 * (k + 1))
+        for name in ("body_displacement", "wheel_displacement"):
+            assert car.get(name) == pytest.approx(inside[name][-1], abs=1e-6)
+
+
+def test_a_start_in_flight_is_told(car: Any) -> None:
+    with car.instance():
+        car.start(road__shape="flat", initial__wheel_displacement=0.05)
+        assert car.get("airborne")
+        car.step(0.0, 0.01)
+        assert car.get("lift_off_count") == 0
+        assert "wheel in the air at the start" in car.texts
+
+
 # -- whole state -----------------------------------------------------------------------------------
 
 

@@ -82,7 +82,8 @@ class VehicleSlave(Fmi2Slave):
         self._starts = {variable.name: variable.start for variable in declared}
         # parameters and inputs as the host has set them, checked when a session is made of them
         self._parameters = checked_parameters(self.model, _start_values(self.resources))
-        self._inputs = {v.name: float(v.start) for v in declared if v.causality == "input"}
+        self._input_names = {v.name for v in declared if v.causality == "input"}
+        self._inputs: dict[str, float] = {}  # only those that the host has set
         self._bound: Mapping[str, Callable[[], Any]] = {}
         self._readers: list[Callable[[], Any]] = []  # by value reference
         self._start_time = 0.0
@@ -196,8 +197,8 @@ class VehicleSlave(Fmi2Slave):
             return self._session.value(name)
         if name in self._parameters:
             return self._parameters[name]
-        if name in self._inputs:
-            return self._inputs[name]
+        if name in self._input_names:
+            return self._inputs.get(name, self._starts[name])
         if self._session is None:
             try:
                 self._session = self._new_session()
@@ -207,11 +208,11 @@ class VehicleSlave(Fmi2Slave):
         return self._session.value(name)
 
     def _set(self, name: str, value: Value) -> None:
-        if name not in self._inputs and name not in self._parameters:
+        if name not in self._input_names and name not in self._parameters:
             self._refuse(f"{name} = {value!r}: an output cannot be set")
         elif self._initialised and self._session is not None:
             try:
-                if name in self._inputs:
+                if name in self._input_names:
                     self._inputs[name] = float(value)
                     self._session.set_input(name, float(value))
                 else:
@@ -220,7 +221,7 @@ class VehicleSlave(Fmi2Slave):
                 self._refuse(str(error))
         else:
             self._session = None
-            if name in self._inputs:
+            if name in self._input_names:
                 self._inputs[name] = float(value)
             else:
                 self._parameters[name] = value

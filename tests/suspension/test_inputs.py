@@ -1,0 +1,275 @@
+"""What a host sets goes on between its samples: second order, jumps as they are given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from phaseplane.suspension.inputs import Course, Line, carried, carried_road
+from phaseplane.suspension.session import Session
+from phaseplane.suspension.variables import variables
+
+SMOOTH = {"solver.tolerance": 1e-10}
+STRAIGHT = {"lift_off": False, "damper.rebound_rate": 900.0, "damper.bump_rate": 900.0}
+END = 0.4  # s
+REFINED = (1, 2, 4, 8)
+
+
+# -- how one input goes on ----------------------------------------------------------------------------
+
+
+def course(*samples: tuple[float, float]) -> Course:
+    made = Course()
+    for time, value in samples:
+        made = made.set(time, value)
+    return made
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(1e-4, 0.1), st.floats(0.5, 2.0))
+def test_a_straight_course_is_carried_on_as_it_is(
+    start: float, slope: float, step: float, ratio: float
+) -> None:
+    times = (0.0, step, step + ratio * step)
+    line = carried(course(*((t, start + slope * t) for t in times)), times[-1] + step)
+    assert line.at(times[-1]) == pytest.approx(start + slope * times[-1], abs=1e-9)
+    assert line.slope == pytest.approx(slope, rel=1e-6, abs=1e-8 / step)
+
+
+@given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.integers(3, 6))
+def test_a_jump_is_no_slope(before: float, after: float, jump: int) -> None:
+    made = Course()
+    for k in range(10):
+        made = made.set(0.1 * k, before if k < jump else after)
+        assert carried(made, 0.1 * (k + 1)) == Line(0.1 * k, made.value)
+
+
+def test_of_two_slopes_the_smaller_one_counts_and_at_a_turn_none() -> None:
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 5.0)).slope(3.0) == 2.0
+    assert course((0.0, 0.0), (1.0, -2.0), (2.0, -5.0)).slope(3.0) == -2.0
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 2.0)).slope(3.0) == 0.0
+    assert course((0.0, 0.0), (1.0, 3.0)).slope(2.0) == 0.0
+
+
+def test_a_later_call_at_the_same_instant_replaces_the_earlier_one() -> None:
+    made = course((0.0, 0.0), (1.0, 1.0), (2.0, 17.0), (2.0, 2.0))
+    assert made.samples == ((0.0, 0.0), (1.0, 1.0), (2.0, 2.0))
+    assert made.slope(3.0) == 1.0
+
+
+def test_a_host_that_falls_silent_leaves_the_value_as_it_was_set() -> None:
+    made = course((0.0, 0.0), (0.1, 1.0), (0.2, 2.0))
+    assert carried(made, 0.3).at(0.3) == pytest.approx(3.0)
+    assert carried(made, 0.4).at(0.4) == pytest.approx(4.0)
+    assert carried(made, 0.5).at(0.5) == 2.0
+
+
+def test_a_road_follows_its_velocity_until_it_is_set_again() -> None:
+    before = Line(0.0, 0.01)
+    still, unset = Course(0.02).set(1.0, 0.02), Course()
+    assert carried_road(still, unset.set(1.0, 0.0), before, 1.0, 2.0) == Line(1.0, 0.02)
+    on = carried_road(still, unset.set(0.5, 0.3), before, 1.0, 2.0)
+    assert on == Line(1.0, 0.02, 0.3)
+    assert carried_road(still, unset.set(0.5, 0.3), on, 9.0, 10.0) == on
+    # velocities alone: the mean over the interval
+    alone = carried_road(still, unset.set(2.0, 0.1), on, 2.0, 3.0)
+    assert (alone.value, alone.slope) == (pytest.approx(0.22), 0.1)
+
+
+# -- orders ------------------------------------------------------------------------------------------
+
+
+def wave(t: float) -> float:
+    return 1.0 - cos(11.0 * t)
+
+
+def wave_rate(t: float) -> float:
+    return 11.0 * sin(11.0 * t)
+
+
+def driven(
+    model: str,
+    parameters: dict[str, object],
+    inputs: dict[str, Callable[[float], float]],
+    step: float,
+) -> list[float]:
+    """The first coordinate every 50 ms, with the inputs sampled at the start of every step."""
+    session = Session(model, {**SMOOTH, **parameters})
+    name = next(
+        v.name for v in variables(model)
+        if v.causality == "output" and v.name.endswith("displacement")
+    )  # fmt: skip
+    found = []
+    steps = round(END / step)
+    for k in range(steps):
+        for which, its in inputs.items():
+            session.set_input(which, its(k * step))
+        session.advance((k + 1) * step)
+        if (k + 1) % round(0.05 / step) == 0:
+            found.append(float(session.value(name)))
+    return found
+
+
+def order(
+    model: str, parameters: dict[str, object], inputs: dict[str, Callable[[float], float]]
+) -> float:
+    """By which power of the communication step the motion converges."""
+    truth = np.array(driven(model, parameters, inputs, 0.0125 / 64))
+    errors = [
+        float(np.max(np.abs(np.array(driven(model, parameters, inputs, 0.0125 / n)) - truth)))
+        for n in REFINED
+    ]
+    return float(-np.polyfit(np.log(REFINED), np.log(errors), 1)[0])
+
+
+ROADS = {"OneDof": ("",), "QuarterCar": ("",), "HalfCarRigidTyres": ("front_", "rear_"),
+         "HalfCar": ("front_", "rear_")}  # fmt: skip
+FORCES = {**dict.fromkeys(ROADS, ("body_force", 400.0)), "Elastoplastic": ("force", 4.0)}
+
+
+def straight(model: str) -> dict[str, object]:
+    """Parameters without a corner, which would make orders uneven."""
+    if model == "Elastoplastic":
+        return {"yield_force": 1e3, "force.table": ""}
+    found: dict[str, object] = {}
+    for prefix in ("front.", "rear.") if "Half" in model else ("",):
+        found |= {f"{prefix}damper.{side}_rate": 900.0 for side in ("rebound", "bump")}
+    return found | ({"lift_off": False} if model in ("QuarterCar", "HalfCar") else {})
+
+
+@pytest.mark.parametrize("model", FORCES)
+def test_a_force_from_outside_is_right_to_second_order(model: str) -> None:
+    name, size = FORCES[model]
+    still: dict[str, object] = {"road.shape": "flat"} if model in ROADS else {}
+    found = order(model, {**straight(model), **still}, {name: lambda t: size * wave(t)})
+    assert 1.8 < found < 2.4
+
+
+@pytest.mark.parametrize("given", ["both", "elevation", "velocity"])
+@pytest.mark.parametrize("model", ROADS)
+def test_a_road_from_outside_is_right_to_second_order(model: str, given: str) -> None:
+    inputs: dict[str, Callable[[float], float]] = {}
+    for k, prefix in enumerate(ROADS[model]):
+        if given != "velocity":
+            inputs[f"{prefix}road_elevation"] = lambda t, k=k: 0.01 * wave(t) + 0.002 * k * t
+        if given != "elevation":
+            inputs[f"{prefix}road_velocity"] = lambda t, k=k: 0.01 * wave_rate(t) + 0.002 * k
+    found = order(model, {**straight(model), "road.shape": "input"}, inputs)
+    assert 1.75 < found < 2.4
+
+
+def test_unequal_steps_and_samples_at_every_third_one_keep_the_order() -> None:
+    def last(step: float, every: int) -> float:
+        session = Session("QuarterCar", {**SMOOTH, **STRAIGHT, "road.shape": "flat"})
+        time, k = 0.0, 0
+        while time < END - 1e-12:
+            if k % every == 0:
+                session.set_input("body_force", 400.0 * wave(time))
+            time = min(END, time + step * (0.7 if k % 2 else 1.3))
+            session.advance(time)
+            k += 1
+        return float(session.value("body_displacement"))
+
+    truth = last(END / 8192, 1)
+    for every in (1, 3):
+        coarse, fine = (abs(last(END / n, every) - truth) for n in (256, 1024))
+        assert coarse > 11.0 * fine  # 16 times at second order, 4 times at first
+
+
+# -- jumps -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("given", [("elevation", "velocity"), ("elevation",)])
+@pytest.mark.parametrize("step", [0.01, 0.0025])
+def test_a_kerb_at_a_sample_is_that_kerb(step: float, given: tuple[str, ...]) -> None:
+    """A velocity set to zero is a velocity: the road stands still before and behind the kerb."""
+    kerb = {"road.height": 0.03, "road.start": 0.05, "speed": 1.0}
+    inside = Session("QuarterCar", {**SMOOTH, **STRAIGHT, **kerb, "road.shape": "step"})
+    outside = Session("QuarterCar", {**SMOOTH, **STRAIGHT, "road.shape": "input"})
+    for k in range(round(0.3 / step)):
+        values = {"elevation": 0.03 * (k >= round(0.05 / step)), "velocity": 0.0}
+        for what in given:
+            outside.set_input(f"road_{what}", values[what])
+        for session in (inside, outside):
+            session.advance((k + 1) * step)
+        for name in ("body_displacement", "wheel_displacement"):
+            here, there = (float(session.value(name)) for session in (outside, inside))
+            assert here == pytest.approx(there, abs=1e-8)
+
+
+def test_a_force_that_jumps_at_a_sample_is_that_force() -> None:
+    once, always = (Session("OneDof", {**SMOOTH, "road.shape": "flat"}) for _ in range(2))
+    once.advance(0.1)
+    once.set_input("body_force", 700.0)
+    for k in range(30):
+        always.set_input("body_force", 700.0 * (k >= 10))
+        always.advance(0.01 * (k + 1))
+    once.advance(0.3)
+    here, there = (float(session.value("body_displacement")) for session in (always, once))
+    assert here == pytest.approx(there, abs=1e-9)
+    assert here > 0.01
+
+
+def test_what_is_set_as_it_was_keeps_the_steps_of_an_internal_road() -> None:
+    plain, told = Session("QuarterCar", {}), Session("QuarterCar", {})
+    for k in range(50):
+        for name in ("body_force", "road_elevation", "road_velocity"):
+            told.set_input(name, 0.0)
+        for session in (plain, told):
+            session.advance(0.004 * (k + 1))
+    for name in ("body_displacement", "wheel_velocity", "energy_residual", "step_count"):
+        assert plain.value(name) == told.value(name)
+
+
+@pytest.mark.parametrize("road", ["input", "bump"])
+def test_rolling_back_forgets_what_was_set_since(road: str) -> None:
+    """Samples are part of the state: what was set beyond a state restored never was."""
+
+    def feed(session: Session, k: int, scale: float) -> None:
+        t = 0.005 * k
+        session.set_input("body_force", scale * 300.0 * sin(2.0 * pi * 3.0 * t))
+        session.set_input("road_elevation", scale * 0.01 * wave(t))
+        session.advance(t + 0.005)
+
+    straight_on, back = (Session("QuarterCar", {"road.shape": road}) for _ in range(2))
+    for k in range(30):
+        feed(straight_on, k, 1.0)
+        kept = back.snapshot()
+        feed(back, k, -2.0)
+        feed(back, k + 1, 5.0)
+        back.restore(kept)
+        feed(back, k, 1.0)
+    for name in ("body_displacement", "wheel_velocity", "contact_force", "energy_residual"):
+        assert back.value(name) == straight_on.value(name)
+
+
+# -- a wheel in the air at the start -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("road", ["flat", "input"])
+def test_a_start_in_flight_is_told_as_airborne_and_counts_as_no_lift_off(road: str) -> None:
+    session = Session("QuarterCar", {"road.shape": road, "initial.wheel_displacement": 0.05})
+    assert session.value("airborne") is True
+    assert session.value("contact_force") == 0.0
+    session.advance(0.01)
+    assert session.value("airborne") is True
+    assert session.value("airborne_time") == pytest.approx(0.01, abs=1e-12)
+    assert session.value("lift_off_count") == 0
+    assert session.value("last_lift_off") == -1.0
+    session.advance(0.2)
+    landed = float(session.value("last_touchdown"))
+    assert 0.01 < landed < 0.2
+    counted = session.value("lift_off_count")
+    if counted == 0:
+        assert session.value("airborne_time") == pytest.approx(landed, abs=1e-12)
+    assert session.messages[0] == ("event", "wheel in the air at the start")
+    assert session.messages[1][1].startswith("touchdown at ")
+
+
+def test_only_the_axle_that_hangs_in_the_air_is_airborne_at_the_start() -> None:
+    session = Session("HalfCar", {"initial.rear_wheel_displacement": 0.06, "road.shape": "flat"})
+    assert session.value("rear_airborne") is True
+    assert session.value("front_airborne") is False
