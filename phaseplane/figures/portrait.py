@@ -25,16 +25,19 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
-from phaseplane.portrait import Portrait
+from phaseplane.portrait import Portrait, Section, Window
 
 _KINDS = {
     "saddle": ("X", RED),
     "centre": ("o", BLUE),
+    "cusp": ("X", RED),
+    "saddle-node": ("X", RED),
     "stable": ("o", GREEN),
     "unstable": ("o", ORANGE),
     "degenerate": ("s", GREY),
 }
-_LINES: dict[str, tuple[str, float, Literal["-", "--", ":"], str]] = {  # with their words
+_ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)  # by the periods after which they repeat
+_LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
     "orbit": (BLUE, 0.6, "-", "integral curves"),
     "energy": (GREY, 0.7, "-", "energy"),
     "isocline": (TEAL, 0.7, ":", "isoclines"),
@@ -42,6 +45,8 @@ _LINES: dict[str, tuple[str, float, Literal["-", "--", ":"], str]] = {  # with t
     "separatrix": (RED, 1.5, "-", "separatrices"),
     "attracting": (BLUE, 2.2, "-", "limit cycle, attracting"),
     "repelling": (ORANGE, 2.2, "--", "limit cycle, repelling"),
+    "semistable": (PINK, 2.2, "-.", "limit cycle, attracting from one side"),
+    "rest": (GREEN, 4.0, "-", "stretch of rest"),
 }
 
 
@@ -65,7 +70,8 @@ def portrait(
     figure = new_figure(9.0, 6.6, colours)
     axes = figure.add_axes((0.1, 0.17, 0.86, 0.73))
     _dress(axes, shown, labels, colours)
-    _field(axes, shown, colours)
+    if shown.field is not None:
+        _field(axes, shown.window, shown.field, colours)
     roles = {
         "energy": [curve for curves in shown.energy_curves for curve in curves],
         "orbit": shown.orbits,
@@ -73,15 +79,15 @@ def portrait(
         "nullcline": shown.nullcline,
         "separatrix": shown.separatrices,
         "attracting": [c.curve for c in shown.cycles if c.attracts],
-        "repelling": [c.curve for c in shown.cycles if not c.attracts],
+        "repelling": [c.curve for c in shown.cycles if not (c.attracts or c.semistable)],
+        "semistable": [c.curve for c in shown.cycles if c.semistable],
+        "rest": [
+            np.array([[at.x, 0.0], [at.until, 0.0]]) for at in shown.equilibria if at.stretches
+        ],
     }
     handles = [handle for role, curves in roles.items() if (handle := _lines(axes, role, curves))]
     if shown.section is not None:
-        (dots,) = axes.plot(
-            *shown.section.T, ".", color=PINK, markersize=5.0, zorder=5.0, gid="section",
-            label="Poincaré section",
-        )  # fmt: skip
-        handles.append(dots)
+        handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
     if title:
         figure.suptitle(title, color=colours.ink, fontsize=11.0)
@@ -103,10 +109,27 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
     axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
 
 
-def _field(axes: Axes, shown: Portrait, colours: Palette) -> None:
+def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
+    """Points once in each period, and what they end in."""
+    (dots,) = axes.plot(
+        *shown.points.T, ".", color=BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
+        gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
+    )  # fmt: skip
+    handles = [dots]
+    for m in sorted({len(states) for states in shown.attractors}):
+        states = np.vstack([states for states in shown.attractors if len(states) == m])
+        (ends,) = axes.plot(
+            *states.T, "o", color=_ATTRACTORS[(m - 1) % len(_ATTRACTORS)], markersize=7.0,
+            markeredgecolor=colours.paper, zorder=6.0, gid="attractor", linestyle="",
+            label="attracting, of the drive's period" if m == 1 else f"attracting, of {m} periods",
+        )  # fmt: skip
+        handles.append(ends)
+    return handles
+
+
+def _field(axes: Axes, window: Window, field: tuple[np.ndarray, ...], colours: Palette) -> None:
     """Arrows of equal length as seen on the paper."""
-    x, v, dx, dv = shown.field
-    window = shown.window
+    x, v, dx, dv = field
     width, height = axes.bbox.size
     u, w = width * dx / (window.right - window.left), height * dv / (window.top - window.bottom)
     size = np.hypot(u, w)
@@ -134,6 +157,8 @@ def _equilibria(axes: Axes, shown: Portrait, colours: Palette) -> list[Line2D]:
     """One mark for each kind; one on a corner is named by the kinds on its sides."""
     handles: dict[str, Line2D] = {}
     for at in shown.equilibria:
+        if at.stretches:
+            continue
         marker, colour = _KINDS[at.kinds[0].split()[0]]
         (dot,) = axes.plot(
             [at.x], [0.0], marker, color=colour, markersize=8.0, markeredgecolor=colours.paper,

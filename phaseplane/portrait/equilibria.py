@@ -1,37 +1,53 @@
-"""Equilibria with their kinds, also on corners, and the separatrices of saddles."""
+"""States of rest with their kinds, also on corners and in stretches, and the separatrices of saddles."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import sqrt
+from math import isfinite, sqrt
 
 import numpy as np
-import numpy.typing as npt
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
+from phaseplane.portrait.energy import power
+from phaseplane.portrait.returns import turns
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
+from phaseplane.portrait.trajectories import followed
 
 _STEP = 1e-6  # of the window's width, for differences
 _SAME = 1e-9  # of the window's width
-_AWAY = 1e-4  # of the window's width: where a separatrix is started beside its saddle
+_AWAY = 1e-4  # of the window's sides: where a separatrix is started beside its saddle
+_FAR = 1e-2  # the same, of a saddle without a linear part; and how far others are looked at
+_LONGEST = 30.0  # windows that a separatrix is followed
+_NO_SLOPE = 1e-6  # of the mean slope of f over the window: less is none
+_TOUCH = 1e-10  # of the largest f: a least |f| below it is a root
+_STRETCH = 3  # points of the search grid that rest makes a stretch of
+
+STRETCH = "stretch of rest"
+CUSP, SADDLE_NODE = "cusp", "saddle-node"
 
 
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
-    """A state of rest (x, 0).
+    """A state of rest (x, 0), or a stretch of them.
 
     Parameters
     ----------
-    x : its displacement
-    kinds : by eigenvalues, as seen from the sides (x above, x' above), (x above, x' below), (x below,
-        x' above), (x below, x' below); all the same unless it lies on a corner
-    eigenvalues : of the same sides
+    x : its displacement; of a stretch the left end
+    kinds : as seen from the sides (x above, x' above), (x above, x' below), (x below, x' above),
+        (x below, x' below); all the same unless it lies on a corner
+    eigenvalues : of the same sides; none of a stretch
+    until : the right end of a stretch, otherwise x
     """
 
     x: float
     kinds: tuple[str, str, str, str]
-    eigenvalues: tuple[tuple[complex, complex], ...]
+    eigenvalues: tuple[tuple[complex, complex], ...] = ()
+    until: float = float("nan")
+
+    @property
+    def stretches(self) -> bool:
+        """Whether rest is possible over a stretch."""
+        return self.until > self.x
 
     @property
     def on_corner(self) -> bool:
@@ -47,53 +63,177 @@ class Equilibrium:
 def equilibria(system: PhaseSystem, window: Window, resolution: int = 2000) -> list[Equilibrium]:
     """All states of rest in a window, at time 0: f(0, x, 0) = 0.
 
+    Rest is possible, too, where f jumps at x' = 0 from below zero to above it, as dry friction does.
+    Where that is so, or f vanishes, over several neighbouring points, they make a stretch.
+
     Parameters
     ----------
     resolution : into how many parts the window is divided in the search
     """
-    width = window.right - window.left
     corners = [c for c in system.corners if window.left <= c <= window.right]
     points = np.unique(
         np.concatenate([np.linspace(window.left, window.right, resolution + 1), corners])
     )
-    forces = system.forces(points, 0.0 * points)
-    roots = list(points[forces == 0.0])
-    for k in np.flatnonzero(forces[:-1] * forces[1:] < 0.0):
-        roots.append(
-            brentq(
-                lambda x: system.function(0.0, x, 0.0),
-                points[k],
-                points[k + 1],
-                xtol=1e-15 * width,
-                maxiter=1000,
-            )
-        )
-    found: list[Equilibrium] = []
-    for x in sorted(map(float, roots)):
+    found = _stretches(system, window, points)
+    width = window.width
+    places: list[float] = []
+    for x in sorted(_roots(system, points)):
         near = min(corners, key=lambda c: abs(c - x), default=x)
         at = near if abs(near - x) <= _SAME * width else x
-        if not found or at - found[-1].x > _SAME * width:
-            found.append(_classified(system, at, width))
+        known = places and at - places[-1] <= _SAME * width
+        if not known and not any(s.x - width / resolution <= at <= s.until + width / resolution
+                                 for s in found):  # fmt: skip
+            places.append(at)
+    steepest = _largest(system.forces(points, 0.0 * points)) / width
+    others = np.array(places + [end for s in found for end in (s.x, s.until)])
+    for x in places:
+        gaps = np.abs(others - x)
+        room = 0.5 * float(gaps[gaps > 0.0].min(initial=width))
+        found.append(_classified(system, window, x, steepest, min(room, _FAR * width)))
+    return sorted(found, key=lambda at: at.x)
+
+
+def _largest(forces: Grid) -> float:
+    known = np.abs(forces[np.isfinite(forces)])
+    return float(known.max(initial=0.0))
+
+
+def _roots(system: PhaseSystem, points: Grid) -> list[float]:
+    """Where f(0, x, 0) vanishes: through zero, or touching it."""
+
+    def force(x: float) -> float:
+        return float(system.forces(x, 0.0))
+
+    forces = system.forces(points, 0.0 * points)
+    roots = list(points[forces == 0.0])
+    with np.errstate(all="ignore"):
+        through = np.flatnonzero(forces[:-1] * forces[1:] < 0.0)
+        size = np.abs(forces)
+        touching = 1 + np.flatnonzero(
+            (size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:])
+            & (forces[1:-1] * forces[:-2] > 0.0) & (forces[1:-1] * forces[2:] > 0.0)
+        )  # fmt: skip
+    for k in through:
+        a, b = float(points[k]), float(points[k + 1])
+        x = float(brentq(force, a, b, xtol=1e-15 * (points[-1] - points[0]), maxiter=1000))
+        if abs(force(x)) <= 0.5 * min(size[k], size[k + 1]):  # otherwise a jump past zero
+            roots.append(x)
+    most = _largest(forces)
+    for k in touching:
+        least = minimize_scalar(
+            lambda x: abs(force(x)), bounds=(points[k - 1], points[k + 1]), method="bounded",
+            options={"xatol": 1e-12 * (points[-1] - points[0])},
+        )  # fmt: skip
+        if least.fun <= _TOUCH * most:
+            roots.append(float(least.x))
+    return [float(x) for x in roots]
+
+
+def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equilibrium]:
+    """Neighbouring points at which rest is possible, with the ends found by bisection."""
+    slow = 1e-12 * window.height
+
+    def rests(x: Grid) -> Grid:
+        low, high = system.forces(x, 0.0 * x - slow), system.forces(x, 0.0 * x + slow)
+        tiny = 4e-16 * window.height  # what damping may do at a velocity that is next to none
+        jumps = (low < -tiny) & (high > tiny) & (high - low > 1e-9 * (np.abs(low) + np.abs(high)))
+        return (system.forces(x, 0.0 * x) == 0.0) | (jumps & (low < 0.0) & (high > 0.0))
+
+    resting = np.concatenate([[False], rests(points), [False]])
+    edges = np.flatnonzero(resting[1:] != resting[:-1])
+    found = []
+    for first, after in zip(edges[::2], edges[1::2], strict=True):
+        if after - first < _STRETCH:
+            continue
+        ends = []
+        for inside, outside in ((first, first - 1), (after - 1, after)):
+            a, b = points[inside], points[min(max(outside, 0), len(points) - 1)]
+            for _ in range(60):
+                middle = 0.5 * (a + b)
+                a, b = (middle, b) if rests(np.array([middle]))[0] else (a, middle)
+            ends.append(float(a))
+        found.append(Equilibrium(ends[0], (STRETCH,) * 4, until=ends[1]))
     return found
 
 
-def _classified(system: PhaseSystem, x: float, width: float) -> Equilibrium:
-    """The kinds on the four sides, by one-sided differences."""
-    h = _STEP * width
+def _classified(
+    system: PhaseSystem, window: Window, x: float, steepest: float, room: float
+) -> Equilibrium:
+    """The kinds on the four sides: by the linear part, where it vanishes by what f does farther out.
+
+    Parameters
+    ----------
+    steepest : largest f over the window's width, 1/s^2: what a slope is compared with
+    room : how far from the equilibrium there is no other one
+    """
+    h = _STEP * window.width
     sides = [(sx, sv) for sx in (1.0, -1.0) for sv in (1.0, -1.0)]
-
-    def slope(along_x: float, along_v: float) -> float:
-        # of second order from one side: exact on straight and on parabolic pieces
-        f = [system.function(k * along_v, x + k * along_x, 0.0) for k in range(3)]
-        return (4.0 * f[1] - f[2] - 3.0 * f[0]) / 2.0
-
-    values = []
+    values, kinds = [], []
+    far = system.forces(x + np.array([room, -room]), np.zeros(2))
+    restores = dict(zip((1.0, -1.0), (far * [1.0, -1.0] > 0.0).tolist(), strict=True))
+    linear = True
     for sx, sv in sides:
-        stiffness, damping = slope(sx * h, 0.0) / (sx * h), slope(0.0, sv * h) / (sv * h)
+        stiffness = _slope(system, x, sx * h, 0.0) / (sx * h)
+        damping = _slope(system, x, 0.0, sv * h) / (sv * h)
+        if abs(stiffness) <= _NO_SLOPE * steepest:
+            stiffness, linear = 0.0, False
+        if abs(damping) <= _NO_SLOPE * sqrt(steepest):
+            damping = 0.0
         root = np.emath.sqrt(damping**2 / 4.0 - stiffness)
-        values.append((complex(-damping / 2.0 + root), complex(-damping / 2.0 - root)))
-    kinds = tuple(kind_of(*pair) for pair in values)
-    return Equilibrium(x, kinds, tuple(values))  # type: ignore[arg-type]
+        pair = complex(-damping / 2.0 + root), complex(-damping / 2.0 - root)
+        values.append(pair)
+        if not isfinite(stiffness + damping):
+            kinds.append("degenerate")
+        elif stiffness == 0.0:
+            kinds.append(_bent_kind(restores[sx], damping))
+        else:
+            kinds.append(kind_of(*pair))
+    if not linear and restores[1.0] != restores[-1.0] and np.isfinite(far).all():
+        # f touches zero: the equilibrium of a double root
+        undamped = all(pair[0] == pair[1] == 0.0 for pair in values)
+        kinds = [CUSP if undamped else SADDLE_NODE] * 4
+    if "degenerate" in kinds:  # on the edge of where f is a number
+        kinds = ["degenerate"] * 4
+    elif set(kinds) == {"centre"}:
+        kinds = [_turning_kind(system, window, x, room)] * 4
+    return Equilibrium(x, tuple(kinds), tuple(values), x)  # type: ignore[arg-type]
+
+
+def _slope(system: PhaseSystem, x: float, along_x: float, along_v: float) -> float:
+    """Change of f over one step, of second order from one side: exact on parabolic pieces."""
+    k = np.arange(3.0)
+    f = system.forces(x + k * along_x, k * along_v)
+    return float((4.0 * f[1] - f[2] - 3.0 * f[0]) / 2.0)
+
+
+def _bent_kind(restores: bool, damping: float) -> str:
+    """The kind on a side where f has no slope but drives back, or away."""
+    if not restores:
+        return "saddle"
+    if damping == 0.0:
+        return "centre"
+    return "stable node" if damping > 0.0 else "unstable node"
+
+
+def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) -> str:
+    """Of what turns without linear damping: by what is dissipated around it, at last by a turn."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
+    size = np.array([0.1, 0.3, 1.0])[:, None] * room
+    force = _largest(system.forces(x + np.array([room, -room]), np.zeros(2)))
+    height = sqrt(force / room) if force > 0.0 else window.height / window.width
+    lost = power(system, x + size * np.cos(angle), height * size * np.sin(angle))
+    for ring in lost:
+        gains, losses = bool((ring < 0.0).any()), bool((ring > 0.0).any())
+        if losses != gains:
+            return "stable focus" if losses else "unstable focus"
+        if losses:
+            start = x + room
+            (back,) = turns(system, window, np.array([start]), tolerance=1e-11).back
+            change = (back - start) / room
+            if abs(change) < 1e-6 or not isfinite(change):
+                return "centre"
+            return "stable focus" if change < 0.0 else "unstable focus"
+    return "centre"
 
 
 def kind_of(first: complex, second: complex) -> str:
@@ -112,45 +252,60 @@ def kind_of(first: complex, second: complex) -> str:
 
 
 def separatrices(
-    system: PhaseSystem, window: Window, saddle: Equilibrium, duration: float | None = None
+    system: PhaseSystem, window: Window, *saddles: Equilibrium, ends: tuple[float, ...] = ()
 ) -> list[Grid]:
-    """The four curves that run into a saddle or out of it, each of shape (points, 2).
+    """The curves that run into saddles or out of them, four for each, of shape (points, 2).
 
     Parameters
     ----------
-    duration : how long they are followed, s; twenty times the slowest eigenvalue's time if left out
+    ends : displacements of saddles in which a curve may end, as in a system that conserves energy
 
     Raises
     ------
     ValueError : an equilibrium that is a saddle from no side.
     """
+    starts = [start for saddle in saddles for start in _starts(system, window, saddle)]
+    if not starts:
+        return []
+    origin, x, v, sense = np.array(starts).T
+    curves = followed(
+        system, window, x, v, sense, margin=0.5, length=_LONGEST, tolerance=1e-9, ends=ends
+    )
+    return [np.vstack([[at, 0.0], curve]) for at, curve in zip(origin, curves, strict=True)]
+
+
+def _starts(
+    system: PhaseSystem, window: Window, saddle: Equilibrium
+) -> list[tuple[float, float, float, float]]:
+    """Where the curves of a saddle are started beside it: its x, then x, x' and the sense of time."""
     if "saddle" not in saddle.kinds:
         raise ValueError(f"the equilibrium at {saddle.x:g} is no saddle but a {saddle.kind}")
-    width, height = window.right - window.left, window.top - window.bottom
-    curves = []
+    starts = []
     for side, (kind, pair) in enumerate(zip(saddle.kinds, saddle.eigenvalues, strict=True)):
-        for value in pair if kind == "saddle" else ():
-            rate = value.real
-            sx = 1.0 if side < 2 else -1.0
-            sv = 1.0 if side % 2 == 0 else -1.0
-            if sx * rate * sv < 0.0:
+        if kind != "saddle":
+            continue
+        sx, sv = (1.0 if side < 2 else -1.0), (1.0 if side % 2 == 0 else -1.0)
+        for rate, part in _rates(system, window, saddle.x, sx, pair):
+            if sx * rate * sv < 0.0 or rate == 0.0:
                 continue  # that eigenvector (1, rate) leaves through another side
-            size = _AWAY / sqrt((1.0 / width) ** 2 + (rate / height) ** 2)
-            start = [saddle.x + sx * size, sx * rate * size]
-            time = duration or 20.0 / min(abs(v.real) for v in pair)
-            curves.append(_followed(system, window, start, time if rate > 0.0 else -time, saddle.x))
-    return curves
+            size = part / sqrt((1.0 / window.width) ** 2 + (rate / window.height) ** 2)
+            sense = 1.0 if rate > 0.0 else -1.0
+            starts.append((saddle.x, saddle.x + sx * size, sx * rate * size, sense))
+    return starts
 
 
-def _followed(
-    system: PhaseSystem, window: Window, start: list[float], time: float, x: float
-) -> Grid:
-    def gone(_t: float, state: npt.NDArray[np.float64]) -> float:
-        return 1.0 if window.holds(state[0], state[1], 0.5) else -1.0
+def _rates(
+    system: PhaseSystem, window: Window, x: float, sx: float, pair: tuple[complex, complex]
+) -> list[tuple[float, float]]:
+    """Slopes x'/x of the curves through a saddle on one side, and how far out they are taken.
 
-    gone.terminal = True  # type: ignore[attr-defined]
-    solution = solve_ivp(
-        system.rates, (0.0, time), start, rtol=1e-9, atol=1e-12, events=gone,
-        max_step=abs(time) / 400.0,
-    )  # fmt: skip
-    return np.vstack([[x, 0.0], solution.y.T])
+    Without a linear part they are those of the energy: x'^2 / 2 = -U, seen from some way off.
+    """
+    if min(abs(pair[0]), abs(pair[1])) > 0.0:
+        return [(value.real, _AWAY) for value in pair]
+    out = np.linspace(0.0, _FAR * window.width, 65)
+    forces = system.forces(x + sx * out, 0.0 * out) * sx
+    given_up = -2.0 * float(np.trapezoid(forces, out)) / out[-1] ** 2
+    damping = -(pair[0] + pair[1]).real
+    root = sqrt(max(damping**2 / 4.0 + given_up, 0.0))
+    return [(-damping / 2.0 + root, _FAR), (-damping / 2.0 - root, _FAR)]

@@ -9,7 +9,14 @@ import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
-from phaseplane.portrait.system import Grid, PhaseSystem
+from phaseplane.portrait.system import Grid, PhaseSystem, Window
+from phaseplane.portrait.trajectories import Motions, motions
+
+_GONE = 5.0  # windows: a motion so far out is followed no more
+_MOST = 16_000  # steps of a section
+_TRANSIENT = 0.5  # of the periods, of a system that dissipates
+_LONGEST = 12  # periods after which a motion may repeat itself to be called periodic
+_CLOSES, _SAME = 1e-5, 1e-3  # windows
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +38,107 @@ class PeriodicMotion:
         return max(map(abs, self.multipliers)) < 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class Section:
+    """What a driven system does, seen once in each period of its drive.
+
+    Parameters
+    ----------
+    period : of the drive, s
+    points : states (x, x') at the starts of periods, of many motions together, shape (n, 2)
+    transient, periods : how many were left out at the beginning of each motion, and how many were kept
+    attractors : the periodic motions that others end in: their states in turn, shape (m, 2) for one
+        that repeats itself after m periods
+    """
+
+    period: float
+    points: Grid
+    transient: int
+    periods: int
+    attractors: tuple[Grid, ...]
+
+
+def section(
+    system: PhaseSystem, window: Window, start: tuple[float, float], periods: int = 100
+) -> Section:
+    """The section of a driven system at the starts of its drive's periods, from states all over a window.
+
+    Where damping takes energy on the whole, the first half of the periods is left out.
+
+    Parameters
+    ----------
+    start : one more motion
+    periods : of each motion; fewer where they would take too long
+
+    Raises
+    ------
+    ValueError : a system without a period.
+    """
+    _check_period(system)
+    x, v = (0.8 * part.ravel() for part in _centred(window))
+    x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
+    going = motions(system, window, [*(x + x0), start[0]], [*(v + v0), start[1]], tolerance=1e-7)
+    rows = [np.array([going.x, going.v]).T.copy()]
+    steps = 0
+    for k in range(1, periods + 1):
+        steps += _go_on(system, going, k)
+        far = np.abs(going.x - x0) > _GONE * window.width
+        far |= np.abs(going.v - v0) > _GONE * window.height
+        going.active[far | ~np.isfinite(going.x)] = False
+        rows.append(np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan))
+        if steps > _MOST or not going.active.any():
+            break
+    states = np.array(rows)
+    transient = int(_TRANSIENT * (len(rows) - 1)) if _dissipates(system, window) else 0
+    kept = states[transient:]
+    points = kept.reshape(-1, 2)
+    return Section(
+        system.period, points[np.isfinite(points).all(axis=1)], transient, len(kept),
+        _attractors(states, window) if transient else (),
+    )  # fmt: skip
+
+
+def _centred(window: Window) -> tuple[Grid, Grid]:
+    """A lattice of states about the middle of a window."""
+    x, v = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-0.5, 0.5, 5))
+    return x * window.width, v * window.height
+
+
+def _dissipates(system: PhaseSystem, window: Window) -> bool:
+    """Whether areas of the plane shrink on the whole: the mean of df/dx' is above 0."""
+    x, v = window.grid(21, 21)
+    dv = 1e-6 * window.height
+    slopes = [
+        system.forces(x, v + dv, t) - system.forces(x, v - dv, t)
+        for t in system.period * np.array([0.1, 0.35, 0.6, 0.85])
+    ]
+    return float(np.nanmean(slopes)) / (2.0 * dv) > 1e-9 / system.period
+
+
+def _attractors(states: Grid, window: Window) -> tuple[Grid, ...]:
+    """What motions end in that repeat themselves, each once; states by period, motion, (x, x')."""
+    sides = np.array([window.width, window.height])
+    found: list[Grid] = []
+    for motion in states.transpose(1, 0, 2):
+        for m in range(1, min(_LONGEST, len(motion) // 2) + 1):
+            # once more after as many periods again, so that slow approach is not taken for return
+            if not np.abs((motion[-m:] - motion[-2 * m : -m]) / sides).max() < _CLOSES:
+                continue
+            turn = motion[-m:]
+            known = any(
+                len(other) == m and np.abs((other - turn[-1]) / sides).max(axis=1).min() < _SAME
+                for other in found
+            )
+            if not known:
+                found.append(turn)
+            break
+    return tuple(found)
+
+
 def poincare_section(
     system: PhaseSystem, start: tuple[float, float], periods: int, transient: int = 0
 ) -> Grid:
-    """States at the starts of periods, shape (periods, 2), after so many periods of transient.
+    """States of one motion at the starts of periods, shape (periods, 2), after so many of transient.
 
     Raises
     ------
@@ -69,12 +173,34 @@ def periodic_motion(system: PhaseSystem, guess: tuple[float, float]) -> Periodic
 
 
 def _mapped(system: PhaseSystem, state: npt.ArrayLike) -> Grid:
-    """The state one period later."""
-    if not system.period > 0.0:
-        raise ValueError("the system has no period: give the excitation's")
+    """The state one period later, to ten digits."""
+    _check_period(system)
     solution = solve_ivp(
         system.rates, (0.0, system.period), np.asarray(state, float), method="DOP853",
-        rtol=1e-10, atol=1e-13,
-        max_step=system.period / 20.0,
+        rtol=1e-10, atol=1e-13, max_step=system.period / 20.0,
     )  # fmt: skip
     return np.asarray(solution.y[:, -1])
+
+
+def _check_period(system: PhaseSystem) -> None:
+    if not system.driven:
+        raise ValueError("the system has no period: give the excitation's")
+
+
+def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
+    """Go on to the end of that period, counted from 1; the number of steps."""
+    end = period * system.period
+    steps = 0
+    active = going.active.copy()
+    while going.active.any():
+        left = end - going.t
+        arrived = left <= 1e-12 * end
+        going.active &= ~arrived
+        if not going.active.any():
+            break
+        going.step(np.maximum(left, 1e-300))
+        going.still[:] = 0  # what rests at one phase of the drive need not at the next
+        steps += 1
+    going.active[:] = active & (end - going.t <= 1e-9 * end)
+    going.t[going.active] = end
+    return steps

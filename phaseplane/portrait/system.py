@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.systems import System
 
-Function = Callable[[float, float, float], float]
+Function = Callable[[Any, Any, Any], Any]
 """f(x', x, t) of x'' + f = 0."""
 
 Grid = npt.NDArray[np.float64]
@@ -23,25 +25,64 @@ class PhaseSystem:
 
     Parameters
     ----------
-    function : f(x', x, t)
+    function : f(x', x, t) of three numbers
     corners : displacements at which f has a corner
     rate_corners : velocities at which f has a corner
     period : of f in time, s; 0 where f does not depend on it
+    on_arrays : f of three arrays of equal shape; left out, `function` is tried on them, and called
+        number by number where it cannot take them
     """
 
     function: Function
     corners: tuple[float, ...] = ()
     rate_corners: tuple[float, ...] = ()
     period: float = 0.0
+    on_arrays: Function | None = None
+
+    @property
+    def driven(self) -> bool:
+        """Whether f depends on time."""
+        return self.period > 0.0
 
     def rates(self, t: float, state: npt.ArrayLike) -> list[float]:
         """(x', x'') at a state (x, x'), for an integrator."""
         x, v = np.asarray(state, float)
         return [float(v), -self.function(float(v), float(x), t)]
 
-    def forces(self, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
-        """f at time 0 over arrays of equal shape."""
-        return np.vectorize(lambda a, b: self.function(b, a, 0.0), otypes=[float])(x, v)
+    def forces(self, x: npt.ArrayLike, v: npt.ArrayLike, t: npt.ArrayLike = 0.0) -> Grid:
+        """f over arrays of equal shape; not a number where f is none."""
+        x, v = np.asarray(x, float), np.asarray(v, float)
+        t = np.broadcast_to(np.asarray(t, float), x.shape)
+        with np.errstate(all="ignore"):
+            return self.over_arrays(x, v, t)(v, x, t)
+
+    def over_arrays(self, x: Grid, v: Grid, t: Grid) -> Function:
+        """f(x', x, t) as a function of arrays of equal shape, tried on these."""
+        function = self.on_arrays or self.function
+        with np.errstate(all="ignore"):
+            try:
+                found = np.asarray(function(v, x, t), float)
+            except (TypeError, ValueError):  # a function of numbers alone
+                return np.vectorize(self._number, otypes=[float])
+        if found.shape == x.shape:
+            return function
+        return lambda v, x, t: np.broadcast_to(np.asarray(function(v, x, t), float), x.shape)
+
+    def _number(self, v: float, x: float, t: float) -> float:
+        try:
+            return float(self.function(v, x, t))
+        except (ValueError, ArithmeticError, TypeError):
+            return float("nan")
+
+    def frozen(self, time: float) -> PhaseSystem:
+        """The autonomous system with the f of one instant, s."""
+        function, on_arrays = self.function, self.on_arrays
+        return PhaseSystem(
+            lambda v, x, _t: function(v, x, time),
+            self.corners,
+            self.rate_corners,
+            on_arrays=on_arrays and (lambda v, x, t: on_arrays(v, x, np.full_like(t, time))),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +112,16 @@ class Window:
                 f"{self.top:g}: left must lie below right and bottom below top, all finite"
             )
 
+    @property
+    def width(self) -> float:
+        """From left to right."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """From bottom to top."""
+        return self.top - self.bottom
+
     def grid(self, columns: int, rows: int) -> tuple[Grid, Grid]:
         """x and x' of shape (rows, columns)."""
         x, v = np.meshgrid(
@@ -78,10 +129,14 @@ class Window:
         )
         return x, v
 
-    def holds(self, x: float, v: float, margin: float = 0.0) -> bool:
-        """Whether a state lies inside, or outside by no more than a part of the sides."""
-        dx, dv = margin * (self.right - self.left), margin * (self.top - self.bottom)
-        return self.left - dx <= x <= self.right + dx and self.bottom - dv <= v <= self.top + dv
+    def holds(
+        self, x: npt.ArrayLike, v: npt.ArrayLike, margin: float = 0.0
+    ) -> npt.NDArray[np.bool_]:
+        """Whether states lie inside, or outside by no more than a part of the sides."""
+        x, v = np.asarray(x), np.asarray(v)
+        dx, dv = margin * self.width, margin * self.height
+        inside = (x >= self.left - dx) & (x <= self.right + dx)
+        return np.asarray(inside & (v >= self.bottom - dv) & (v <= self.top + dv))
 
 
 def direction_field(
@@ -127,8 +182,35 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
             total += share * min(force, e.limit)
         return total
 
+    laws = [(_over(e.spring), _over(e.damper), _over(e.modulation)) for e, _, _ in acting]
+
+    def on_arrays(v: Grid, x: Grid, _t: Grid) -> Grid:
+        total = np.zeros_like(x)
+        for (e, b, share), (spring, damper, modulation) in zip(acting, laws, strict=True):
+            d, w = b * x, b * v
+            total += share * np.minimum(spring(d) + damper(w) * modulation(d), e.limit)
+        return total
+
     return PhaseSystem(
         function,
         tuple(sorted({c / b for e, b, _ in acting for c in e.spring.corners})),
         tuple(sorted({c / b for e, b, _ in acting for c in e.damper.corners})),
+        on_arrays=on_arrays,
     )
+
+
+def _over(law: Characteristic) -> Callable[[Grid], Grid]:
+    """A characteristic of arrays."""
+    corners = np.array(law.corners)
+    origin = np.array([piece.origin for piece in law.pieces])
+    c = np.array([piece.coefficients for piece in law.pieces]).T
+    saturation = np.array([piece.saturation for piece in law.pieces])
+    scale = np.array([piece.scale for piece in law.pieces])
+
+    def force(x: Grid) -> Grid:
+        k = np.searchsorted(corners, x, side="right")
+        s = x - origin[k]
+        found = c[0][k] + s * (c[1][k] + s * (c[2][k] + s * c[3][k]))
+        return found + saturation[k] * np.tanh(s / scale[k]) if saturation.any() else found
+
+    return force

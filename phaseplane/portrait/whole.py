@@ -3,48 +3,51 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import sqrt
 
 import numpy as np
-from scipy.integrate import solve_ivp
 
-from phaseplane.portrait.curves import Curves, energy_levels, isocline, nullcline
+from phaseplane.portrait.curves import Curves, energy_levels, isoclines, levels_in_wells
 from phaseplane.portrait.cycles import Cycle, limit_cycles
+from phaseplane.portrait.energy import conserves, potential
 from phaseplane.portrait.equilibria import Equilibrium, equilibria, separatrices
-from phaseplane.portrait.poincare import poincare_section
+from phaseplane.portrait.poincare import Section, section
 from phaseplane.portrait.system import Grid, PhaseSystem, Window, direction_field
+from phaseplane.portrait.trajectories import followed
 
 _ROOM = 1.25  # of the window beyond what it shows
-_TURNS, _FOLLOWED = 100.0, 30.0  # widths of the window over its height: times
 _SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in widths and heights of the window
+_ASIDE = 0.01  # of the width: where a curve begins beside an equilibrium that repels
 
 
 @dataclass(frozen=True, slots=True)
 class Portrait:
-    """What a phase portrait shows.
+    """What a phase portrait shows: of an autonomous system its curves, of a driven one its section.
 
     Parameters
     ----------
     window : the part of the plane
-    field : x, x' and their rates, see `direction_field`
+    field : x, x' and their rates, see `direction_field`; none of a driven system
     nullcline : where x'' = 0
     isoclines : where integral curves have one and the same slope; a list for each slope
-    energy_curves : curves of constant energy; a list for each energy
-    orbits : integral curves from the border of the window inwards
+    energy_curves : curves of constant energy, if it is constant; a list for each energy
+    orbits : integral curves, where it is not
     equilibria, separatrices, cycles : inside the window
-    section : states once in each period of the excitation, shape (n, 2), or none
+    section : of a driven system
+    frozen : the instant at which a driven system is looked at as if f changed no more, s; or none
     """
 
     window: Window
-    field: tuple[Grid, Grid, Grid, Grid]
-    nullcline: Curves
-    isoclines: tuple[Curves, ...]
-    energy_curves: tuple[Curves, ...]
-    orbits: tuple[Grid, ...]
-    equilibria: tuple[Equilibrium, ...]
-    separatrices: tuple[Grid, ...]
-    cycles: tuple[Cycle, ...]
-    section: Grid | None = None
+    field: tuple[Grid, Grid, Grid, Grid] | None = None
+    nullcline: Curves | tuple[()] = ()
+    isoclines: tuple[Curves, ...] = ()
+    energy_curves: tuple[Curves, ...] = ()
+    orbits: tuple[Grid, ...] = ()
+    equilibria: tuple[Equilibrium, ...] = ()
+    separatrices: tuple[Grid, ...] = ()
+    cycles: tuple[Cycle, ...] = ()
+    section: Section | None = None
+    frozen: float | None = None
 
 
 def good_window(system: PhaseSystem, reach: float) -> Window:
@@ -54,77 +57,96 @@ def good_window(system: PhaseSystem, reach: float) -> Window:
     ----------
     reach : largest displacement on either side
     """
-    x = np.linspace(-reach, reach, 401)
-    forces = system.forces(x, 0.0 * x)
-    forces = np.where(np.isfinite(forces), forces, 0.0)
-    potential = np.concatenate([[0.0], np.cumsum(0.5 * (forces[1:] + forces[:-1]) * np.diff(x))])
-    height = sqrt(2.0 * float(potential.max() - potential.min())) or reach
+    energy = potential(system, np.linspace(-reach, reach, 401))
+    known = energy[np.isfinite(energy)]
+    height = sqrt(2.0 * float(known.max())) if len(known) else 0.0
+    height = height or reach
     return Window(-_ROOM * reach, _ROOM * reach, -_ROOM * height, _ROOM * height)
+
+
+def fitted_window(shown: Section, otherwise: Window) -> Window:
+    """A window that the points of a section fill."""
+    if not len(shown.points):
+        return otherwise
+    low, high = shown.points.min(axis=0), shown.points.max(axis=0)
+    sides = np.array([otherwise.width, otherwise.height])
+    half = np.maximum(0.5 * _ROOM * (high - low), 0.02 * sides)
+    (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+    return Window(*map(float, (left, right, bottom, top)))
 
 
 def whole_portrait(
     system: PhaseSystem,
     window: Window,
     *,
-    forced: PhaseSystem | None = None,
     start: tuple[float, float] = (0.0, 0.0),
-    periods: int = 200,
+    periods: int = 100,
+    frozen: float | None = None,
 ) -> Portrait:
     """Everything there is in a window.
 
+    A driven system has no field, no equilibria and no curves that do not cross: its section is shown.
+    On demand it is frozen at an instant, which says something only of a drive that is slow.
+
     Parameters
     ----------
-    system : at time 0, as its field, equilibria and cycles are
-    forced : the same under a periodic excitation, of which the section is taken; none without
     start, periods : of the section
+    frozen : s
     """
-    longest = _TURNS * (window.right - window.left) / (window.top - window.bottom)
-    at_rest = tuple(equilibria(system, window))
-    steep = (window.top - window.bottom) / (window.right - window.left)
-    kinds = {kind for at in at_rest for kind in at.kinds}
-    turning = any("focus" in kind or "node" in kind for kind in kinds)
-    centres = [at.x for at in at_rest if "saddle" not in at.kinds]
-    cycles = [
-        cycle
-        for centre in (centres if turning else ())
-        for cycle in limit_cycles(system, window, centre, longest)
-    ]
+    if system.driven and frozen is None:
+        return Portrait(window, section=section(system, window, start, periods))
+    if system.driven and frozen is not None:
+        system = system.frozen(frozen)
+    at_rest = equilibria(system, window)
+    steep = window.height / window.width
+    nullcline, *lines = isoclines(system, window, [0.0, *(slope * steep for slope in _SLOPES)])
+    constant = conserves(system, window)
+    saddles = [at for at in at_rest if "saddle" in at.kinds]
+    ends = tuple(at.x for at in saddles) if constant else ()
+    cycles = [] if constant else limit_cycles(system, window)
     return Portrait(
         window,
         direction_field(system, window),
-        nullcline(system, window),
-        tuple(isocline(system, window, slope * steep) for slope in _SLOPES),
-        tuple(energy_levels(system, window)[1]) if kinds <= {"centre", "saddle"} else (),
-        () if kinds <= {"centre", "saddle"} else orbits(system, window),
-        at_rest,
-        tuple(
-            curve
-            for at in at_rest
-            if "saddle" in at.kinds
-            for curve in separatrices(system, window, at)
-        ),
-        tuple(cycle for cycle in cycles if isfinite(cycle.period)),
-        None if forced is None else poincare_section(forced, start, periods),
+        nullcline,
+        tuple(lines),
+        _energy_curves(system, window) if constant else (),
+        () if constant else orbits(system, window, at_rest, cycles),
+        tuple(at_rest),
+        tuple(separatrices(system, window, *saddles, ends=ends)),
+        tuple(cycles),
+        frozen=frozen,
     )
 
 
-def orbits(system: PhaseSystem, window: Window, count: int = 4) -> tuple[Grid, ...]:
-    """Integral curves that enter through the upper and the lower side, each of shape (points, 2).
+def _energy_curves(system: PhaseSystem, window: Window) -> tuple[Curves, ...]:
+    """Curves all over the window, and some in each well."""
+    inner = levels_in_wells(system, window)
+    return (*energy_levels(system, window)[1], *energy_levels(system, window, inner)[1])
+
+
+def orbits(
+    system: PhaseSystem,
+    window: Window,
+    at_rest: list[Equilibrium] | tuple[Equilibrium, ...] = (),
+    cycles: list[Cycle] | tuple[Cycle, ...] = (),
+    count: int = 4,
+) -> tuple[Grid, ...]:
+    """Integral curves, each of shape (points, 2): inwards from the border, outwards from what repels.
 
     Parameters
     ----------
-    count : through either side
+    count : through either of the long sides
     """
-    long = _FOLLOWED * (window.right - window.left) / (window.top - window.bottom)
-    times = np.linspace(0.0, long, 2000)
     places = np.linspace(window.left, window.right, count + 2)[1:-1]
-
-    def gone(_t: float, state: Grid) -> float:
-        return 1.0 if window.holds(state[0], state[1], 0.2) else -1.0
-
-    gone.terminal = True  # type: ignore[attr-defined]
-    return tuple(
-        solve_ivp(system.rates, (0.0, long), (x, v), events=gone, rtol=1e-8, t_eval=times).y.T
-        for v in (window.top, window.bottom)
-        for x in places
-    )
+    x = [*places, *places]
+    v = [window.top] * count + [window.bottom] * count
+    aside = _ASIDE * window.width
+    for at in at_rest:
+        if any("unstable" in kind for kind in at.kinds):
+            x.append(at.x + aside)
+            v.append(0.0)
+    for cycle in cycles:
+        if not cycle.attracts:
+            x += [cycle.crossing - aside, cycle.crossing + aside]
+            v += [0.0, 0.0]
+    return tuple(followed(system, window, x, v))

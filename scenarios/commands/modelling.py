@@ -53,7 +53,13 @@ def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bo
     "--period",
     type=click.FloatRange(min=0.0, min_open=True),
     metavar="TIME",
-    help="Period of an equation's excitation, s, for its Poincare section.",
+    help="Period of an equation's drive, s, for its Poincare section. [default: found in the equation]",
+)
+@click.option(
+    "--frozen",
+    type=float,
+    metavar="TIME",
+    help="Draw a driven system as if nothing changed from this instant on, s; else its section is shown.",
 )
 @dark_option
 @json_option
@@ -65,12 +71,14 @@ def portrait(
     coordinate: str,
     window: tuple[float, float, float, float] | None,
     period: float | None,
+    frozen: float | None,
     dark: bool,
     as_data: bool,
 ) -> None:
     """Show the phase portrait of SCENE: equilibria, cycles, sections."""
     told = make(
         scene, overrides, figure,
-        coordinate=coordinate, window=window or (), period=period or 0.0, dark=dark,
+        coordinate=coordinate, window=window or (), period=period or 0.0, frozen=frozen,
+        dark=dark,
     )  # fmt: skip
     click.echo(as_json(told) if as_data else portrait_in_words(told))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import cos, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,10 +17,11 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 
 from ..errors import InputError, check_picture, one_line
-from ..scene.equation import EQUATION, function_of
+from ..scene.equation import EQUATION, drive_period, function_of, function_of_arrays
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
+    from phaseplane.suspension.signals import Segment
     from phaseplane.suspension.systems import System
 
     from phaseplane.portrait import PhaseSystem, Portrait
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
 _REACH = 3.0  # of an equation, unless it starts farther out
 _PART = 0.1  # m, that of a vehicle
-_PERIODS = 200
+_PERIODS = 100
 
 
 def portrait(
@@ -39,6 +41,7 @@ def portrait(
     coordinate: str = "",
     window: Sequence[float] = (),
     period: float = 0.0,
+    frozen: float | None = None,
     dark: bool = False,
 ) -> dict[str, Any]:
     """Compute the phase portrait of a scene, and draw it if wanted.
@@ -49,11 +52,12 @@ def portrait(
     figure : picture to be written
     coordinate : which one moves while the others rest at zero; the first if left out
     window : left, right, bottom, top; chosen if left out
-    period : of an equation's excitation, for its Poincaré section, s
+    period : of an equation's excitation, s; found in the equation if left out
+    frozen : an instant, s: a driven system is then drawn as if f changed no more from there on
 
     Returns
     -------
-    the window, equilibria, limit cycles, and the last states of the section, as plain data
+    the window, equilibria, limit cycles, and what the section ends in, as plain data
 
     Raises
     ------
@@ -63,17 +67,23 @@ def portrait(
         check_picture(figure)
     scene = load_scene(reference, overrides)
     try:
-        system, forced, labels, reach, start = _of_scene(scene, coordinate, period)
+        system, labels, reach, start = _of_scene(scene, coordinate, period)
         shown = computed.Window(*window) if window else computed.good_window(system, reach)
         with np.errstate(all="ignore"):  # motions that leave every window
             made = computed.whole_portrait(
-                system, shown, forced=forced, start=start, periods=_PERIODS
+                system, shown, start=start, periods=_PERIODS, frozen=frozen
             )
+        if made.section is not None and not window:
+            made = replace(made, window=computed.fitted_window(made.section, shown))
     except (ValueError, OverflowError) as error:
         raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
         title = f"{title}: x'' + {scene.all_parameters['equation']} = 0"
+    if made.frozen is not None and system.driven:
+        title = f"{title}, frozen at t = {made.frozen:g} s"
+    elif made.section is not None:
+        title = f"{title}: section, once in each period of the drive"
     if figure is not None:
         figures.save(figures.portrait(made, labels=labels, title=title, dark=dark), figure)
     return {
@@ -89,16 +99,24 @@ def _told(made: Portrait) -> dict[str, Any]:
     window = made.window
     return {
         "window": [window.left, window.right, window.bottom, window.top],
-        "equilibria": [{"x": at.x, "kind": at.kind, "on_corner": at.on_corner}
-                       for at in made.equilibria],
+        "equilibria": [
+            {"x": at.x, "kind": at.kind, "on_corner": at.on_corner}
+            | ({"until": at.until} if at.stretches else {})
+            for at in made.equilibria
+        ],
         "cycles": [
             {
                 "crossing": c.crossing, "period": c.period, "multiplier": c.multiplier,
-                "attracts": c.attracts,
+                "attracts": c.attracts, "kind": c.kind,
             }
             for c in made.cycles
         ],
-        "section": None if made.section is None else made.section[-3:].tolist(),
+        "section": None if made.section is None else {
+            "period": made.section.period,
+            "transient": made.section.transient,
+            "periods": made.section.periods,
+            "attractors": [states.tolist() for states in made.section.attractors],
+        },
     }  # fmt: skip
 
 
@@ -108,23 +126,39 @@ def portrait_in_words(told: Mapping[str, Any]) -> str:
     lines = [
         told["title"],
         f"window       {left:.4g} to {right:.4g}, {bottom:.4g} to {top:.4g}",
-        *(f"equilibrium  {at['x']:.6g}: {at['kind']}" for at in told["equilibria"]),
+        *(f"equilibrium  {_place(at)}: {at['kind']}" for at in told["equilibria"]),
         *(
             f"limit cycle  crosses the axis at {c['crossing']:.6g}, period {c['period']:.6g} s, "
-            + ("attracts" if c["attracts"] else "repels")
+            f"{c['kind']}"
             for c in told["cycles"]
         ),
     ]
-    if told["section"]:
-        x, v = told["section"][-1]
-        lines.append(f"section      {x:.6g}, {v:.6g} after {_PERIODS} periods")
+    if told["section"] is not None:
+        lines += _section_in_words(told["section"])
     return "\n".join([*lines, *(f"file         {name}" for name in told["files"])])
+
+
+def _place(at: Mapping[str, Any]) -> str:
+    return f"{at['x']:.6g} to {at['until']:.6g}" if "until" in at else f"{at['x']:.6g}"
+
+
+def _section_in_words(told: Mapping[str, Any]) -> list[str]:
+    """What a driven system ends in, if it ends in anything that repeats itself."""
+    kept = f"{told['periods']} states of each motion"
+    after = f" after {told['transient']} periods" if told["transient"] else ""
+    lines = [f"section      once in {told['period']:.6g} s, the drive's period: {kept}{after}"]
+    for states in told["attractors"]:
+        x, v = states[-1]
+        m = len(states)
+        every = "the drive's period" if m == 1 else f"{m} periods"
+        lines.append(f"attracts     a motion of {every}, at {x:.6g}, {v:.6g}")
+    return lines
 
 
 def _of_scene(
     scene: Scene, coordinate: str, period: float
-) -> tuple[PhaseSystem, PhaseSystem | None, tuple[str, str], float, tuple[float, float]]:
-    """The system, the same under its periodic excitation, names of the axes, reach and start."""
+) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
+    """The system, under its periodic excitation if there is one, names of the axes, reach and start."""
     parameters = scene.all_parameters
     if scene.fmu.model == EQUATION:
         return _of_equation(parameters, period)
@@ -135,18 +169,24 @@ def _of_scene(
 
 def _of_equation(
     parameters: Mapping[str, Value], period: float
-) -> tuple[PhaseSystem, PhaseSystem | None, tuple[str, str], float, tuple[float, float]]:
-    function, _ = function_of(str(parameters["equation"]))
-    system = computed.PhaseSystem(function)
+) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
+    text = str(parameters["equation"])
+    found = period or drive_period(text)
+    if found is None:
+        raise ValueError(
+            "the equation depends on t in no period that could be found: give the drive's by --period"
+        )
+    system = computed.PhaseSystem(
+        function_of(text)[0], period=found, on_arrays=function_of_arrays(text)
+    )
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    forced = replace(system, period=period) if period else None
-    return system, forced, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start
+    return system, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start
 
 
 def _of_model(
     system: System, parameters: Mapping[str, Value], coordinate: str
-) -> tuple[PhaseSystem, PhaseSystem | None, tuple[str, str], float, tuple[float, float]]:
-    """A section in which one coordinate moves; on a sinusoidal road also once in each period."""
+) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
+    """A section in which one coordinate moves; one degree of freedom is driven by a sinusoidal road."""
     names = list(system.coordinates)
     name = (coordinate or names[0]).removesuffix("_displacement")
     if name not in names:
@@ -155,16 +195,22 @@ def _of_model(
             f"{', '.join(names)}"
         )
     section = computed.of_coordinate(system, names.index(name))
-    forced = None
     if len(names) == 1 and system.axles and parameters.get("road.shape") == "sine":
-        road = system.signals[system.axles[0].road]
-        begin = float(parameters["road.start"]) / float(parameters["speed"])
-        forced = replace(
-            section,
-            function=lambda v, x, t: section.function(v, x, t) + road.derivatives(begin + t)[2],
-            period=float(parameters["road.length"]) / float(parameters["speed"]),
-        )
+        section = _on_waves(section, system.signals[system.axles[0].road].segments[-1])
     words = name.replace("_", " ")
     what = f"{words} displacement" if len(names) > 1 else "deflection"
     labels = (f"{what} [m]", "its rate [m/s]")
-    return section, forced, labels, _PART, (0.0, 0.0)
+    return section, labels, _PART, (0.0, 0.0)
+
+
+def _on_waves(still: PhaseSystem, wave: Segment) -> PhaseSystem:
+    """The same on a sinusoidal road, y'' + f = -xi'', from the road's start on."""
+    (phase, speed, _), size = wave.phase, wave.amplitude
+
+    def function(v: float, x: float, t: float) -> float:
+        return still.function(v, x, t) - size * speed**2 * cos(phase + speed * t)
+
+    def on_arrays(v: Any, x: Any, t: Any) -> Any:
+        return still.forces(x, v) - size * speed**2 * np.cos(phase + speed * t)
+
+    return replace(still, function=function, on_arrays=on_arrays, period=2.0 * pi / abs(speed))

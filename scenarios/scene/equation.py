@@ -6,8 +6,10 @@ Not an FMU: the equation is solved by scipy, and drawn by Lienard's construction
 from __future__ import annotations
 
 import ast
+import functools
 import math
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -16,7 +18,6 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value, Variable
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
 EQUATION = "Equation"
@@ -35,6 +36,7 @@ _CONSTANTS = {"pi": math.pi}
 _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
 _LONGEST = 1000
+_MOST_PERIODS = 100  # of the slowest part of a drive, after which all parts have repeated
 
 VARIABLES = (
     Variable("equation", "f of x'' + f = 0, a formula of v = x', x and t", "parameter", "x"),
@@ -61,19 +63,8 @@ def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool
     ------
     ValueError : what is no such formula; says what is allowed.
     """
-    if len(text) > _LONGEST:
-        raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
-    try:
-        tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ValueError(
-            f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
-        ) from None
-    names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    # the tree holds nothing but what is checked here: no attributes, no calls of anything else
-    code = compile(
-        ast.fix_missing_locations(ast.Expression(_checked(tree.body, text))), "equation", "eval"
-    )
+    tree = _read(text)
+    code = compile(ast.Expression(tree), "equation", "eval")
     scope = {"__builtins__": {}, **_FUNCTIONS, **_CONSTANTS}
 
     def function(v: float, x: float, t: float) -> float:
@@ -83,7 +74,92 @@ def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool
         except (ValueError, ZeroDivisionError, TypeError):  # outside of where f is a real number
             return math.nan
 
-    return function, "t" not in names
+    return function, not _mentions(tree, "t")
+
+
+def function_of_arrays(text: str) -> Callable[..., npt.NDArray[np.float64]]:
+    """The same f(v, x, t) of numpy's arrays; not a number where f is none.
+
+    Raises
+    ------
+    ValueError : see `function_of`.
+    """
+    inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan", "atan2")}
+    functions = {name: getattr(np, inverse.get(name, name)) for name in _FUNCTIONS}
+    functions |= {
+        "max": lambda *of: functools.reduce(np.maximum, of),
+        "min": lambda *of: functools.reduce(np.minimum, of),
+    }
+    code = compile(ast.Expression(_read(text)), "equation", "eval")
+    scope = {"__builtins__": {}, **functions, **_CONSTANTS}
+    return lambda v, x, t: eval(code, scope, {"v": v, "x": x, "t": t})
+
+
+def drive_period(text: str) -> float | None:
+    """The period in which f repeats itself in time, s; 0 where it does not depend on t.
+
+    None where none is found: t must stand in sines and cosines alone, a constant times t plus a
+    constant, with frequencies that have a common measure.
+
+    Raises
+    ------
+    ValueError : see `function_of`.
+    """
+    tree = _read(text)
+    turning = [
+        node for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        and node.func.id in ("sin", "cos") and len(node.args) == 1 and _mentions(node, "t")
+    ]  # fmt: skip
+    inner = [n for n in turning if not any(m is not n and m in ast.walk(n) for m in turning)]
+    known = {id(part) for node in inner for part in ast.walk(node)}
+    if any(isinstance(n, ast.Name) and n.id == "t" and id(n) not in known for n in ast.walk(tree)):
+        return None
+    frequencies = {_frequency(node.args[0]) for node in inner}
+    if None in frequencies:
+        return None
+    found = sorted(abs(f) for f in frequencies if f)
+    if not found:
+        return 0.0
+    ratios = [Fraction(f / found[0]).limit_denominator(_MOST_PERIODS) for f in found]
+    if any(abs(r - f / found[0]) > 1e-9 for r, f in zip(ratios, found, strict=True)):
+        return None
+    return 2.0 * math.pi / found[0] * math.lcm(*(r.denominator for r in ratios))
+
+
+def _frequency(argument: ast.expr) -> float | None:
+    """The factor of t in an argument that is linear in t and depends on nothing else."""
+    if _mentions(argument, "x") or _mentions(argument, "v"):
+        return None
+    code = compile(ast.Expression(argument), "equation", "eval")
+    scope = {"__builtins__": {}, **_FUNCTIONS, **_CONSTANTS}
+    try:
+        at = [float(eval(code, scope, {"t": t})) for t in (0.0, 1.0, 2.0, 3.7)]
+    except (ValueError, ArithmeticError, TypeError):
+        return None
+    slope = at[1] - at[0]
+    straight = all(
+        abs(a - at[0] - slope * t) <= 1e-9 * (1.0 + abs(a))
+        for a, t in zip(at, (0.0, 1.0, 2.0, 3.7), strict=True)
+    )
+    return slope if straight else None
+
+
+def _mentions(tree: ast.AST, name: str) -> bool:
+    return any(isinstance(node, ast.Name) and node.id == name for node in ast.walk(tree))
+
+
+def _read(text: str) -> ast.expr:
+    """The formula as a tree that holds nothing but what is checked: no attributes, no other calls."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
+    try:
+        tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ValueError(
+            f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
+        ) from None
+    return ast.fix_missing_locations(ast.Expression(_checked(tree.body, text))).body
 
 
 def _checked(node: ast.expr, text: str) -> ast.expr:

@@ -58,13 +58,17 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     """x'' + 0.4 x' + x = cos 2t: the motion of the excitation's period in closed form."""
     system = PhaseSystem(lambda v, x, t: 0.4 * v + x)
     forced = PhaseSystem(lambda v, x, t: 0.4 * v + x - cos(2.0 * t), period=np.pi)
-    made = whole_portrait(system, good_window(system, 1.0), forced=forced, periods=40)
+    made = whole_portrait(forced, good_window(system, 1.0), periods=40)
     figure = portrait(made)
-    (dots,) = [line for line in figure.axes[0].lines if line.get_gid() == "section"]
+    lines = {line.get_gid(): line for line in figure.axes[0].lines}
     amplitude = 1.0 / complex(1.0 - 4.0, 0.8)
-    last = [values[-1] for values in dots.get_data()]
-    assert last == pytest.approx([amplitude.real, -2.0 * amplitude.imag], abs=1e-6)
-    assert len(dots.get_xdata()) == 40
+    settled = [amplitude.real, -2.0 * amplitude.imag]
+    assert np.ravel(lines["attractor"].get_data()) == pytest.approx(settled, abs=1e-5)
+    assert np.array(lines["section"].get_data()).T[-1] == pytest.approx(settled, abs=1e-4)
+    assert made.section is not None
+    assert (made.section.transient, made.section.periods) == (20, 21)
+    assert "attracting, of the drive's period" in words(figure)
+    assert not figure.axes[0].collections  # no field, no curves: they would be those of one instant
 
 
 def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:

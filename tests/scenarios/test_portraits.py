@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from math import pi
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,10 @@ def phaseplane(*arguments: str) -> Result:
     return CliRunner().invoke(main, arguments)
 
 
-@pytest.mark.slow
+def of_equation(equation: str, *arguments: str) -> Result:
+    return phaseplane("portrait", "van_der_pol", "--set", f"equation={equation}", *arguments)
+
+
 def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     path = tmp_path / "cycle.svg"
     done = phaseplane("portrait", "van_der_pol", "--figure", str(path), "--json")
@@ -23,6 +27,59 @@ def test_van_der_pols_cycle_told_and_drawn(tmp_path: Path) -> None:
     assert told["cycles"][0]["crossing"] == pytest.approx(2.00862, abs=1e-5)
     assert told["cycles"][0]["period"] == pytest.approx(6.66329, abs=1e-5)
     assert "<svg" in path.read_text(encoding="utf-8")
+
+
+DUFFING = "0.2*v - x + x^3 - 0.1*cos(1.2*t)"
+
+
+def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> None:
+    done = of_equation(DUFFING, "--json")
+    told = json.loads(done.stdout)
+    assert told["equilibria"] == told["cycles"] == []
+    assert told["section"]["period"] == pytest.approx(2.0 * pi / 1.2)
+    assert told["title"].endswith("section, once in each period of the drive")
+    assert {len(states) for states in told["section"]["attractors"]} == {1}
+    places = sorted(states[0][0] for states in told["section"]["attractors"])
+    assert len(places) == 2  # one in each well
+    assert -1.3 < places[0] < -0.7 < 0.7 < places[1] < 1.3
+    words = of_equation(DUFFING).stdout
+    assert "section      once in 5.23599 s, the drive's period: 51 states" in words
+    assert words.count("attracts     a motion of the drive's period, at ") == 2
+
+
+def test_a_driven_equation_is_frozen_on_demand() -> None:
+    told = of_equation(DUFFING, "--frozen", "0").stdout
+    assert "frozen at t = 0 s" in told
+    assert told.count("equilibrium") == 3
+    assert "section" not in told
+
+
+def test_a_damped_pendulum_ends_in_its_foci() -> None:
+    told = of_equation("0.2*v + sin(x)", "--window", "-10", "10", "-4", "4").stdout
+    assert told.count("stable focus") == 3
+    assert told.count("saddle") == 4
+    assert "limit cycle  crosses" not in told
+
+
+def test_an_equation_that_is_not_real_everywhere_has_a_portrait(tmp_path: Path) -> None:
+    done = of_equation("sqrt(x)", "--figure", str(tmp_path / "root.png"))
+    assert done.exit_code == 0
+    assert done.stderr == ""
+
+
+def test_a_vehicle_on_waves_shows_its_section(tmp_path: Path) -> None:
+    scene = tmp_path / "waves.toml"
+    scene.write_text(
+        'fmu = "OneDof"\nduration = 1.0\n[parameters]\n"road.shape" = "sine"\n'
+        '"road.height" = "20 mm"\n"road.length" = "2 m"\nspeed = "5 m/s"\n'
+        '"damper.rebound_rate" = 900.0\n"damper.bump_rate" = 900.0\n', "utf-8",
+    )  # fmt: skip
+    told = json.loads(phaseplane("portrait", str(scene), "--json").stdout)
+    ((state,),) = told["section"]["attractors"]
+    omega = 2.0 * pi * 5.0 / 2.0
+    mass, rate = 294.1995, 14709.975
+    transfer = mass * omega**2 / complex(rate - mass * omega**2, 900.0 * omega)
+    assert abs(complex(state[0], state[1] / omega)) == pytest.approx(0.01 * abs(transfer), rel=1e-3)
 
 
 @pytest.mark.slow
@@ -41,6 +98,8 @@ def test_sections_of_a_vehicle_in_words() -> None:
         (("h83_example40",), "has a memory"),
         (("van_der_pol", "--figure", "x.gif"), "must end in .png"),
         (("none_such",), "none_such"),
+        (("van_der_pol", "--set", "equation=x + 0.1*t"), "give the drive's by --period"),
+        (("van_der_pol", "--set", "equation=x + sin(t) + sin(pi*t)"), "by --period"),
     ],
 )
 def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:

@@ -1,0 +1,36 @@
+"""What a motion gains and loses: the potential of f(0, x), and the power that damping takes."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import cumulative_simpson
+
+from phaseplane.portrait.system import Grid, PhaseSystem, Window
+
+_ROUNDING = 1e-12  # of force times velocity: below it nothing is dissipated
+
+
+def potential(system: PhaseSystem, x: Grid) -> Grid:
+    """U over ascending x, U' = f(0, x, 0), from its least value on; not a number where f is none."""
+    forces = system.forces(x, 0.0 * x)
+    known = np.isfinite(forces)
+    energy = cumulative_simpson(np.where(known, forces, 0.0), x=x, initial=0.0)
+    energy = np.where(known, energy, np.nan)
+    return np.asarray(energy - np.nanmin(energy)) if known.any() else energy
+
+
+def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
+    """What is dissipated for each unit of mass, (f(x', x) - f(0, x)) x'; 0 where rounding explains it."""
+    x, v = np.asarray(x, float), np.asarray(v, float)
+    moving, still = system.forces(x, v), system.forces(x, 0.0 * v)
+    lost = (moving - still) * v
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(moving - still) <= _ROUNDING * (1.0 + np.abs(moving)), 0.0, lost)
+
+
+def conserves(system: PhaseSystem, window: Window) -> bool:
+    """Whether nothing is dissipated anywhere in a window."""
+    x, v = window.grid(61, 61)
+    lost = power(system, x, v)
+    return not np.any(lost[np.isfinite(lost)])

@@ -1,0 +1,241 @@
+"""Motions from many states at once, each with steps of its own.
+
+By Rodas4 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7): order 4 with one of
+order 3 beside it for the error, L-stable, so that a relaxation oscillator takes no more steps on its
+slow branches than a harmonic one. A step costs numpy's overhead once for all motions together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.portrait.system import Grid, PhaseSystem, Window
+
+Indices = npt.NDArray[np.intp]
+
+_GAMMA = 0.25
+_A = (
+    (),
+    (1.544,),
+    (0.9466785280815826, 0.2557011698983284),
+    (3.314825187068521, 2.896124015972201, 0.9986419139977817),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950),
+    (1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1.0),
+)
+_C = (
+    (),
+    (-5.6688,),
+    (-2.430093356833875, -0.2063599157091915),
+    (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
+    (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+     -6.058818238834054),
+)  # fmt: skip
+_OF_STATE = [np.array(row) for row in _A]
+_OF_RATE = [np.array(row) for row in _C]
+_ALPHA = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
+_OF_TIME = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
+_DIFFERENCES = np.array(
+    [[0, 1, -1, 0, 0, 0, 0], [0, 0, 0, 1, -1, 0, 0], [0, 0, 0, 0, 0, 1, -1]], float
+)[:, :, None]
+_NEAR = 1e-7  # of the window's sides, for the differences that tangents are taken from
+_FIRST = 1e-4  # of the way across the window, in the first step
+_LEAST, _MOST = 0.2, 5.0  # by which a step may change
+_STILL, _REST = 1e-9, 5  # of the window's sides: so many steps as short as that end in rest
+
+
+@dataclass(slots=True)
+class Motions:
+    """States of many motions, stepped together; those that have ended stay where they are.
+
+    Parameters
+    ----------
+    system : what moves
+    window : sides that errors are measured by
+    x, v, t : where each is, shape (motions,)
+    sense : 1 where time runs forwards, -1 where it runs backwards
+    tolerance : of one step, in widths and heights of the window
+    """
+
+    system: PhaseSystem
+    window: Window
+    x: Grid
+    v: Grid
+    t: Grid
+    sense: Grid
+    tolerance: float = 1e-8
+    h: Grid = field(init=False)
+    active: npt.NDArray[np.bool_] = field(init=False)
+    still: Indices = field(init=False)
+    _force: Callable[[Grid, Grid, Grid], Grid] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Choose the first steps by how fast each state crosses the window."""
+        self._force = self.system.over_arrays(self.x, self.v, self.t)
+        self.active = np.ones(len(self.x), bool)
+        self.still = np.zeros(len(self.x), int)
+        speed = self.speed(np.arange(len(self.x)))
+        self.h = _FIRST / np.where(np.isfinite(speed) & (speed > 0.0), speed, 1.0)
+
+    def speed(self, which: Indices) -> Grid:
+        """Windows per second."""
+        x, v = self.x[which], self.v[which]
+        force = self.system.forces(x, v, self.t[which])
+        return np.hypot(v / self.window.width, force / self.window.height)
+
+    def step(self, longest: Grid | float = np.inf) -> tuple[Indices, Grid, Grid, Grid]:
+        """Make one step of every motion that goes on.
+
+        A step that is refused for its error is tried shorter the next time. A motion ends where its
+        steps vanish, or go nowhere any more.
+
+        Parameters
+        ----------
+        longest : of this step, s, shape (motions,)
+
+        Returns
+        -------
+        Which motions have moved, and where these were before: indices, x, v, t.
+        """
+        going = np.flatnonzero(self.active)
+        h = np.minimum(self.h, longest)[going]
+        before = self.x[going], self.v[going], self.t[going]
+        x, v, error = self.tried(*before, self.sense[going], h)
+        error = np.where(np.isfinite(error), error, 1e9)
+        factor = np.clip(0.9 * np.maximum(error, 1e-10) ** -0.25, _LEAST, _MOST)
+        good = error <= 1.0
+        # a step that was cut short says nothing against longer ones
+        self.h[going] = np.where(good & (h < self.h[going]), self.h[going], h * factor)
+        vanishing = ~good & (h < 1e-13 * (np.abs(before[2]) + 1e-3))
+        self.active[going[vanishing]] = False
+        moved, x0, v0 = going[good], before[0][good], before[1][good]
+        self.x[moved], self.v[moved] = x[good], v[good]
+        self.t[moved] += self.sense[moved] * h[good]
+        way = np.abs(self.x[moved] - x0) / self.window.width
+        way += np.abs(self.v[moved] - v0) / self.window.height
+        self.still[moved] = np.where(way < _STILL, self.still[moved] + 1, 0)
+        self.active[moved[self.still[moved] >= _REST]] = False
+        return moved, x0, v0, before[2][good]
+
+    def tried(self, x: Grid, v: Grid, t: Grid, sense: Grid, h: Grid) -> tuple[Grid, Grid, Grid]:
+        """Where steps of length h lead, s, and their errors in units of the tolerance."""
+        with np.errstate(all="ignore"):
+            return self._tried(np.array([x, v]), t, sense, h)
+
+    def _tried(self, y: Grid, t: Grid, sense: Grid, h: Grid) -> tuple[Grid, Grid, Grid]:
+        f, f_x, f_v, f_t = self._tangents(y[0], y[1], t)
+        # (1/(h gamma) - J) k = r with J = sense ((0, 1), (-f_x, -f_v))
+        g = 1.0 / (_GAMMA * h)
+        damped = g + sense * f_v
+        share = 1.0 / (g * damped + f_x)
+        of_r = np.array([damped * share, -sense * f_x * share])
+        of_s = np.array([sense * share, g * share])
+        k = np.empty((6, *y.shape))
+        flat = k.reshape(6, -1)
+        ys = y
+        for stage in range(6):
+            if stage:
+                ys = y + (_OF_STATE[stage] @ flat[:stage]).reshape(y.shape)
+                f = self._force(ys[1], ys[0], t + sense * _ALPHA[stage] * h)
+            r, s = sense * ys[1], -sense * f
+            if f_t is not None:
+                s = s - h * _OF_TIME[stage] * f_t
+            if stage:
+                before = (_OF_RATE[stage] @ flat[:stage]).reshape(y.shape) / h
+                r, s = r + before[0], s + before[1]
+            k[stage] = of_r * r + of_s * s
+        last = k[5]
+        error = np.hypot(last[0] / self.window.width, last[1] / self.window.height)
+        end = ys + last
+        return end[0], end[1], error / self.tolerance
+
+    def _tangents(self, x: Grid, v: Grid, t: Grid) -> tuple[Grid, Grid, Grid, Grid | None]:
+        """f and its derivatives with respect to x, x' and, of a driven system, t."""
+        dx, dv = _NEAR * self.window.width, _NEAR * self.window.height
+        if not self.system.driven:
+            of_x, of_v = np.array([[0.0, dx, -dx, 0.0, 0.0], [0.0, 0.0, 0.0, dv, -dv]])[:, :, None]
+            f = self._force(v + of_v, x + of_x, np.broadcast_to(t, (5, len(x))))
+            return f[0], (f[1] - f[2]) / (2.0 * dx), (f[3] - f[4]) / (2.0 * dv), None
+        dt = 1e-6 * self.system.period
+        of_x, of_v, of_t = _DIFFERENCES * np.array([dx, dv, dt])[:, None, None]
+        f = self._force(v + of_v, x + of_x, t + of_t)
+        f_x, f_v, f_t = ((f[i] - f[i + 1]) / (2.0 * d) for i, d in ((1, dx), (3, dv), (5, dt)))
+        return f[0], f_x, f_v, f_t
+
+
+def motions(
+    system: PhaseSystem,
+    window: Window,
+    x: npt.ArrayLike,
+    v: npt.ArrayLike,
+    sense: npt.ArrayLike = 1.0,
+    tolerance: float = 1e-8,
+) -> Motions:
+    """Motions that start from these states at time 0; see `Motions`."""
+    parts = np.broadcast_arrays(*(np.asarray(part, float) for part in (x, v, 0.0, sense)))
+    at = [part.ravel().copy() for part in parts]
+    return Motions(system, window, at[0], at[1], at[2], at[3], tolerance)
+
+
+def followed(
+    system: PhaseSystem,
+    window: Window,
+    x: npt.ArrayLike,
+    v: npt.ArrayLike,
+    sense: npt.ArrayLike = 1.0,
+    *,
+    margin: float = 0.2,
+    length: float = 8.0,
+    part: float = 0.0125,
+    tolerance: float = 1e-8,
+    ends: npt.ArrayLike = (),
+) -> list[Grid]:
+    """Integral curves from these states until they leave the window or come to rest, (points, 2) each.
+
+    Parameters
+    ----------
+    sense : 1 forwards in time, -1 backwards
+    margin : parts of the sides beyond which a curve has left
+    length : of a curve at most, in windows
+    part : of the window between two points at most
+    ends : displacements of saddles, where a curve that comes close ends
+    """
+    going = motions(system, window, x, v, sense, tolerance)
+    points: list[list[tuple[float, float]]] = [
+        [state] for state in zip(going.x.tolist(), going.v.tolist(), strict=True)
+    ]
+    saddles = np.asarray(ends, float)
+    went = np.zeros(len(going.x))
+    away = np.zeros(len(going.x), bool)  # from the saddle that it may have started beside
+    for _ in range(int(4.0 * length / part)):
+        if not going.active.any():
+            break
+        every = np.arange(len(going.x))
+        with np.errstate(all="ignore"):
+            longest = part / going.speed(every)
+        moved, x0, v0, _ = going.step(longest)
+        x1, v1 = going.x[moved], going.v[moved]
+        went[moved] += np.hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
+        for k, state in zip(
+            moved.tolist(), zip(x1.tolist(), v1.tolist(), strict=True), strict=True
+        ):
+            points[k].append(state)
+        over = ~window.holds(x1, v1, margin) | (went[moved] > length)
+        if len(saddles):
+            far = np.hypot(
+                np.abs(x1[:, None] - saddles).min(axis=1) / window.width, v1 / window.height
+            )
+            arrived = away[moved] & (far < 2.0 * part) & (far > _distance(saddles, x0, v0, window))
+            away[moved] |= far > 4.0 * part
+            over |= arrived
+        going.active[moved[over]] = False
+    return [np.array(line) for line in points]
+
+
+def _distance(places: Grid, x: Grid, v: Grid, window: Window) -> Grid:
+    """From the nearest of some places on the axis, in windows."""
+    return np.hypot(np.abs(x[:, None] - places).min(axis=1) / window.width, v / window.height)

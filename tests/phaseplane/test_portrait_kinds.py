@@ -1,0 +1,331 @@
+"""Portraits where the linear part says nothing: bent springs, weak damping, play, relaxation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.special import gamma
+
+from phaseplane.portrait import (
+    PhaseSystem,
+    Window,
+    conserves,
+    equilibria,
+    followed,
+    limit_cycles,
+    separatrices,
+    whole_portrait,
+)
+from phaseplane.portrait.returns import turns
+from phaseplane.portrait.trajectories import motions
+
+WIDE = Window(-3.75, 3.75, -3.75, 3.75)
+
+
+def of(function: Callable[[Any, Any], Any]) -> PhaseSystem:
+    """An autonomous system by its f(x', x)."""
+    return PhaseSystem(lambda v, x, t: function(v, x))
+
+
+# -- how motions are followed --------------------------------------------------------------------------
+
+
+def test_the_steps_are_of_fourth_order_forwards_and_backwards() -> None:
+    """A damped, driven oscillator against its closed form, with steps of one length."""
+    system = PhaseSystem(lambda v, x, t: 0.4 * v + x - np.cos(2.0 * t), period=pi)
+    amplitude = 1.0 / complex(1.0 - 4.0, 0.8)
+    x0, v0 = amplitude.real, (2j * amplitude).real
+    for sense in (1.0, -1.0):
+        errors = []
+        for count in (20, 40, 80):
+            going = motions(system, WIDE, x0, v0, sense)
+            h = np.full(1, 1.0 / count)
+            x, v, t = going.x, going.v, going.t
+            for _ in range(count):
+                x, v, _error = going.tried(x, v, t, going.sense, h)
+                t = t + sense * h
+            end = amplitude * np.exp(2j * sense)
+            errors.append(abs(x[0] - end.real) + abs(v[0] - (2j * end).real))
+        assert errors[0] / errors[1] > 13.0
+        assert errors[1] / errors[2] > 13.0
+
+
+def test_a_turn_of_the_cubic_spring_takes_its_time() -> None:
+    """x'' + x^3 = 0 from rest at a: period 4 K(1/2) / a = Gamma(1/4)^2 / (sqrt(pi) a)."""
+    starts = np.array([0.5, 1.0, 3.0])
+    made = turns(of(lambda v, x: x**3), WIDE, starts, tolerance=1e-11)
+    assert made.back == pytest.approx(starts, abs=1e-8)
+    assert made.far == pytest.approx(-starts, abs=1e-8)
+    assert made.time == pytest.approx(gamma(0.25) ** 2 / (np.sqrt(pi) * starts), rel=1e-6)
+
+
+# -- kinds ---------------------------------------------------------------------------------------------
+
+KINDS: list[tuple[str, Callable[[Any, Any], Any], dict[float, str]]] = [
+    ("x^3", lambda v, x: x**3, {0.0: "centre"}),
+    ("-x^3", lambda v, x: -(x**3), {0.0: "saddle"}),
+    ("x^5", lambda v, x: x**5, {0.0: "centre"}),
+    ("x^3 damped", lambda v, x: x**3 + v, {0.0: "stable node"}),
+    ("x^3 driven", lambda v, x: x**3 - v, {0.0: "unstable node"}),
+    ("-x^3 damped", lambda v, x: v - x**3, {0.0: "saddle"}),
+    ("double root", lambda v, x: x * (x - 1.0) ** 2, {0.0: "centre", 1.0: "cusp"}),
+    (
+        "double root, damped", lambda v, x: 0.3 * v + x * (x - 1.0) ** 2,
+        {0.0: "stable focus", 1.0: "saddle-node"},
+    ),
+    ("near miss", lambda v, x: x * ((x - 1.0) ** 2 + 1e-4), {0.0: "centre"}),
+    ("v^3", lambda v, x: x + v**3, {0.0: "stable focus"}),
+    ("-v^3", lambda v, x: x - v**3, {0.0: "unstable focus"}),
+    ("v^5", lambda v, x: x + v**5, {0.0: "stable focus"}),
+    ("v |v|", lambda v, x: x + v * abs(v), {0.0: "stable focus"}),
+    ("x^2 v", lambda v, x: x + x * x * v, {0.0: "stable focus"}),
+    ("x v", lambda v, x: x + 0.3 * x * v, {0.0: "centre"}),  # it gives back what it takes
+    ("-x^2 v + v^3", lambda v, x: x - x * x * v + v**3, {0.0: "stable focus"}),
+    (
+        "dead band", lambda v, x: x + np.sign(v) * np.maximum(np.abs(v) - 0.5, 0.0),
+        {0.0: "centre"},
+    ),
+    ("edge of the reals", lambda v, x: np.sqrt(x), {0.0: "degenerate"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "function", "kinds"), KINDS, ids=[name for name, _, _ in KINDS])
+@pytest.mark.parametrize("shift", [0.0, 0.0123])
+def test_kinds_without_a_linear_part(
+    name: str, function: Callable[[Any, Any], Any], kinds: dict[float, str], shift: float
+) -> None:
+    """Wherever the points of the search lie."""
+    window = Window(-3.75 + shift, 3.75, -3.75, 3.75)
+    found = equilibria(of(function), window)
+    if name == "edge of the reals" and shift:
+        return  # it lies between two points, of which one has no f
+    assert {round(at.x, 6): at.kind for at in found} == kinds
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e4])
+def test_kinds_do_not_depend_on_units(scale: float) -> None:
+    """x in other units, with the window going along."""
+    window = Window(*(scale * side for side in (-3.7, 3.75, -3.75, 3.75)))
+    for name, function, kinds in KINDS[:-1]:
+        found = equilibria(of(lambda v, x, f=function: scale * f(v / scale, x / scale)), window)
+        assert {round(at.x / scale, 5): at.kind for at in found} == kinds, name
+
+
+def test_v3_minus_x2v_by_its_averaged_dissipation() -> None:
+    """The mean of v^4 over a turn is three times that of x^2 v^2: the motion dies down."""
+    mean = [
+        quad(lambda p, n=n, m=m: np.cos(p) ** n * np.sin(p) ** m, 0.0, 2.0 * pi)[0]
+        for n, m in ((0, 4), (2, 2))
+    ]
+    assert mean[0] == pytest.approx(3.0 * mean[1])
+
+
+def test_a_dead_zone_is_one_stretch_of_rest() -> None:
+    system = of(lambda v, x: 0.1 * v + np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0))
+    (rest,) = equilibria(system, WIDE)
+    assert rest.kind == "stretch of rest"
+    assert (rest.x, rest.until) == (pytest.approx(-0.5), pytest.approx(0.5))
+
+
+def test_dry_friction_rests_where_it_can_hold() -> None:
+    (rest,) = equilibria(of(lambda v, x: x + 0.3 * np.sign(v)), WIDE)
+    assert rest.stretches
+    assert (rest.x, rest.until) == (pytest.approx(-0.3), pytest.approx(0.3))
+    # a drive that jumps the other way holds nothing
+    (point,) = equilibria(of(lambda v, x: x - 0.3 * np.sign(v)), WIDE)
+    assert not point.stretches
+
+
+def test_a_jump_past_zero_is_no_rest() -> None:
+    assert equilibria(of(lambda v, x: np.where(x < 0.1, -1.0, 1.0) + 0.1 * v), WIDE) == []
+
+
+def test_a_saddle_without_a_linear_part_has_the_curves_of_its_energy() -> None:
+    """x'' = x^3: x'^2 = x^4 / 2 through the saddle."""
+    system = of(lambda v, x: -(x**3))
+    (saddle,) = equilibria(system, WIDE)
+    curves = separatrices(system, WIDE, saddle)
+    assert len(curves) == 4
+    for curve in curves:
+        assert curve[:, 1] ** 2 == pytest.approx(curve[:, 0] ** 4 / 2.0, abs=1e-5)
+        assert np.abs(curve[-1]).max() > 3.7  # up to the border
+
+
+# -- cycles --------------------------------------------------------------------------------------------
+
+
+def van_der_pol(mu: float) -> tuple[float, float]:
+    """Amplitude and period of the cycle, by another method: Radau's, event by event."""
+
+    def axis(_t: float, state: Any) -> float:
+        return float(state[1])
+
+    axis.direction = -1.0  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        lambda _t, y: [y[1], -mu * (y[0] ** 2 - 1.0) * y[1] - y[0]], (0.0, 4.0 * mu + 30.0),
+        [2.0, 0.0], method="Radau", rtol=1e-9, atol=1e-11, events=axis,
+    )  # fmt: skip
+    times, states = solution.t_events[0], solution.y_events[0]
+    return float(states[-1][0]), float(times[-1] - times[-2])
+
+
+@pytest.mark.parametrize(
+    ("mu", "sense"),
+    [
+        (1.0, -1.0),
+        (20.0, 1.0),
+        *(pytest.param(mu, s, marks=pytest.mark.slow)
+          for mu, s in ((5.0, 1.0), (10.0, 1.0), (10.0, -1.0), (20.0, -1.0), (50.0, 1.0), (50.0, -1.0))),
+    ],
+)  # fmt: skip
+def test_relaxation_cycles_in_high_windows(mu: float, sense: float) -> None:
+    amplitude, period = van_der_pol(mu)
+    window = Window(-3.0, 3.0, -2.0 * mu - 2.0, 2.0 * mu + 2.0)
+    (cycle,) = limit_cycles(of(lambda v, x: sense * mu * (x * x - 1.0) * v + x), window)
+    assert cycle.crossing == pytest.approx(amplitude, abs=2e-6)
+    assert cycle.period == pytest.approx(period, rel=2e-6)
+    assert cycle.attracts == (sense > 0.0)
+    assert cycle.curve[:, 1].max() > mu
+
+
+def radial(*radii: float, power: int = 1, size: float = 1.0) -> PhaseSystem:
+    """x'' + x + size (r^2 - r1^2)(r^2 - r2^2)... x' = 0: circles as cycles."""
+
+    def function(v: Any, x: Any) -> Any:
+        square = x * x + v * v
+        product = size
+        for r in radii:
+            product = product * (square - r * r)
+        return x + product**power * v
+
+    return of(function)
+
+
+@pytest.mark.parametrize(
+    ("radii", "size", "attracts"),
+    [
+        ((1.0, 1.1), 1.0, [False, True]),
+        *(
+            pytest.param(*case, marks=pytest.mark.slow)
+            for case in (
+                ((1.0, 1.01), 1.0, [False, True]),
+                ((2.0, 2.004), -0.05, [True, False]),
+                ((0.5, 1.0, 3.0), 0.3, [True, False, True]),
+            )
+        ),
+    ],
+)
+def test_close_cycles_are_told_apart(
+    radii: tuple[float, ...], size: float, attracts: list[bool]
+) -> None:
+    found = limit_cycles(radial(*radii, size=size), WIDE)
+    assert [c.crossing for c in found] == pytest.approx(radii, abs=2e-5)
+    assert [c.attracts for c in found] == attracts
+    assert [c.period for c in found] == pytest.approx([2.0 * pi] * len(radii), abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    "radius", [1.0, *(pytest.param(r, marks=pytest.mark.slow) for r in (0.98765, 2.5))]
+)
+def test_a_cycle_that_attracts_from_one_side_is_found_and_said(radius: float) -> None:
+    (cycle,) = limit_cycles(radial(radius, power=2), WIDE)
+    assert cycle.kind == "attracts from one side"
+    assert cycle.crossing == pytest.approx(radius, abs=1e-3)
+    assert not cycle.attracts
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        lambda v, x: 0.2 * v + np.sin(x),
+        lambda v, x: x + v**3,
+        lambda v, x: x + 0.3 * x * v,  # closed curves all over
+        lambda v, x: x + np.sign(v) * np.maximum(np.abs(v) - 0.5, 0.0),  # closed curves inside
+        lambda v, x: x + 0.3 * np.sign(v),
+        lambda v, x: x + ((x * x + v * v - 1.0) ** 2 + 0.01) * v,  # nearly one
+        lambda v, x: np.sqrt(x),
+        lambda v, x: x**3,
+    ],
+)
+def test_what_has_no_limit_cycle(function: Callable[[Any, Any], Any]) -> None:
+    assert limit_cycles(of(function), Window(-12.0, 12.0, -4.0, 4.0)) == []
+
+
+def test_a_cycle_around_three_equilibria_is_found_once() -> None:
+    """Van der Pol's damping in a double well."""
+    found = limit_cycles(of(lambda v, x: 0.3 * (x * x - 1.0) * v - x + x**3), WIDE)
+    (outer,) = [c for c in found if c.crossing > 1.5]
+    assert outer.attracts
+    assert outer.curve[:, 0].min() < -1.5
+
+
+# -- what is drawn -------------------------------------------------------------------------------------
+
+
+def test_a_system_that_dissipates_is_not_drawn_by_its_energy() -> None:
+    for function in (lambda v, x: x + v**3, lambda v, x: x + x * x * v):
+        made = whole_portrait(of(function), WIDE)
+        assert not made.energy_curves
+        assert made.orbits
+    made = whole_portrait(of(lambda v, x: x**3), WIDE)
+    assert made.energy_curves
+    assert not made.orbits
+    assert conserves(of(lambda v, x: np.sin(x)), WIDE)
+    assert not conserves(of(lambda v, x: x + 1e-9 * v), WIDE)
+
+
+def test_each_well_has_its_curves() -> None:
+    made = whole_portrait(of(lambda v, x: x**3 - x), WIDE)
+    for well in (-1.0, 1.0):
+        inside = [
+            line for lines in made.energy_curves for line in lines
+            if np.hypot(*(line - [well, 0.0]).T).max() < 1.0
+        ]  # fmt: skip
+        assert len(inside) >= 2
+
+
+def test_integral_curves_end_at_the_border_or_at_rest() -> None:
+    for x, v in ((-3.0, 3.0), (0.5, 0.0)):
+        (curve,) = followed(of(lambda v, x: v + x), WIDE, x, v)
+        assert np.abs(curve[-1]).max() < 1e-2
+    (gone,) = followed(of(lambda v, x: -x), WIDE, 0.5, 0.0, margin=0.0)
+    assert gone[-1, 0] > WIDE.right
+    assert gone[:, 0] ** 2 - gone[:, 1] ** 2 == pytest.approx(0.25, abs=1e-5)
+
+
+def test_a_driven_system_is_drawn_frozen_on_demand_alone() -> None:
+    system = PhaseSystem(lambda v, x, t: 0.2 * v + x - np.cos(2.0 * t), period=pi)
+    made = whole_portrait(system, WIDE, periods=30)
+    assert made.field is None
+    assert made.section is not None
+    shown = (made.equilibria, made.orbits, made.nullcline, made.separatrices)
+    assert not any(map(len, shown))
+    still = whole_portrait(system, WIDE, frozen=pi / 6.0)
+    assert still.section is None
+    assert still.frozen == pi / 6.0
+    assert [at.x for at in still.equilibria] == pytest.approx([0.5])
+
+
+def test_a_driven_system_that_dissipates_nothing_keeps_all_its_points() -> None:
+    """Linear, without damping: ellipses in the section, by the difference from the forced motion."""
+    w = 0.7320508
+    system = PhaseSystem(lambda v, x, t: x - np.cos(w * t), period=2.0 * pi / w)
+    made = whole_portrait(system, WIDE, periods=40).section
+    assert made is not None
+    assert made.transient == 0
+    assert made.attractors == ()
+    energy = np.hypot(made.points[:, 0] - 1.0 / (1.0 - w * w), made.points[:, 1])
+    rows = energy.reshape(made.periods, -1)
+    assert np.ptp(rows, axis=0).max() < 1e-4
+
+
+def test_what_leaves_every_window_ends_there() -> None:
+    system = of(lambda v, x: -(x**3) - v**3)
+    made = whole_portrait(system, WIDE)
+    assert all(np.isfinite(curve).all() for curve in (*made.orbits, *made.separatrices))
+    assert inf not in [c.multiplier for c in made.cycles]
