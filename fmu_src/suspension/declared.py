@@ -101,7 +101,9 @@ def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
         parameter("road.roughness", 0.0, "displacement spectral density of the random road at 0.1 "
                   "cycles/m; 0: that of its class", "m3", display="cm3", minimum=0.0),
         parameter("road.seed", 1, "number that the random road is drawn from", minimum=0),
-        parameter("road.profile_length", 200.0, "length of the random road", "m", positive=True),
+        parameter("road.profile_length", 200.0, "length of the random road, which fades in and out over "
+                  "a tenth of it, at most 20 m; level beyond. A scene that leaves it out makes it as "
+                  "long as the run", "m", positive=True),
         parameter("road.table", "", "road as 'position:elevation, ...' in m, joined by straight "
                    "lines (table) or by a cubic spline (spline)"),
         parameter("road.sequence", "", "roads one after the other, in m: 'bump height length, gap "

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from cmath import exp
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from math import ceil, cos, inf, isfinite, pi, sqrt
 from os import PathLike
@@ -20,6 +21,10 @@ Points = Sequence[tuple[float, float]]
 REFERENCE_FREQUENCY = 0.1  # cycles/m: the spatial frequency n0 at which ISO 8608 names its classes
 _CLASSES = "ABCDEFGH"
 _MOST_SAMPLES = 2**20
+_BAND = (0.01, 4.0)  # cycles/m: the spatial frequencies of a random road
+_LONGEST_FADE = 20.0  # m
+LONGEST = 0.125 / _BAND[1] * (_MOST_SAMPLES - 1)  # m, of a random road
+_ROADS_KEPT = 4  # a road is wanted several times over: checked, run, measured
 
 
 def table(points: Points, speed: float = 1.0, start: float = 0.0) -> Signal:
@@ -234,7 +239,7 @@ def random_profile(
     speed: float,
     seed: int,
     start: float = 0.0,
-    band: tuple[float, float] = (0.01, 4.0),
+    band: tuple[float, float] = _BAND,
     spacing: float | None = None,
     fade: float | None = None,
 ) -> Signal:
@@ -253,7 +258,7 @@ def random_profile(
     start : instant at which the wheel reaches it, s
     band : lowest and highest spatial frequency, cycles/m
     spacing : of the samples, m; at most a quarter of the shortest wave, by default an eighth
-    fade : length over which the profile comes and goes, m; by default a tenth of its length
+    fade : length over which the profile comes and goes, m; by default that of `fade_length`
 
     Raises
     ------
@@ -271,12 +276,12 @@ def random_profile(
             f"a band is two ascending positive frequencies, {lowest:g}, {highest:g} given"
         )
     widest = 0.25 / highest
-    spacing = 0.5 * widest if spacing is None else spacing
+    spacing = _default_spacing(band) if spacing is None else spacing
     if not 0.0 < spacing <= widest:
         raise ValueError(
             f"samples {spacing:g} m apart do not show waves of {1.0 / highest:g} m; at most {widest:g} m"
         )
-    fade = 0.1 * length if fade is None else fade
+    fade = fade_length(length) if fade is None else fade
     if not 0.0 < fade <= 0.5 * length:
         raise ValueError(f"fade must be positive and at most half the length, {fade:g} m given")
     if length / spacing > _MOST_SAMPLES - 1:
@@ -284,6 +289,41 @@ def random_profile(
             f"{length:g} m every {spacing:g} m are more than {_MOST_SAMPLES} samples; "
             "take a wider spacing, or a shorter road"
         )
+    profile = _known_profile if type(density) is type(length) is float else _profile
+    return spline(profile(density, length, spacing, fade, band, seed), speed, start, ends="level")
+
+
+def fade_length(length: float) -> float:
+    """Length over which a random road comes and goes: a tenth of its own, at most 20 m."""
+    return min(0.1 * length, _LONGEST_FADE)
+
+
+def share_of_variance(length: float) -> tuple[float, float]:
+    """Share of a road class's variance in waves as short as those of a random road; the longest, m.
+
+    The variance of Gd(n) = Gd(n0) (n/n0)^-2 between two frequencies goes with 1/n1 - 1/n2. A short
+    road lacks the waves that do not fit into its period.
+
+    Raises
+    ------
+    ValueError : a length into which no wave fits.
+    """
+    count = max(ceil(length / _default_spacing(_BAND)), 2)
+    first, _, dn = _numbers(count, length / count, _BAND)
+    lowest, highest = _BAND
+    share = (1.0 / (first * dn) - 1.0 / highest) / (1.0 / lowest - 1.0 / highest)
+    return min(share, 1.0), 1.0 / (first * dn)
+
+
+def _default_spacing(band: tuple[float, float]) -> float:
+    """Of samples, m: an eighth of the shortest wave."""
+    return 0.125 / band[1]
+
+
+def _profile(
+    density: float, length: float, spacing: float, fade: float, band: tuple[float, float], seed: int
+) -> tuple[tuple[float, float], ...]:
+    """Positions and elevations of a random road's samples."""
     count = max(ceil(length / spacing), 2)
     spacing = length / count
     elevations = _harmonics(density, count, spacing, band, Random(seed))
@@ -291,8 +331,25 @@ def random_profile(
         (i * spacing, elevation * _raised_cosine(i * spacing, length, fade))
         for i, elevation in enumerate(elevations)
     ]
-    points[0], points[-1] = (0.0, 0.0), (length, 0.0)
-    return spline(points, speed, start, ends="level")
+    return ((0.0, 0.0), *points[1:-1], (length, 0.0))
+
+
+_known_profile = lru_cache(_ROADS_KEPT)(_profile)
+
+
+def _numbers(count: int, spacing: float, band: tuple[float, float]) -> tuple[int, int, float]:
+    """Numbers of the first and the last harmonic, and the spacing of their frequencies, cycles/m.
+
+    The period 1/dn is the power of two samples that holds them all, so that nothing repeats.
+    """
+    dn = 1.0 / (2 ** count.bit_length() * spacing)
+    first, last = ceil(band[0] / dn), int(band[1] / dn)
+    if first > last:
+        raise ValueError(
+            f"no harmonic of a road of {count * spacing:g} m lies between {band[0]:g} and "
+            f"{band[1]:g} cycles/m; take a wider band, or a longer road"
+        )
+    return first, last, dn
 
 
 def _harmonics(
@@ -300,31 +357,31 @@ def _harmonics(
 ) -> list[float]:
     """Elevations at count + 1 samples: sum of sqrt(2 Gd(n) dn) cos(2 pi n x + phase), n = k dn.
 
-    The period 1/dn is the power of two samples that holds them all, so that nothing repeats and the
-    sum is a fast Fourier transform.
+    Over a period of a power of two samples the sum is a fast Fourier transform.
     """
+    first, last, dn = _numbers(count, spacing, band)
     size = 2 ** count.bit_length()
-    dn = 1.0 / (size * spacing)
-    first, last = ceil(band[0] / dn), int(band[1] / dn)
-    if first > last:
-        raise ValueError(
-            f"no harmonic of a road of {count * spacing:g} m lies between {band[0]:g} and "
-            f"{band[1]:g} cycles/m; take a wider band, or a longer road"
-        )
     spectrum = [0j] * size
     for k in range(first, last + 1):
         amplitude = sqrt(2.0 * density * dn) * REFERENCE_FREQUENCY / (k * dn)
         spectrum[k] = amplitude * exp(2j * pi * random.random())
-    return [sample.real for sample in _fourier_sum(spectrum)[: count + 1]]
+    turns = [exp(2j * pi * j / size) for j in range(size // 2)]
+    return [sample.real for sample in _fourier_sum(spectrum, turns)[: count + 1]]
 
 
-def _fourier_sum(spectrum: list[complex]) -> list[complex]:
-    """Sum over k of spectrum[k] exp(2 pi i j k / N) for all j; N a power of two (Cooley, Tukey 1965)."""
+def _fourier_sum(spectrum: list[complex], turns: list[complex]) -> list[complex]:
+    """Sum over k of spectrum[k] exp(2 pi i j k / N) for all j; N a power of two (Cooley, Tukey 1965).
+
+    Parameters
+    ----------
+    turns : exp(2 pi i j / N) for j < N/2
+    """
     size = len(spectrum)
     if size == 1:
         return spectrum
-    even, odd = _fourier_sum(spectrum[::2]), _fourier_sum(spectrum[1::2])
-    turned = [exp(2j * pi * j / size) * x for j, x in enumerate(odd)]
+    fewer = turns[::2]
+    even, odd = _fourier_sum(spectrum[::2], fewer), _fourier_sum(spectrum[1::2], fewer)
+    turned = [turn * x for turn, x in zip(turns, odd, strict=True)]
     return [a + b for a, b in zip(even, turned, strict=True)] + [
         a - b for a, b in zip(even, turned, strict=True)
     ]

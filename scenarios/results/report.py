@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.profiles import fade_length
+
 from .quantities import reading
 
 _WIDTH = 17
@@ -54,6 +56,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         yield _line("road", road)
     if solver:
         yield _line("solver", solver)
+    for i, remark in enumerate(summary.get("remarks", ())):
+        yield _line("" if i else "note", remark)
     yield _line(
         "duration",
         f"{summary['duration']:g} s, {summary['rows']} rows, one every "
@@ -192,7 +196,8 @@ def road_words(parameters: Mapping[str, Any]) -> str:
             if roughness
             else f"class {parameters['road.class']}"
         )
-        long = f"{parameters['road.profile_length']:.4g} m long"
+        length = parameters["road.profile_length"]
+        long = f"{length:.4g} m long with {fade_length(length):.3g} m of fading at both ends"
         return f"random, {of}, seed {parameters['road.seed']}, {long}, {speed}"
     if shape == "step":
         return f"step {height} high"

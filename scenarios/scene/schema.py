@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import Annotated, Any
 
+from phaseplane.suspension import extent
 from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
@@ -111,7 +112,7 @@ class Scene(Strict):
             raise _at("road.shape", "road.shape = 'input': a scene gives no inputs; use road.table")
         if fmu.is_ours:
             try:
-                build(fmu.model, {name: v.start for name, v in declared.items()} | checked)
+                build(fmu.model, _with_defaults(fmu, checked, info.data.get("duration", 0.0)))
             except (ParameterError, OverflowError, ZeroDivisionError) as error:
                 about = next((name for name in checked if str(error).startswith(name)), "")
                 raise _at(about, str(error)) from None
@@ -219,8 +220,23 @@ class Scene(Strict):
 
     @property
     def all_parameters(self) -> dict[str, Value]:
-        """The parameters of the scene over the FMU's defaults."""
-        return {name: v.start for name, v in self.fmu.parameters().items()} | self.parameters
+        """The parameters of the scene over the FMU's defaults; a random road is as long as the run."""
+        return _with_defaults(self.fmu, self.parameters, self.duration)
+
+    @property
+    def start_values(self) -> dict[str, Value]:
+        """What the FMU is given: the parameters of the scene, and the length of a random road."""
+        return self.parameters | self.road_length({}, self.duration)
+
+    def road_length(self, varied: Mapping[str, Value], duration: float) -> dict[str, Value]:
+        """The length of the random road, where neither scene nor FMU name it; else nothing.
+
+        Parameters
+        ----------
+        varied : parameters that are others than the scene's
+        duration : of the run, s
+        """
+        return _road_length(self.fmu, {**self.parameters, **varied}, duration)
 
     @property
     def hash(self) -> str:
@@ -292,6 +308,25 @@ class Scene(Strict):
             for name, needed in zip(self.fmu.outputs(), drawn, strict=True)
             if needed or name in wanted
         )
+
+
+def _with_defaults(fmu: Fmu, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
+    given = {name: v.start for name, v in fmu.parameters().items()} | dict(parameters)
+    return given | _road_length(fmu, parameters, duration)
+
+
+def _road_length(fmu: Fmu, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
+    """The length of a random road for which neither the scene nor the FMU names one."""
+    declared = fmu.parameters()
+    named = extent.LENGTH in parameters or not (
+        fmu.is_ours and extent.LENGTH in declared
+        and declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
+    )  # fmt: skip
+    if named:
+        return {}
+    given = {name: v.start for name, v in declared.items() if name.startswith(("road.", "speed"))}
+    length = extent.length_for(given | dict(parameters), duration)
+    return {} if length is None else {extent.LENGTH: length}
 
 
 def _table(value: object) -> dict[str, Any]:

@@ -158,7 +158,7 @@ class OpenFmu:
                 start_time=0.0,
                 stop_time=scene.duration,
                 output_interval=scene.communication_step,
-                start_values=scene.parameters,
+                start_values=scene.start_values,
                 output=outputs,
                 step_finished=step_finished,
                 model_description=self._description,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from phaseplane.suspension import extent
 
 from ..errors import one_line
 from ..measures import Run, catalogue, outputs_needed, take
@@ -121,6 +123,7 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "parameters": scene.all_parameters,
         "construction": scene.construction.model_dump(),
         "stopped": stopped,
+        "remarks": list(_remarks(scene)),
         "measures": {
             name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}
             for name, reading in readings.items()
@@ -141,3 +144,9 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "build_time": build_time,
         "run_time": drive.run_time,
     }
+
+
+def _remarks(scene: Scene) -> Iterator[str]:
+    """What one should know of a run, though nothing went wrong."""
+    if scene.fmu.is_ours:
+        yield from extent.remarks(scene.all_parameters, scene.duration)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import product
 from math import log2
 from pathlib import Path
 from typing import Annotated, Any
 
+from phaseplane.suspension import extent
 from phaseplane.suspension.units import UnitError, nearest, to_si
+from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
@@ -118,6 +120,8 @@ class Plan:
     shown : for each key the unit in which its values were given, and how many SI units that is
     points : their values in every run, in SI where they are parameters, shape (runs, keys)
     measures : that make a row
+    road_length : of the random road of all runs, m: as long as the longest way among them; None where
+        there is none, or where its length is named
     """
 
     name: str
@@ -130,6 +134,7 @@ class Plan:
     shown: tuple[tuple[str, float], ...]
     points: tuple[tuple[Value, ...], ...]
     measures: tuple[str, ...]
+    road_length: float | None = None
 
     @property
     def parameters_only(self) -> bool:
@@ -142,6 +147,49 @@ class Plan:
         said = (self.scene.hash, self.keys, self.points, self.measures)
         return sha256(repr(said).encode()).hexdigest()[:24]
 
+    def road_remarks(self) -> list[str]:
+        """What is to be said of the roads of all runs: how many end before their run does."""
+        if not self.scene.fmu.is_ours:
+            return []
+        given = self.scene.all_parameters
+        early = [
+            (found[1], duration, run)
+            for run, (varied, duration) in enumerate(self._motions())
+            if (found := extent.road_end({**given, **varied}))
+            and found[1] < duration * (1.0 - 1e-9)
+        ]
+        if not early:
+            return []
+        end, duration, run = min(early)
+        return [
+            f"the road ends before the run does in {len(early)} of {len(self.points)} runs, at the "
+            f"earliest at {end:.4g} s of {duration:g} s (run {run})"
+        ]
+
+    def with_one_road(self) -> Plan:
+        """The same plan, its random road as long for every run as the longest way needs it.
+
+        Another length would be another road: what is varied would not be all that differs.
+        """
+        if "road.shape" not in self.keys and not self.scene.road_length({}, self.scene.duration):
+            return self
+        found = [self.scene.road_length(*motion) for motion in self._motions()]
+        longest = max((number(one, extent.LENGTH) for one in found if one), default=None)
+        if longest is None:
+            return self
+        parameters = {**self.scene.parameters, extent.LENGTH: longest}
+        scene = self.scene.model_copy(update={"parameters": parameters})
+        return replace(self, scene=scene, road_length=longest)
+
+    def _motions(self) -> Iterator[tuple[dict[str, Value], float]]:
+        """The parameters varied in each run, and how long it lasts, s."""
+        declared = self.scene.fmu.parameters()
+        for point in self.points:
+            given = dict(zip(self.keys, point, strict=True))
+            duration = given.get("duration", self.scene.duration)
+            seconds = to_si(duration, "s") if isinstance(duration, str) else float(duration)
+            yield {key: value for key, value in given.items() if key in declared}, seconds
+
     def scene_of(self, point: tuple[Value, ...]) -> Scene:
         """The scene of one run.
 
@@ -150,6 +198,8 @@ class Plan:
         SceneError : values that the scene does not take.
         """
         overrides = [f"{key}={_as_text(x)}" for key, x in zip(self.keys, point, strict=True)]
+        if self.road_length is not None:
+            overrides.append(f"{extent.LENGTH}={self.road_length!r}")
         return load_scene(self.reference, overrides).only(self.measures)
 
 
@@ -225,7 +275,7 @@ def load_plan(reference: str | Path) -> Plan:
     plan = Plan(
         path.stem, path, said.title, scene.only(said.measures), str(_base(path, said.scene)),
         tuple(said.vary), units, given_in, tuple(points), said.measures,
-    )  # fmt: skip
+    ).with_one_road()  # fmt: skip
     if not plan.parameters_only:
         try:
             plan.scene_of(plan.points[0])  # a key that no scene has is told at once

@@ -75,6 +75,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict
         "measures": extent,
         "failures": [{"run": row.run, "reason": row.reason} for row in failures],
         "hash": plan.hash,
+        "remarks": plan.road_remarks(),
         **told,
     }
 
@@ -112,6 +113,7 @@ def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")
+    lines += summary["remarks"]
     failures = summary["failures"]
     if failures:
         lines.append(f"{len(failures)} failed; the first: {failures[0]['reason']}")

@@ -15,10 +15,13 @@ from phaseplane.suspension.variables import checked_parameters
         ({"shape": "pothole", "height": 0.03}, "pothole 30 mm deep, 1 m long, at 20 m/s"),
         ({"shape": "step"}, "step 50 mm high"),
         ({"shape": "sweep"}, "sweep 50 mm from crest to trough, 0.5 to 20 Hz in 10 s"),
-        ({"shape": "random"}, "random, class C, seed 1, 200 m long, at 20 m/s"),
+        (
+            {"shape": "random"},
+            "random, class C, seed 1, 200 m long with 20 m of fading at both ends, at 20 m/s",
+        ),
         (
             {"shape": "random", "roughness": 1e-4},
-            "random, Gd(n0) = 100 cm3, seed 1, 200 m long, at 20 m/s",
+            "random, Gd(n0) = 100 cm3, seed 1, 200 m long with 20 m of fading at both ends, at 20 m/s",
         ),
         (
             {"shape": "sequence", "sequence": "bump 0.05 1,gap 3, step 0.02"},

@@ -1,0 +1,109 @@
+"""A random road is as long as the run, in a scene and in a sweep; what ends before it is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from phaseplane.scenarios.results.report import report
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.runner import run
+from phaseplane.scenarios.sweeps.plan import load_plan
+from phaseplane.scenarios.sweeps.report import summary_of, sweep_in_words
+from phaseplane.scenarios.sweeps.running import sweep
+from phaseplane.suspension.extent import LENGTH
+from phaseplane.suspension.models import road_from
+
+SCENE = """
+fmu = "QuarterCar"
+duration = "20 s"
+[parameters]
+road.shape = "random"
+speed = "80 km/h"
+[show]
+outputs = ["ground_elevation"]
+output_interval = "100 ms"
+measures = ["rms.ground_elevation"]
+"""
+SWEEP = """
+scene = "car.toml"
+measures = ["rms.ground_elevation"]
+[vary]
+speed = ["40 km/h", "80 km/h"]
+"""
+
+
+@pytest.fixture
+def car(tmp_path: Path) -> Path:
+    path = tmp_path / "car.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def test_a_random_road_is_as_long_as_the_run(car: Path) -> None:
+    scene = load_scene(str(car))
+    assert scene.start_values[LENGTH] == scene.all_parameters[LENGTH] == 465.0
+    # 444 m, and 20 m over which it fades out
+    results = run(scene)
+    assert results.summary["remarks"] == []
+    assert abs(results.columns["ground_elevation"][-10:]).min() > 0.0
+    assert results.summary["parameters"][LENGTH] == 465.0
+
+
+@pytest.mark.parametrize(
+    ("override", "length"),
+    [("duration=5 s", 200.0), (f"{LENGTH}=150 m", 150.0)],
+)
+def test_no_shorter_than_the_default_and_as_named(car: Path, override: str, length: float) -> None:
+    overrides = [override, "show.outputs=[]", "show.measures=[]"]
+    assert load_scene(str(car), overrides).all_parameters[LENGTH] == length
+
+
+def test_other_roads_have_no_length_to_fit(car: Path) -> None:
+    assert LENGTH not in load_scene(str(car), ["road.shape=bump"]).start_values
+
+
+def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
+    summary = run(load_scene(str(car), [f"{LENGTH}=200 m"])).summary
+    said = "road ends at 9 s of 20 s (fading out from 8.1 s); it is level from there on"
+    assert summary["remarks"] == [said]
+    told = report({**summary, "drawn": None, "problems": [], "files": []}, Path("out"))
+    assert f"note             {said}" in told
+    assert "200 m long with 20 m of fading at both ends" in told
+
+
+def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(
+    car: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "speeds.toml"
+    path.write_text(SWEEP)
+    plan = load_plan(path)
+    assert plan.road_length == 465.0
+    assert plan.road_remarks() == []
+    slow, fast = (plan.scene_of(point).all_parameters for point in plan.points)
+    assert slow[LENGTH] == fast[LENGTH] == 465.0
+    a, b = (road_from(parameters) for parameters in (slow, fast))
+    assert a.value(6.0) == pytest.approx(b.value(3.0), rel=1e-12)
+    # the process is given the same road
+    alone = run(plan.scene_of(plan.points[1])).summary["measures"]["rms.ground_elevation"]["value"]
+    rows, _ = sweep(plan, tmp_path / "journal", workers=1)
+    assert rows[1].values == (pytest.approx(alone, rel=1e-9),)
+
+
+def test_a_sweep_over_the_duration_counts_it(car: Path, tmp_path: Path) -> None:
+    path = tmp_path / "times.toml"
+    path.write_text(SWEEP.replace('speed = ["40 km/h", "80 km/h"]', 'duration = ["1 s", "30 s"]'))
+    assert load_plan(path).road_length == 687.0
+
+
+def test_a_sweep_says_how_many_roads_end(car: Path, tmp_path: Path) -> None:
+    car.write_text(SCENE.replace("[show]", 'road.profile_length = "300 m"\n[show]'))
+    path = tmp_path / "speeds.toml"
+    path.write_text(SWEEP)
+    plan = load_plan(path)
+    said = "the road ends before the run does in 1 of 2 runs, at the earliest at 13.5 s of 20 s (run 1)"
+    assert plan.road_remarks() == [said]
+    rows, told = sweep(plan, tmp_path / "journal", workers=1)
+    summary = {**summary_of(plan, rows, told), "files": []}
+    assert summary["remarks"] == [said]
+    assert said in sweep_in_words(plan, summary, tmp_path)
