@@ -41,11 +41,15 @@ class Outcome:
     columns : values over the instants by the name of the output, (instants,); up to where the run came
     failure : why it ended before the last instant, or empty
     at_end : values at the last instant by the name of the output; none if the run ended before
+    switches : instants at which an element changed its branch, s, ascending, if corners are wanted
+    joints : instants at which the course of a road or load may have a corner, likewise
     """
 
     columns: Mapping[str, npt.NDArray[np.float64]]
     failure: str = ""
     at_end: Mapping[str, float] = field(default_factory=dict)
+    switches: Sequence[float] = ()
+    joints: Sequence[float] = ()
 
     @property
     def ok(self) -> bool:
@@ -64,6 +68,7 @@ def run_many(
     workers: int | None = None,
     *,
     at_end: Sequence[str] = (),
+    corners: bool = False,
     progress: Callable[[float], None] | None = None,
 ) -> list[Outcome]:
     """Run a model once for each set of parameters.
@@ -78,6 +83,7 @@ def run_many(
     outputs : motions, deflections, forces, contact and the road over time: see `outputs_over_time`
     workers : threads; None for one on each core
     at_end : outputs at the last instant, of those that add up: see `outputs_at_end`
+    corners : whether the instants are wanted at which outputs may jump or have a corner
     progress : called with the part done, 0 to 1
 
     Returns
@@ -106,7 +112,7 @@ def run_many(
         raise ParameterError("times must ascend")
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
-    task = _Task(model, instants, tuple(outputs), tuple(at_end))
+    task = _Task(model, instants, tuple(outputs), tuple(at_end), corners)
     workers = workers or os.cpu_count() or 1
     size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
@@ -161,6 +167,7 @@ class _Task:
     times: array[float]
     outputs: tuple[str, ...]
     at_end: tuple[str, ...]
+    corners: bool
 
 
 class _Bench:
@@ -238,7 +245,9 @@ class _Bench:
             method, step, tolerance, task.times[0],
             energy=False, theta=theta, beyond_stable=beyond,
         )  # fmt: skip
-        self._series = Series(self._integrator, system, task.times, task.outputs, task.at_end)
+        self._series = Series(
+            self._integrator, system, task.times, task.outputs, task.at_end, task.corners
+        )
         self._solver = solver
 
     def _outcomes(self, runs: int) -> Iterator[Outcome]:
@@ -246,18 +255,21 @@ class _Bench:
         names, times = self._task.outputs, self._task.times
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
+        joints = self._series.joints(runs) if self._task.corners else [()] * runs
         first = 0
         while first < runs:
             ended = self._series.go(first, columns)
             for k, one in enumerate(ended):
                 values = of_runs[first + k]
+                switches = self._series.switches(k) if self._task.corners else ()
+                corners = (switches, joints[first + k])
                 if one.status == 0:
                     found = dict(zip(names, values, strict=True))
-                    yield Outcome(found, at_end=self._series.ends(k, one))
+                    yield Outcome(found, "", self._series.ends(k, one), *corners)
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
                 why = f"{FAILURES[one.status]} at {one.time:.6g} s, in step {one.steps}"
-                yield Outcome(found, why)
+                yield Outcome(found, why, {}, *corners)
             first += len(ended)
 
 

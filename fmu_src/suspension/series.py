@@ -147,6 +147,7 @@ class Series:
     times : s, ascending
     names : the outputs that are wanted over time
     at_end : those that are wanted at the last instant
+    corners : whether `switches` and `joints` are wanted
     """
 
     def __init__(
@@ -156,12 +157,13 @@ class Series:
         times: array[float],
         names: Sequence[str],
         at_end: Sequence[str] = (),
+        corners: bool = False,
     ) -> None:
         self._times, self._names, self._at_end = times, names, at_end
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
         told = {what for name, (_, what) in self._tyres.items() if name in {*names, *at_end}}
-        self._tells = not told <= {"airborne_time"}
+        self._tells = corners or not told <= {"airborne_time"}
         self._integrator = integrator
         self.enter(system)
         kinds = {line.kind for line in self._lines if line is not None}
@@ -220,6 +222,19 @@ class Series:
     def ends(self, k: int, ended: Ended) -> dict[str, float]:
         """The outputs at the last instant of run k of the last go, of those that add up over it."""
         return {name: self._end(name, k, ended) for name in self._at_end}
+
+    def switches(self, k: int) -> list[float]:
+        """The instants at which an element changed its branch in run k of the last go, s."""
+        return [instant for instant, *_ in self._logs[k]]
+
+    def joints(self, runs: int) -> Column:
+        """The instants at which roads and loads have joints, s, ascending, (runs, joints)."""
+        starts = [
+            np.broadcast_to(np.asarray(segment.start), runs)
+            for signal in self._system.signals.values()
+            for segment in signal.segments[1:]
+        ]
+        return np.sort(np.array(starts, float).reshape(-1, runs).T, axis=1)
 
     def _fill(self, column: Column, line: Line, first: int) -> None:
         """A column of so many runs, (runs, instants), of which this is the first one."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
+from operator import mul, pos
 
 from phaseplane.suspension.variables import Variable
 
-from .motion import first_instant, instants, last, smallest
-from .reading import COUNT, Measure, Reading, Run
+from .motion import first_instant, instants, last, smallest, square
+from .reading import COUNT, Measure, Reading, Run, late
 
 _MITSCHKE = "M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge, Springer 2004"
 
@@ -31,11 +32,13 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
         take: Callable[..., Reading],
         about: str,
         source: str = "",
+        details: str = "",
     ) -> Measure:
         needs = tuple(f"{prefix}{need}" for need in needs)
         return Measure(
-            f"{prefix}{name}", unit, needs, partial(take, *needs), about, source, take is last
-        )
+            f"{prefix}{name}", unit, needs, partial(take, *needs), about, source, take is last,
+            details=details,
+        )  # fmt: skip
 
     yield measure("lift_off_count", COUNT, ("lift_off_count",), last,
                   "how often the wheel left the road, counted by the model itself")  # fmt: skip
@@ -43,46 +46,48 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
                   "time the wheel spent off the road, from located instants")  # fmt: skip
     for what in ("lift_off", "touchdown"):
         yield measure(f"first_{what}", "s", (f"last_{what}",), first_instant,
-                      f"located instant of the first {what}")  # fmt: skip
+                      f"located instant of the first {what}", details="switches")  # fmt: skip
         yield measure(f"{what}s", "s", (f"last_{what}",), instants,
-                      f"located instants of {what}, one of each row at most")  # fmt: skip
+                      f"located instants of {what}", details="switches")  # fmt: skip
     yield measure("smallest_contact_force", "N", ("contact_force",), smallest,
-                  "smallest force of the road on the tyre among the rows")  # fmt: skip
+                  "smallest force of the road on the tyre", details="least")  # fmt: skip
     yield measure("dynamic_load_coefficient", "1", ("contact_force", "tyre_force"), _load_coefficient,
-                  "root mean square of the dynamic tyre load over the static tyre load",
-                  _MITSCHKE)  # fmt: skip
+                  "root mean square of the dynamic tyre load, which counts from the static tyre load, "
+                  "over the static tyre load; in the long run the mean load is the static one, and this "
+                  "the standard deviation over the mean", _MITSCHKE, "switches")  # fmt: skip
     yield measure("suspension_travel", "m", ("suspension_deflection",), _range,
-                  "largest minus smallest suspension deflection")  # fmt: skip
+                  "largest minus smallest suspension deflection", details="range")  # fmt: skip
     for stop in ("bump_stop", "rebound_stop"):
         yield measure(f"{stop}_hits", COUNT, (f"{stop}_force",), _hits,
-                      f"how often the {stop.replace('_', ' ')} was met, as the rows show it")  # fmt: skip
+                      f"how often the {stop.replace('_', ' ')} was met", details="switches")  # fmt: skip
     yield measure("mean_height_shift", "m", ("suspension_deflection",), _shift,
                   "time mean of the suspension deflection over the second half of the run: a damper "
-                  "that is softer in bump than in rebound lowers the body", "AP57 section 1")  # fmt: skip
+                  "that is softer in bump than in rebound lowers the body", "AP57 section 1",
+                  details="switches")  # fmt: skip
     yield measure("damper_power", "W", ("damper_force", "suspension_deflection_rate"), _power,
-                  "time mean of the power that the damper dissipates, force times rate")  # fmt: skip
+                  "time mean of the power that the damper dissipates, force times rate",
+                  details="switches")  # fmt: skip
 
 
 def _load_coefficient(contact: str, dynamic: str, run: Run) -> Reading:
-    load = run.columns[dynamic]
-    static = float((run.columns[contact] + load)[0])  # contact force = static load - tyre force
-    return Reading(run.mean(load**2) ** 0.5 / static if static > 0.0 else None)
+    # contact force = static load - tyre force
+    static = float(run.columns[contact][0] + run.columns[dynamic][0])
+    return Reading(run.mean(square, dynamic) ** 0.5 / static if static > 0.0 else None)
 
 
 def _range(name: str, run: Run) -> Reading:
-    column = run.columns[name]
-    return Reading(float(column.max() - column.min()))
+    _, values = run.closely(name)
+    return Reading(float(values.max() - values.min()))
 
 
 def _hits(force: str, run: Run) -> Reading:
-    met = run.columns[force] != 0.0
+    met = run.closely(force)[1] != 0.0
     return Reading(int(met[0]) + int((met[1:] & ~met[:-1]).sum()))
 
 
 def _shift(deflection: str, run: Run) -> Reading:
-    late = run.time >= 0.5 * (run.time[0] + run.time[-1])
-    return Reading(Run({"time": run.time[late]}).mean(run.columns[deflection][late]))
+    return Reading(run.mean(pos, deflection, since=late(run.time)))
 
 
 def _power(force: str, rate: str, run: Run) -> Reading:
-    return Reading(run.mean(run.columns[force] * run.columns[rate]))
+    return Reading(run.mean(mul, force, rate))

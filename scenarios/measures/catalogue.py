@@ -58,20 +58,36 @@ def at_end(known: Mapping[str, Measure], names: Iterable[str]) -> bool:
     return all(known[name].at_end for name in names)
 
 
-def take(known: Mapping[str, Measure], names: Iterable[str], run: Run) -> dict[str, Reading]:
-    """Take measures of a run; where it lacks the columns, a reading of nothing."""
+def take(
+    known: Mapping[str, Measure], names: Iterable[str], run: Run, rows: Run | None = None
+) -> dict[str, Reading]:
+    """Take measures of a run; where it lacks the columns, a reading of nothing.
+
+    Parameters
+    ----------
+    known : of `catalogue`
+    names : of the measures
+    run : the course of outputs over time
+    rows : what is known at the end and at the rows, if it is not in `run`
+    """
     return {
-        name: known[name].take(run)
-        if all(needed in run.columns for needed in known[name].needs)
-        else Reading(None)
+        name: _taken(known[name], run if rows is None or known[name].over_time else rows)
         for name in names
     }
 
 
+def _taken(measure: Measure, run: Run) -> Reading:
+    there = len(run.time) > 0 and all(needed in run.columns for needed in measure.needs)
+    return measure.take(run) if there else Reading(None)
+
+
 def _of_the_solver(outputs: Mapping[str, Variable]) -> Iterable[Measure]:
     for name, how, unit, about in (
-        ("energy_residual", largest, "J", "what the energy balance lacks at most, among the rows"),
+        ("energy_residual", largest, "J", "what the energy balance lacks at most, at the rows"),
         ("step_count", last, COUNT, "internal steps of the integrator"),
     ):
         if name in outputs:
-            yield Measure(name, unit, (name,), partial(how, name), about, at_end=how is last)
+            yield Measure(
+                name, unit, (name,), partial(how, name), about, at_end=how is last,
+                at_rows=how is not last,
+            )  # fmt: skip

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from math import sqrt
+from operator import neg
+from typing import TYPE_CHECKING
 
 from phaseplane.suspension.variables import Variable
 
-from .reading import Measure, Reading, Run
+from .reading import Measure, Reading, Run, late
+
+if TYPE_CHECKING:
+    from .reading import Column
 
 _NOT_MOTION = (
     "airborne_time", "last_lift_off", "last_touchdown", "energy_residual", "stable_step",
@@ -22,34 +27,34 @@ def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
             unit = output.unit or "1"
             yield Measure(
                 f"peak.{name}", unit, (name,), partial(peak, name),
-                f"value of largest magnitude of {name} among the rows, with its sign",
+                f"value of largest magnitude of {name}, with its sign", details="peak",
             )  # fmt: skip
             yield Measure(
                 f"rms.{name}", unit, (name,), partial(root_mean_square, name),
-                f"root of the time mean of the square of {name}",
+                f"root of the time mean of the square of {name}", details="switches",
             )  # fmt: skip
             yield Measure(
                 f"amplitude.{name}", unit, (name,), partial(amplitude, name),
                 f"half of largest minus smallest {name} over the second half of the run: the "
                 "amplitude of a steady vibration, when what the start has set off has died away",
+                details="late range",
             )  # fmt: skip
 
 
 def peak(name: str, run: Run) -> Reading:
-    """The value of largest magnitude among the rows, the first of equals, with its sign."""
-    column = run.columns[name]
-    return _at(run, name, int(abs(column).argmax()))
+    """The value of largest magnitude, the first of equals, with its sign."""
+    return _reading(run.closely(name), abs)
 
 
 def amplitude(name: str, run: Run) -> Reading:
     """Half of largest minus smallest value over the second half of the run."""
-    late = run.columns[name][run.time >= 0.5 * (run.time[0] + run.time[-1])]
-    return Reading(0.5 * float(late.max() - late.min()))
+    _, values = run.closely(name, late(run.time))
+    return Reading(0.5 * float(values.max() - values.min()))
 
 
 def smallest(name: str, run: Run) -> Reading:
-    """The smallest value among the rows."""
-    return _at(run, name, int(run.columns[name].argmin()))
+    """The smallest value."""
+    return _reading(run.closely(name), neg)
 
 
 def last(name: str, run: Run) -> Reading:
@@ -58,13 +63,18 @@ def last(name: str, run: Run) -> Reading:
 
 
 def root_mean_square(name: str, run: Run) -> Reading:
-    """sqrt(1/T integral x^2 dt), by the trapezoidal rule over the rows."""
-    return Reading(sqrt(run.mean(run.columns[name] ** 2)))
+    """sqrt(1/T integral x^2 dt)."""
+    return Reading(sqrt(run.mean(square, name)))
+
+
+def square(column: Column) -> Column:
+    """x^2."""
+    return column * column
 
 
 def instants(name: str, run: Run) -> Reading:
     """The instants that an output held one after the other; -1 stands for none yet."""
-    held: Iterable[float] = run.columns[name].tolist()
+    held: Iterable[float] = run.closely(name)[1].tolist()
     found, before = [], -1.0
     for instant in held:
         if instant not in (before, -1.0):
@@ -79,5 +89,8 @@ def first_instant(name: str, run: Run) -> Reading:
     return Reading(found[0] if isinstance(found, tuple) and found else None)
 
 
-def _at(run: Run, name: str, row: int) -> Reading:
-    return Reading(float(run.columns[name][row]), float(run.time[row]))
+def _reading(found: tuple[Column, Column], height: Callable[[Column], Column]) -> Reading:
+    """The value that is highest in some sense, and its instant."""
+    time, values = found
+    row = int(height(values).argmax())
+    return Reading(float(values[row]), float(time[row]))

@@ -1,14 +1,18 @@
 """The international roughness index of the road that a run went over.
 
 A golden car (a linear quarter car of published ratios, tyre always on the road) travels at 80 km/h over
-the profile, smoothed over the length of a tyre's footprint; the index is the mean of its suspension's
-speed over the speed of travel (M. W. Sayers, Transportation Research Record 1501 (1995) 1-12).
+the profile, whose slope is the mean over the length of a tyre's footprint; the index is the mean of its
+suspension's speed over the speed of travel (M. W. Sayers, Transportation Research Record 1501 (1995)
+1-12). As in his program and that of ASTM E1926, the footprint of 0.25 m is a whole number of samples, so
+that samples more than two thirds of it apart are not averaged; where there are many, they are first read
+anew at even distances that divide it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import partial
+from math import floor
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +25,7 @@ if TYPE_CHECKING:
 
 _SPEED = 80.0 / 3.6  # m/s
 _FOOTPRINT = 0.25  # m
+_FEW = 3  # samples to a footprint, which is then whole samples long instead
 # per sprung mass: spring and tyre rate 1/s2, damping 1/s, unsprung mass
 _SPRING, _TYRE, _DAMPING, _UNSPRUNG = 63.3, 653.0, 6.0, 0.15
 _RUN_UP = 11.0  # m over which the profile's first slope is taken (half a second at 80 km/h)
@@ -57,16 +62,17 @@ def roughness_index(position: Column, elevation: Column) -> float:
     from scipy.linalg import expm  # noqa: PLC0415
     from scipy.signal import lfilter  # noqa: PLC0415
 
-    # even spacing of at most a fifth of the footprint, then the slope smoothed over the footprint
-    length = float(position[-1] - position[0])
-    spacing = _FOOTPRINT / max(5, round(_FOOTPRINT / (length / (len(position) - 1))))
-    x = np.arange(position[0], position[-1], spacing)
+    spacing = float(position[-1] - position[0]) / (len(position) - 1)
+    samples = max(1, floor(_FOOTPRINT / spacing + 0.5))
+    if samples > _FEW:
+        spacing = _FOOTPRINT / samples
+    x = position[0] + spacing * np.arange(int((position[-1] - position[0]) / spacing + 1e-9) + 1)
     z = np.interp(x, position, elevation)
-    taps = round(_FOOTPRINT / spacing)
-    smooth = lfilter(np.full(taps, 1.0 / taps), [1.0], z, zi=_warm(z, taps))[0]
-    slope = np.diff(smooth) / spacing
-    if len(slope) < 2:
+    if len(z) <= samples + 1:
         return 0.0
+    slope = (z[samples:] - z[:-samples]) / (samples * spacing)
+    lead = min(max(1, round(_RUN_UP / spacing)), len(z) - 1)
+    start = float(z[lead] - z[0]) / (lead * spacing)
     # states: slopes of body and wheel over the road's, body's and wheel's velocity (per speed)
     spring, tyre, damping = _SPRING / _UNSPRUNG, _TYRE / _UNSPRUNG, _DAMPING / _UNSPRUNG
     a = np.array([
@@ -76,20 +82,17 @@ def roughness_index(position: Column, elevation: Column) -> float:
         [spring, damping, -spring - tyre, -damping],
     ])  # fmt: skip
     b = np.array([0.0, 0.0, 0.0, tyre])
-    step = spacing / _SPEED
     block = np.zeros((5, 5))
     block[:4, :4], block[:4, 4] = a, b
-    exact = expm(block * step)  # for a slope that is constant from point to point
-    forward, gain = exact[:4, :4], exact[:4, 4]
-    start = float(np.mean(slope[: max(1, round(_RUN_UP / spacing))]))
-    state = np.array([start, 0.0, start, 0.0])
-    total = 0.0
-    for s in slope:
-        state = forward @ state + gain * s
-        total += abs(state[0] - state[2])
-    return float(total / len(slope))
-
-
-def _warm(z: Column, taps: int) -> Column:
-    """State of a moving average that has seen the first elevation for ever."""
-    return z[0] * np.arange(taps - 1, 0, -1) / taps
+    exact = expm(block * (spacing / _SPEED))  # for a slope that is constant from point to point
+    # mode by mode: each is a first-order recurrence
+    factors, modes = np.linalg.eig(exact[:4, :4])
+    gains = np.linalg.solve(modes, exact[:4, 4])
+    states = np.linalg.solve(modes, [start, 0.0, start, 0.0])
+    rate = sum(
+        shape * lfilter([1.0], [1.0, -factor], gain * slope, zi=[factor * state])[0]
+        for factor, gain, state, shape in zip(
+            factors, gains, states, modes[0] - modes[2], strict=True
+        )
+    )
+    return float(np.mean(abs(np.real(rate))))

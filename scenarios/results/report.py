@@ -127,7 +127,7 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
             listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
             yield _line(f"{axle}{what}", f"{listed} ms{more}")
     if values["lift_offs"] is not None and count > len(values["lift_offs"]):
-        yield _line("", f"{count} lift-offs in all; several lie within one output interval")
+        yield _line("", f"{count} lift-offs in all; the others lie between two rows")
     if values["airborne_time"]:  # also of a wheel that starts in flight and never lifts off
         yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")
     if values["smallest_contact_force"] is not None:

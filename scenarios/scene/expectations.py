@@ -40,7 +40,10 @@ class Bounds(Strict):
 
 
 class During(Strict):
-    """What an output must keep to from one instant to another, in every row or in some row."""
+    """What an output must keep to from one instant to another, always or sometime.
+
+    It is looked at as closely as measures are: a model of this project also between the rows.
+    """
 
     model_config = ConfigDict(**{**Strict.model_config, "populate_by_name": True})
 
@@ -61,7 +64,7 @@ class During(Strict):
         BeforeValidator(one_of(("always", "sometime"))),
         choices(("always", "sometime")),
     ] = "always"
-    """whether it must hold in every row of that time or in some row"""
+    """whether it must hold at every instant of that time or at some"""
 
     @model_validator(mode="after")
     def _whole(self) -> During:

@@ -166,6 +166,13 @@ class Scene(Strict):
                     f"show.planes: {self.fmu.model} has no output {shown(name)}"
                     + nearest(name, outputs),
                 )
+        named = "output_interval" in self.show.model_fields_set
+        if named and self.show.output_interval > self.duration * (1.0 + 1e-9):
+            raise _at(
+                "show.output_interval",
+                f"show.output_interval = {self.show.output_interval:g} s is longer than the duration, "
+                f"{self.duration:g} s; make it that long at most",
+            )
         if self.duration / self.show.output_interval > _MOST_ROWS:
             raise _at(
                 "show.output_interval",

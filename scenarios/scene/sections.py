@@ -45,7 +45,7 @@ class Show(Strict):
     outputs: list[str] | Literal["all"] | None = None
     """names of outputs, or "all"; the motion, the road and the contact force if left out"""
     output_interval: Seconds = 1e-3
-    """time from row to row"""
+    """time from row to row; measures do not depend on it"""
     measures: tuple[str, ...] | None = None
     """names of measures; those one looks at first if left out"""
     figures: Annotated[

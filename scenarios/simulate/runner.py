@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from phaseplane.suspension import extent
 
 from ..errors import one_line
-from ..measures import Run, catalogue, outputs_needed, take
+from ..measures import Run, catalogue, outputs_needed
+from ..measures.solution import Solution, instants, refinement, solved_by
 from ..results.folder import Results
 from ..scene.equation import EQUATION, solve
 from ..scene.expectations import judged_measures
 from .driver import Drive, OpenFmu, Progress, Watch, deferred_interrupt, opened
+from .measuring import measured
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -72,20 +73,30 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
     return results
 
 
-def _results(scene: Scene, drive: Drive, build_time: float | None) -> Results:
+def _results(
+    scene: Scene, drive: Drive, build_time: float | None, own: Solution | None = None
+) -> Results:
     wanted = {"time", *scene.columns}
     return Results(
         {name: column for name, column in drive.columns.items() if name in wanted},
-        _summary(scene, drive, build_time),
+        _summary(scene, drive, build_time, own),
     )
 
 
 def _solved(scene: Scene) -> Results:
-    """An equation, which is solved where we are."""
-    rows = round(scene.duration / scene.show.output_interval) + 1
-    times = np.linspace(0.0, scene.duration, max(rows, 2))
-    columns, seconds, complaint = solve(scene.all_parameters, times)
-    return _results(scene, Drive(columns, seconds, complaint, False), None)
+    """An equation, which is solved where we are, as closely as measures need it."""
+    known, interval = catalogue(scene.fmu.outputs()), scene.show.output_interval
+    measures = [known[name] for name in scene.measures]
+    parts = refinement(scene.duration, interval)
+    time = instants(scene.duration, interval, parts)
+    columns, seconds, complaint = solve(scene.all_parameters, time)
+    own = solved_by(
+        lambda places: solve(scene.all_parameters, places)[0],
+        columns, measures, {one.output for one in scene.during},
+    )  # fmt: skip
+    at = own.rows(parts)
+    rows = {name: column[at] for name, column in columns.items()}
+    return _results(scene, Drive(rows, seconds, complaint, False), None, own)
 
 
 def _read_in(scene: Scene) -> list[str]:
@@ -95,15 +106,13 @@ def _read_in(scene: Scene) -> list[str]:
     return [name for name in scene.fmu.outputs() if name in wanted]
 
 
-def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, Any]:
+def _summary(
+    scene: Scene, drive: Drive, build_time: float | None, own: Solution | None
+) -> dict[str, Any]:
     """All that is to be said of a run, as plain data."""
     outputs = scene.fmu.outputs()
     known = catalogue(outputs)
-    readings = take(
-        known,
-        scene.measures,
-        Run(drive.columns, scene.all_parameters, "" if scene.fmu.path else scene.fmu.model),
-    )
+    found = measured(scene, drive.columns, own)
     reached = float(drive.columns["time"][-1])
     stopped = None
     if reached < scene.duration * (1.0 - 1e-9):
@@ -123,14 +132,18 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "parameters": scene.all_parameters,
         "construction": scene.construction.model_dump(),
         "stopped": stopped,
-        "remarks": list(_remarks(scene)),
+        "remarks": [*_remarks(scene), *found.remarks],
+        "measured": {"interval": found.interval, "agreement": found.agreement},
         "measures": {
             name: {"value": reading.value, "unit": known[name].unit, "time": reading.time}
-            for name, reading in readings.items()
+            for name, reading in found.readings.items()
         },
         "expectations": [
-            *judged_measures(scene.expect, readings),
-            *(during.judged(outputs, drive.columns) for during in scene.during),
+            *judged_measures(scene.expect, found.readings),
+            *(
+                during.judged(outputs, _closely(found.run, during.output))
+                for during in scene.during
+            ),
             *(
                 [scene.reference.judged(scene.reference_path, drive.columns)]
                 if scene.reference
@@ -144,6 +157,12 @@ def _summary(scene: Scene, drive: Drive, build_time: float | None) -> dict[str, 
         "build_time": build_time,
         "run_time": drive.run_time,
     }
+
+
+def _closely(run: Run, output: str) -> dict[str, Any]:
+    """An output over time, as closely as it is known."""
+    time, column = run.closely(output)
+    return {"time": time, output: column}
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

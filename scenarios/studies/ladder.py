@@ -19,6 +19,7 @@ from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, Value
 
 from ..errors import InputError, RunError, one_line
+from ..measures.solution import instants, refinement
 from ..results.comparison import compared
 from ..results.report import aligned
 
@@ -254,8 +255,8 @@ def _wheel_frequencies(system: System) -> Iterator[float]:
 
 def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float]:
     """The outputs a rung can tell, under the scene's names, and its shortest time, s."""
-    rows = round(scene.duration / scene.show.output_interval)
-    time = np.linspace(0.0, scene.duration, rows + 1)
+    interval = scene.show.output_interval
+    time = instants(scene.duration, interval, refinement(scene.duration, interval))
     columns: Columns = {"time": time}
     best = 0.0
     for part in rung.parts:

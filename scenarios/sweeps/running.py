@@ -27,13 +27,9 @@ from threading import Thread
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
-from phaseplane.suspension.session import SimulationError, simulate
-from phaseplane.suspension.variables import ParameterError, Value
-
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
+from ..measures.solution import instants, refinement, solved, stepped
 from ..scene.equation import EQUATION
 from ..simulate import runner
 from ..simulate.driver import opened
@@ -64,11 +60,13 @@ class Row:
     run : its number in the plan, from 0
     values : of the measures; None where the run does not tell
     reason : why it failed, or empty
+    apart : how far the rows of the FMU lay from the model's own solution, over their peaks
     """
 
     run: int
     values: tuple[float | int | None, ...]
     reason: str = ""
+    apart: float = 0.0
 
 
 def sweep(
@@ -153,40 +151,27 @@ def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
 def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """The model itself, all runs over the same instants."""
     scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
-    time = _instants(scene.duration, scene.communication_step)
+    measures = [known[name] for name in plan.measures]
+    at_rows = {output for measure in measures if measure.at_rows for output in measure.needs}
+    interval, model = scene.communication_step, scene.fmu.model
+    closely = any(measure.over_time for measure in measures)
+    parts = refinement(scene.duration, interval) if closely else 1
+    time = instants(scene.duration, interval, parts)
+    common = scene.all_parameters
     varied = [dict(zip(plan.keys, plan.points[run], strict=True)) for run in runs]
-    sets = [{**scene.parameters, **values} for values in varied]
-    parameters = scene.all_parameters
-    found = _columns(scene.fmu.model, sets, time, [known[name] for name in plan.measures])
-    for run, values, (columns, reason) in zip(runs, varied, found, strict=True):
-        if reason:
-            yield Row(run, (None,) * len(plan.measures), reason)
-        else:
-            arrays = {"time": time, **{n: np.asarray(c, float) for n, c in columns.items()}}
-            yield _row(plan, known, run, Run(arrays, {**parameters, **values}, scene.fmu.model))
-
-
-def _columns(
-    model: str, sets: Sequence[Mapping[str, Value]], time: Column, measures: Sequence[Measure]
-) -> Iterator[tuple[Mapping[str, Any], str]]:
-    """The outputs that measures of every run need, or why there are none.
-
-    Where the integrator can give them all it makes each run in one call. What is wanted at the end
-    alone is then a column of one row.
-    """
-    rows = {output for measure in measures if not measure.at_end for output in measure.needs}
-    ends = {output for measure in measures if measure.at_end for output in measure.needs} - rows
-    if rows <= set(outputs_over_time(model)) and ends <= set(outputs_at_end(model)):
-        batch = run_many(model, sets, time.tolist(), tuple(rows), workers=1, at_end=tuple(ends))
-        for run in batch:
-            last = {name: [value] for name, value in run.at_end.items()}
-            yield {**run.columns, **last}, run.failure and one_line(run.failure)
-        return
-    for given in sets:
-        try:
-            yield simulate(model, given, time.tolist(), rows | ends), ""
-        except (ParameterError, SimulationError, ArithmeticError, ValueError) as error:
-            yield {}, one_line(error)
+    sets = [{**scene.start_values, **values} for values in varied]
+    found = solved(model, sets, time, [m for m in measures if not m.at_rows])
+    for run, values, given, own in zip(runs, varied, sets, found, strict=True):
+        failure, rows = own.failure, dict(own.ends())
+        if at_rows and not failure:
+            driven = stepped(model, given, instants(scene.duration, interval), at_rows)
+            failure, rows = driven.failure, {**rows, **driven.columns}
+        if failure:
+            yield Row(run, (None,) * len(measures), one_line(failure))
+            continue
+        parameters = {**common, **values}
+        made = Run(own.columns, parameters, model, own.details)
+        yield _row(plan, known, run, made, Run(rows, parameters, model))
 
 
 def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
@@ -221,18 +206,11 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
                 continue
             reason = summary["stopped"]["reason"] if summary["stopped"] else ""
             values = tuple(summary["measures"][name]["value"] for name in plan.measures)
-            yield Row(run, _plain(values), reason)
+            yield Row(run, _plain(values), reason, summary["measured"]["agreement"] or 0.0)
 
 
-def _instants(duration: float, interval: float) -> Column:
-    """The instants of the rows, as FMPy takes them: the last interval may be shorter."""
-    count = int(duration / interval * (1.0 + 1e-12))
-    time = [k * interval for k in range(count + 1)]
-    return np.array(time if time[-1] >= duration * (1.0 - 1e-12) else [*time, duration])
-
-
-def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run) -> Row:
-    told = take(known, plan.measures, made)
+def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Run) -> Row:
+    told = take(known, plan.measures, made, rows)
     values = _plain(tuple(told[name].value for name in plan.measures))
     broken = [name for name, x in zip(plan.measures, values, strict=True)
               if isinstance(x, float) and not isfinite(x)]  # fmt: skip
@@ -245,9 +223,9 @@ def _plain(values: tuple[Any, ...]) -> tuple[float | int | None, ...]:
 
 
 def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
-    """How far a few runs through the FMU lie from the same runs in the process, relatively."""
+    """How far the FMU lies from the process: its rows in all runs, the measures in a few, relatively."""
     picked = sorted({round(k * (len(rows) - 1) / max(1, _CHECKED - 1)) for k in range(_CHECKED)})
-    worst = 0.0
+    worst = max((row.apart for row in rows), default=0.0)
     for ours in run_chunk(plan, picked, "process"):
         for a, b in zip(ours.values, rows[ours.run].values, strict=True):
             if isinstance(a, int | float) and isinstance(b, int | float):

@@ -159,7 +159,12 @@ def test_weighting_equals_scipys_integration_of_the_filter() -> None:
 
 def test_ride_measures_of_a_steady_sine() -> None:
     time = np.arange(0.0, 30.0, 1e-3)
-    columns = {"time": time, "body_acceleration": 2.0 * np.sin(2.0 * pi * 5.0 * time)}
+    angle = 2.0 * pi * 5.0
+    columns = {
+        "time": time,
+        "body_acceleration": 2.0 * np.sin(angle * time),
+        "body_velocity": -2.0 / angle * np.cos(angle * time),
+    }
     weight = 2.0 * float(abs(response(np.array([5.0])))[0])
     average, dose, transient = read("body_weighted_acceleration", "body_vibration_dose",
                                     "body_largest_transient", columns=columns)  # fmt: skip

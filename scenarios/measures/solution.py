@@ -1,0 +1,285 @@
+"""A run between its rows: the model's own solution, read as finely as measures need it.
+
+A model of this project takes the same internal steps whatever the communication step is, and reads its
+outputs off its interpolant: what an FMU gives at its rows is what the model gives here, to the bit. So
+measures need not make do with the rows. They are taken every millisecond; where an extreme may hide
+between two instants, the solution is read twelve times as finely; at switches, and at corners of the
+road, on both sides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import ceil
+
+import numpy as np
+import numpy.typing as npt
+from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.variables import Value
+
+from .reading import Measure, late
+
+Column = npt.NDArray[np.float64]
+Columns = Mapping[str, Column]
+
+INTERVAL = 1e-3  # s, at most from one instant to the next
+_MOST_INSTANTS = 2_000_000
+_PARTS = 12  # of an interval in which an extreme may hide
+_MOST_PLACES = 8  # where one extreme may hide
+_MOST_CORNERS = 2_000  # that are read on both sides, wherever they lie
+_SHORT = 3.0  # intervals: switches that follow one another sooner are read between, too
+_ROUNDING = 1e-9  # s
+_TOGETHER = 16  # runs that are read more closely in one go
+_RISE = 0.5  # second differences by which an extreme may lie beyond the instants beside it
+_HEIGHTS: Mapping[str, tuple[Callable[[Column], Column], ...]] = {  # what is largest at extremes
+    "peak": (np.abs,),
+    "least": (np.negative,),
+    "range": (np.positive, np.negative),
+    "switches": (),  # what happens from switch to switch
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """A run, solved in this process.
+
+    Parameters
+    ----------
+    columns : `time` and outputs at instants that lie `INTERVAL` apart at most
+    at_end : outputs at the end
+    failure : why the run ended early, or empty
+    switches : instants at which an element changes its branch, s, ascending
+    joints : instants at which a road or load may have a corner, s, ascending
+    details : `time` and the outputs where they are read more closely
+    """
+
+    columns: Columns
+    at_end: Mapping[str, float] = field(default_factory=dict)
+    failure: str = ""
+    switches: Sequence[float] = ()
+    joints: Sequence[float] = ()
+    details: Columns | None = None
+
+    def ends(self) -> Columns:
+        """`time` and outputs at the end, each as a column of one row."""
+        last = {name: column[-1:] for name, column in self.columns.items()}
+        return {**last, **{name: np.array([x]) for name, x in self.at_end.items()}}
+
+    def rows(self, parts: int) -> npt.NDArray[np.intp]:
+        """Which of the instants are those of rows, each of whose intervals has so many parts."""
+        count = len(self.columns["time"])
+        at = np.arange(0, count, parts)
+        return at if at[-1] == count - 1 else np.append(at, count - 1)
+
+
+def refinement(duration: float, interval: float) -> int:
+    """Into how many parts the interval from row to row is cut, so that measures can be taken."""
+    most = int(_MOST_INSTANTS * interval / duration)
+    return max(1, min(ceil(interval / INTERVAL * (1.0 - 1e-9)), most))
+
+
+def instants(duration: float, interval: float, parts: int = 1) -> Column:
+    """The instants of the rows as FMPy takes them, and those between, s.
+
+    Parameters
+    ----------
+    duration, interval : of the run, and from row to row, s; the last interval may be shorter
+    parts : into which every interval is cut
+    """
+    step = interval / parts
+    k = np.arange(int(duration / step * (1.0 + 1e-12)) + 1)
+    time = k // parts * interval + k % parts * step
+    return time if time[-1] >= duration * (1.0 - 1e-12) else np.append(time, duration)
+
+
+def solved(
+    model: str,
+    sets: Sequence[Mapping[str, object]],
+    time: Column,
+    measures: Iterable[Measure],
+    also: Iterable[str] = (),
+) -> Iterator[Solution]:
+    """Runs of a model, each with all that measures need.
+
+    Parameters
+    ----------
+    model : of this project
+    sets : parameters that are not at their defaults, for each run
+    time : s, of `instants`
+    measures : that are to be taken
+    also : outputs that are wanted as closely at both ends of their range
+    """
+    measures, also = list(measures), set(also)
+    outputs = also.union(*(m.needs for m in measures if not m.at_end))
+    ends = set().union(*(m.needs for m in measures if m.at_end)) - outputs
+    hidden = _hidden(measures, also)
+    found = list(_simulated(model, sets, time, outputs, ends, corners=bool(hidden)))
+    if not hidden:
+        yield from found
+        return
+    for k in range(0, len(sets), _TOGETHER):
+        some = found[k : k + _TOGETHER]
+        places = [time[:0] if one.failure else hiding_places(one, hidden) for one in some]
+        every = np.unique(np.concatenate([time[:1], *places]))
+        again = _simulated(model, sets[k : k + _TOGETHER], every, outputs)
+        for one, own, closer in zip(some, places, again, strict=True):
+            # its own alone, so that it does not matter which others are made with it
+            at = np.searchsorted(every, own)
+            details = {name: column[at] for name, column in closer.columns.items()}
+            yield one if one.failure else replace(one, details=details)
+
+
+def solved_by(
+    solve: Callable[[Column], Columns],
+    columns: Columns,
+    measures: Iterable[Measure],
+    also: Iterable[str] = (),
+) -> Solution:
+    """One run of something else that can be solved again, with all that measures need.
+
+    Parameters
+    ----------
+    solve : gives `time` and outputs at ascending instants, of which the first is the start
+    columns : what it has given at regular instants
+    measures, also : as in `solved`
+    """
+    found, hidden = Solution(columns), _hidden(measures, also)
+    places = hiding_places(found, hidden)
+    if not len(places):
+        return found
+    closer = solve(np.insert(places, 0, columns["time"][0]))
+    return replace(found, details={name: column[1:] for name, column in closer.items()})
+
+
+def _hidden(measures: Iterable[Measure], also: Iterable[str]) -> set[tuple[str, str]]:
+    """Outputs, and where they are to be read more closely."""
+    return {(m.needs[0], m.details) for m in measures if m.details} | {(n, "range") for n in also}
+
+
+def _simulated(
+    model: str,
+    sets: Sequence[Mapping[str, object]],
+    time: Column,
+    outputs: set[str],
+    ends: Iterable[str] = (),
+    corners: bool = False,
+) -> Iterator[Solution]:
+    """The outputs of every run; where the integrator can give them all it makes it in one call."""
+    if not (outputs <= {*outputs_over_time(model)} and {*ends} <= {*outputs_at_end(model)}):
+        for given in sets:
+            yield stepped(model, given, time, outputs.union(ends))
+        return
+    for run in run_many(
+        model, sets, time.tolist(), tuple(outputs), workers=1, at_end=tuple(ends), corners=corners
+    ):
+        reached = min((len(column) for column in run.columns.values()), default=len(time))
+        yield Solution(
+            {"time": time[:reached], **run.columns},
+            run.at_end,
+            run.failure,
+            run.switches,
+            run.joints,
+        )
+
+
+def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[str]) -> Solution:
+    """A run instant by instant, for outputs that the integrator does not give in one call."""
+    rows: list[list[Value]] = []
+    failure, switches = "", []
+    try:
+        session = Session(model, given, float(time[0]))
+        for t in time.tolist():
+            session.advance(t)
+            rows.append([session.value(name) for name in outputs])
+        switches = [event.time for event in session.events]
+    except (SimulationError, ArithmeticError, ValueError) as error:
+        failure = str(error)
+    columns = dict(zip(outputs, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
+    columns["time"] = time[: len(rows)]
+    return Solution(columns, {n: c[-1] for n, c in columns.items() if len(c)}, failure, switches)
+
+
+def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:
+    """Instants between those of a solution at which extremes of its outputs may lie, s, ascending.
+
+    Parameters
+    ----------
+    solution : with columns at regular instants
+    hidden : names of outputs, and where they are to be read more closely: see `Measure.details`
+    """
+    time = solution.columns["time"]
+    if len(time) < 3:
+        return time[:0]
+    cells = sorted({
+        cell
+        for name, extreme in hidden
+        for cell in _cells(solution.columns[name], extreme, time)
+    })  # fmt: skip
+    start, width = time[cells], np.diff(time)[cells]
+    found = [(start[:, None] + width[:, None] * np.arange(1, _PARTS) / _PARTS).ravel()]
+    switches, joints = (np.asarray(x, float) for x in (solution.switches, solution.joints))
+    if len(switches) <= _MOST_CORNERS:
+        soon = np.flatnonzero(np.diff(switches) < _SHORT * width.max(initial=INTERVAL))
+        gaps = np.diff(switches)[soon]
+        found.append((switches[soon, None] + gaps[:, None] * np.arange(1, _PARTS) / _PARTS).ravel())
+    else:
+        switches = _within(switches, time, cells)
+    if len(joints) > _MOST_CORNERS:
+        joints = _within(joints, time, cells)
+    for corners in (switches, joints):
+        found += [np.nextafter(corners, -np.inf), np.nextafter(corners, np.inf)]
+    places = np.unique(np.concatenate(found))
+    return places[(places > time[0]) & (places < time[-1])]
+
+
+def _within(instants: Column, time: Column, cells: Sequence[int]) -> Column:
+    """Those of the instants that lie in these intervals."""
+    return instants[np.isin(np.searchsorted(time, instants, side="right") - 1, cells)]
+
+
+def _cells(column: Column, extreme: str, time: Column) -> set[int]:
+    """The intervals in which an extreme may lie.
+
+    Between two instants a smooth motion rises above both by some eighth of its second difference.
+    """
+    first = int(np.searchsorted(time, late(time))) if extreme.startswith("late") else 0
+    values = np.asarray(column[first:], float)
+    if len(values) < 3 or values.min() == values.max():
+        return set()
+    bend = np.zeros(len(values))
+    bend[1:-1] = _RISE * abs(np.diff(values, 2))
+    rise = np.maximum.reduce([bend, np.roll(bend, 1), np.roll(bend, -1)])
+    cells: set[int] = set()
+    for height in _HEIGHTS[extreme.removeprefix("late ")]:
+        z = height(values)
+        rows = np.flatnonzero(z + rise >= z.max())
+        if len(rows) > _MOST_PLACES:
+            rows = rows[np.argpartition(-(z + rise)[rows], _MOST_PLACES)[:_MOST_PLACES]]
+        cells.update((first + rows).tolist(), (first + rows - 1).tolist())
+    return cells.intersection(range(first, len(time) - 1))
+
+
+def apart(rows: Columns, solution: Solution) -> float:
+    """How far the rows of an FMU lie from the solution at the same instants, relative to the peaks.
+
+    Rows that lie on a corner are left out: an instant later or earlier by rounding is another one.
+    """
+    time = solution.columns["time"]
+    at = np.searchsorted(time, rows["time"] - _ROUNDING)
+    on = np.zeros(len(at), bool)
+    for corners in (solution.switches, solution.joints):
+        if len(corners):
+            near = np.searchsorted(corners, rows["time"])
+            for k in (near - 1, near):
+                corner = np.asarray(corners)[np.clip(k, 0, len(corners) - 1)]
+                on |= abs(corner - rows["time"]) <= _ROUNDING
+    known = (at < len(time)) & ~on
+    worst = 0.0
+    for name in rows.keys() & solution.columns.keys() - {"time"}:
+        ours = np.asarray(rows[name], float)[known]
+        gap = abs(ours - solution.columns[name][at[known]]).max(initial=0.0)
+        if gap > 0.0:
+            worst = max(worst, float(gap / abs(ours).max()) if ours.any() else np.inf)
+    return worst
