@@ -31,6 +31,7 @@ from .manual import DOCUMENTATION, page
 from .model_description import completed
 from .reference import reference_files, session_of
 from .slaves.vehicle_slave import START_VALUES
+from .wrapper import ended_once
 
 SUSPENSION = Path(suspension.__file__).parent
 SLAVES = Path(slaves.__file__).parent
@@ -73,7 +74,8 @@ def build(
     Raises
     ------
     ParameterError : unknown model or parameter, or a start value that is refused.
-    RuntimeError : pythonfmu could not build an FMU; the message holds what it said.
+    RuntimeError : pythonfmu could not build an FMU; the message holds what it said. Or its library for
+        Linux is none that is known to end a process as it should.
     """
     parameters = parameters or {}
     refuse_unknown(models, SCRIPTS, f"FMUs are {', '.join(SCRIPTS)}; there is none of")
@@ -193,6 +195,7 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
         _run_pythonfmu(*_staged(model, start, stage), raw)
         with zipfile.ZipFile(raw) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}
+    members |= {n: _mended(members[n]) for n in members if n.startswith("binaries/linux")}
     about = _about()
     members |= {
         "model.png": (DOCUMENTATION / f"{model}.png").read_bytes(),
@@ -208,6 +211,17 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
         description, encoding="UTF-8", xml_declaration=True
     )
     return zipped(members)
+
+
+def _mended(library: bytes) -> bytes:
+    """pythonfmu's library for Linux, mended; an unknown one is refused, as hosts might abort with it."""
+    try:
+        return ended_once(library)
+    except ValueError as error:
+        raise RuntimeError(
+            f"processes might abort with the library of pythonfmu {version('pythonfmu')} for Linux: "
+            f"{error}; pack with pythonfmu 0.7.0"
+        ) from error
 
 
 def _text(name: str) -> bytes:

@@ -13,6 +13,7 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 from ..errors import InputError, RunError, one_line
 from ..scene.fmus import Fmu
@@ -82,6 +83,7 @@ class OpenFmu:
         self._instance: Any = None
         try:
             extract(path, self._unpacked)
+            mend_unpacked(unpacked)  # made by others, it may end this process badly
             self._description = read_model_description(self._unpacked, validate=False)
         except Exception as error:
             raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error

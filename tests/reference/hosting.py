@@ -1,8 +1,95 @@
-"""The end of a Python process that has hosted an FMU, as text for `python -c`."""
+"""Processes under test: built where they are C, run, waited for, interrupted, watched by a fence."""
 
-# the wrapper's own end of a process reads what is freed already, and now and then aborts
-LEAVE = """
-import os, sys
-sys.stdout.flush()
-os._exit(0)
-"""
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sysconfig
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+
+import pytest
+
+SOURCES = Path(__file__).parents[1] / "vehicle_fmus"
+HANGS = (
+    900.0  # s; far longer than anything takes, however busy the machine: only what hangs meets it
+)
+
+
+def compiled(source: Path, target: Path, *options: str) -> Path:
+    """A C program or library, by the system's compiler."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    strict = ["-O1", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run(
+        [compiler, *strict, *options, "-o", str(target), str(source), "-ldl"], check=True
+    )
+    return target
+
+
+def fence(folder: Path) -> Path:
+    """The library that ends each process in which a freed block of pythonfmu's is used."""
+    return compiled(SOURCES / "fence.c", folder / "fence.so", "-shared", "-fPIC")
+
+
+def libpython() -> Path:
+    """The library that a host must load first, if it is no Python program."""
+    path = Path(sysconfig.get_config_var("LIBDIR"), sysconfig.get_config_var("INSTSONAME"))
+    if path.suffix == ".a":
+        pytest.skip("not on this platform: this Python has no shared library")
+    return path
+
+
+def wait_until(holds: Callable[[], object], process: subprocess.Popen[str] | None = None) -> None:
+    """Wait for what others do; a process that is to do it must not end before."""
+    end = monotonic() + HANGS
+    while not holds():
+        assert process is None or process.poll() is None, "it has ended too early"
+        assert monotonic() < end, "it hangs"
+        sleep(0.02)
+
+
+@contextmanager
+def started(
+    command: Sequence[str | Path | int], environment: Mapping[str, str], **pipes: int
+) -> Iterator[subprocess.Popen[str]]:
+    """A process with some variables beside this one's own; it does not outlive the block."""
+    with subprocess.Popen(
+        list(map(str, command)), env={**os.environ, **environment}, text=True, **pipes
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def hosted(
+    command: Sequence[str | Path | int],
+    environment: Mapping[str, str],
+    interrupt_after: str = "",
+) -> tuple[int, str]:
+    """Run a host to its end.
+
+    Parameters
+    ----------
+    environment : added to this process's own
+    interrupt_after : the line on stdout upon which it gets SIGINT, if any
+
+    Returns
+    -------
+    Its status, as `subprocess` gives it, and all that it has written on stderr.
+    """
+    pipe = subprocess.PIPE
+    with started(command, environment, stdout=pipe, stderr=pipe) as process:
+        assert process.stdout
+        if interrupt_after:
+            while process.stdout.readline() not in ("", f"{interrupt_after}\n"):
+                pass
+            process.send_signal(signal.SIGINT)
+        _, complaints = process.communicate(timeout=HANGS)
+        return process.returncode, complaints

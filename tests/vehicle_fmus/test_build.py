@@ -14,7 +14,6 @@ from typing import Any
 
 import pytest
 from fmpy import extract, read_model_description
-from hosting import LEAVE
 from phaseplane.suspension import engine
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, variables
@@ -201,7 +200,7 @@ def test_an_fmu_does_not_need_the_folder_of_another(
     order = sorted(folders, key=lambda model: model != first)
     copies = [str(shutil.copytree(folders[model], tmp_path / model)) for model in order]
     done = subprocess.run(
-        [sys.executable, "-c", _ONE_AFTER_ANOTHER + LEAVE, *copies],
+        [sys.executable, "-c", _ONE_AFTER_ANOTHER, *copies],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (0, "all ran\n"), done.stderr
@@ -229,6 +228,17 @@ print(json.dumps({
 """
 
 
+_IMPORTS_LATE = """
+    def exit_initialization_mode(self) -> None:
+        if self.model:
+            from phaseplane.suspension import engine
+            from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave as base
+        super().exit_initialization_mode()
+        self.log("imported: " + engine.__name__.rsplit("_", 1)[0])
+        self.log("imported: " + base.__module__.rsplit("_", 1)[0])
+"""
+
+
 def run_in_a_bare_python(folder: Path, python: str = sys.executable) -> dict[str, Any]:
     """Step the FMU's code in a Python that has nothing but its standard library."""
     done = subprocess.run(
@@ -242,6 +252,20 @@ def run_in_a_bare_python(folder: Path, python: str = sys.executable) -> dict[str
 @pytest.fixture
 def bare_folder(quarter_car_folder: str, tmp_path: Path) -> Path:
     return Path(shutil.copytree(quarter_car_folder, tmp_path / "fmu"))
+
+
+def test_what_a_slave_imports_within_a_function_is_carried_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[Any]
+) -> None:
+    slaves = shutil.copytree(packing.SLAVES, tmp_path / "slaves")
+    with (slaves / "quarter_car.py").open("a") as file:
+        file.write(_IMPORTS_LATE)
+    monkeypatch.setattr(packing, "SLAVES", slaves)
+    (fmu,) = build(["QuarterCar"], tmp_path)
+    told = run_in_a_bare_python(Path(extract(str(fmu), str(tmp_path / "fmu"))))
+    assert told["values"] == pytest.approx(expected, rel=1e-12)
+    assert {"imported: suspension", "imported: vehicle_slave"} <= set(told["log"])
+    assert not {"phaseplane", "suspension"} & set(told["modules"])
 
 
 def binaries_of(folder: Path) -> Path:

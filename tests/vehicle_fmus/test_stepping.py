@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hosting import LEAVE
 from phaseplane.suspension.variables import MODELS
 from phaseplane.vehicle_fmus.build import SCRIPTS
 
@@ -148,7 +147,7 @@ def test_another_process_continues_to_the_bit(
             vehicle.step(instant + 0.01 * k, instant + 0.01 * k + 0.01)
             rows.append([vehicle.get(name).hex() for name in names])
     done = subprocess.run(
-        [sys.executable, "-c", _CONTINUE + LEAVE, folders[model], str(instant), state.hex(), *names],
+        [sys.executable, "-c", _CONTINUE, folders[model], str(instant), state.hex(), *names],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

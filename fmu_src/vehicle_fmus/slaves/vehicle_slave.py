@@ -8,6 +8,7 @@ and the folder of the FMU that brought them may be gone when the next one is ins
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -306,3 +307,21 @@ def _hold(*objects: object) -> None:
         return
     for held in objects:
         pythonapi.Py_IncRef(py_object(held))
+
+
+def _give_back_interrupts() -> None:
+    """Let Ctrl-C end a host that is no Python program and does not handle it, as it would without us.
+
+    There the wrapper starts Python, which takes an interrupt that nobody handles in order to raise it
+    in its main thread: a thread of the wrapper's, which only waits for the end.
+    """
+    started_by_the_wrapper = not sys.orig_argv
+    if started_by_the_wrapper and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        try:
+            from ctypes import pythonapi  # noqa: PLC0415  (some Pythons come without it)
+        except ImportError:
+            return
+        pythonapi.PyOS_setsig(signal.SIGINT, None)  # `signal.signal` is for the main thread alone
+
+
+_give_back_interrupts()

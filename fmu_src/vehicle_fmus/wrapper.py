@@ -1,0 +1,91 @@
+"""Mends the Linux library that pythonfmu puts into every FMU, so that processes end as they mean to.
+
+pythonfmu 0.7.0 ends its interpreter twice when a process exits: first by the destructor of a static
+`shared_ptr`, which `exit` runs, then by the function `onLibraryUnload`, which the dynamic loader finds
+in `DT_FINI_ARRAY` and which writes into the block that the destructor has freed. A few processes in
+a hundred abort. (The loader does not unload the library earlier either: it defines unique symbols.)
+With that entry cut off the array, the destructor alone ends the interpreter.
+"""
+
+from __future__ import annotations
+
+import struct
+from contextlib import suppress
+from pathlib import Path
+from struct import Struct
+from typing import Any
+
+# ELF for 64 bits, little-endian (System V ABI)
+_IDENTITY = b"\x7fELF\x02\x01"
+_HEADER = Struct("<40x Q 12x H 2x")  # where the section headers are, how many
+_SECTION = Struct("<4x I 16x Q Q I 20x")  # type, where, size, link
+_SYMBOL = Struct("<I 4x Q 8x")  # name, value
+_RELOCATION = Struct("<Q 8x Q")  # place, addend
+_DYNAMIC = Struct("<Q Q")  # tag, value
+_SYMBOLS, _RELOCATIONS, _DYNAMICS = 2, 4, 6  # types of sections
+_FINI_ARRAY, _FINI_ARRAYSZ = 26, 28  # dynamic tags
+_POINTER = 8  # bytes
+
+_SECOND_END = b"_ZN12_GLOBAL__N_115onLibraryUnloadEv"  # (anonymous namespace)::onLibraryUnload()
+
+
+def ended_once(library: bytes) -> bytes:
+    """The library without the function that ends its interpreter a second time.
+
+    Parameters
+    ----------
+    library : of an FMU for Linux that pythonfmu has packed
+
+    Returns
+    -------
+    The library with a `DT_FINI_ARRAYSZ` of 8 in place of 16 bytes; or as it is, if it calls nothing at
+    its end but what the compiler has put there.
+
+    Raises
+    ------
+    ValueError : not an ELF library for 64 bits, or one that calls some other function at its end.
+    """
+    if not library.startswith(_IDENTITY):
+        raise ValueError("it is no ELF library for 64 bits, little-endian")
+    try:
+        return _ended_once(library)
+    except (struct.error, LookupError, OverflowError) as error:
+        raise ValueError("its sections cannot be read") from error
+
+
+def _ended_once(library: bytes) -> bytes:
+    first, count = _HEADER.unpack_from(library)
+    sections = [_SECTION.unpack_from(library, first + k * _SECTION.size) for k in range(count)]
+
+    def records(kind: int, layout: Struct) -> list[tuple[Any, ...]]:
+        """What the sections of a type hold: link, where, and the fields of each record."""
+        return [
+            (link, at, *layout.unpack_from(library, at))
+            for type_, start, size, link in sections
+            if type_ == kind
+            for at in range(start, start + size, layout.size)
+        ]
+
+    dynamic = {tag: (at, value) for _, at, tag, value in records(_DYNAMICS, _DYNAMIC)}
+    at, size = dynamic.get(_FINI_ARRAYSZ, (0, 0))
+    if size <= _POINTER:
+        return library
+    last = dynamic[_FINI_ARRAY][1] + size - _POINTER
+    called = {what for _, _, place, what in records(_RELOCATIONS, _RELOCATION) if place == last}
+    names = {
+        library[sections[link][1] + name :].split(b"\0", 1)[0]
+        for link, _, name, value in records(_SYMBOLS, _SYMBOL)
+        if value in called
+    }
+    if size != 2 * _POINTER or _SECOND_END not in names:
+        raise ValueError("it calls an unknown function at its end")
+    return library[:at] + _DYNAMIC.pack(_FINI_ARRAYSZ, _POINTER) + library[at + _DYNAMIC.size :]
+
+
+def mend_unpacked(fmu: Path) -> None:
+    """Mend the libraries of an unpacked FMU of whatever origin; one that is not known stays as it is."""
+    for path in fmu.glob("binaries/*linux*/*.so"):
+        library = path.read_bytes()
+        with suppress(ValueError):
+            if (mended := ended_once(library)) != library:
+                path.write_bytes(mended)
