@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import time
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
-from phaseplane.scenarios.studies import accuracy, own
+from phaseplane.scenarios.studies import accuracy, own, workbench
 from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
 from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from phaseplane.scenarios.studies.reference import truth
@@ -38,9 +37,27 @@ def bench(frame: Problem) -> Workbench:
     return Workbench(frame, truth(frame))
 
 
-def off_by(part: float, seconds: float = 0.0) -> Run:
+class Clock:
+    """A clock that goes on when it is told to."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    """What runs are timed by."""
+    clock = Clock()
+    monkeypatch.setattr(workbench, "perf_counter", clock)
+    return clock
+
+
+def off_by(part: float, seconds: float = 0.0, clock: Clock | None = None) -> Run:
     def run() -> np.ndarray:
-        time.sleep(seconds)
+        if clock:
+            clock.now += seconds
         true = truth_of_frame[0]
         return true + part * np.abs(true).max()
 
@@ -62,13 +79,13 @@ def failing(error: Exception) -> Run:
     return run
 
 
-def test_errors_are_those_made_and_times_those_taken(frame: Problem) -> None:
+def test_errors_are_those_made_and_times_those_taken(frame: Problem, clock: Clock) -> None:
     solver = Solver(
-        "fake", "incremental", "tolerance", (1e-2, 1e-4), lambda _, value: off_by(value, 0.01)
+        "fake", "incremental", "tolerance", (1e-2, 1e-4), lambda _, v: off_by(v, 1e-4 / v, clock)
     )
     points = measure(frame, [solver], repeats=2)
     assert [p.error for p in points] == pytest.approx([1e-2, 1e-4])
-    assert all(0.01 <= p.seconds < 1.0 for p in points)
+    assert [p.seconds for p in points] == pytest.approx([0.01, 1.0])
     assert time_to_reach(points, 1e-3) == points[1].seconds
     assert time_to_reach(points, 1e-5) is None
 
@@ -110,11 +127,11 @@ def test_what_a_library_prints_does_not_reach_the_output(
     assert capfd.readouterr().out == "after\n"
 
 
-def test_nothing_finer_is_tried_after_a_slow_run(
-    frame: Problem, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(accuracy, "_SLOW", 0.01)
-    solver = Solver("slow", "peer", "tolerance", (1e-2, 1e-3), lambda _, v: off_by(v, 0.02))
+def test_nothing_finer_is_tried_after_a_slow_run(frame: Problem, clock: Clock) -> None:
+    seconds = 1.1 * accuracy._SLOW
+    solver = Solver(
+        "slow", "peer", "tolerance", (1e-2, 1e-3), lambda _, v: off_by(v, seconds, clock)
+    )
     coarse, fine = measure(frame, [solver], repeats=1)
     assert coarse.error == pytest.approx(1e-2)
     assert fine.failure.startswith("not tried: a coarser run took")

@@ -10,13 +10,13 @@ import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
 from click import Command, Context
 from click.testing import CliRunner, Result
 from fmpy.util import read_csv
+from hosting import HANGS, started, wait_until
 from phaseplane.scenarios import commands
 from phaseplane.scenarios.cli import COMMANDS, main
 from phaseplane.scenarios.results.folder import read_results
@@ -57,7 +57,7 @@ def in_a_process(
         cwd=cwd,
         capture_output=True,
         encoding=encoding,
-        timeout=60,
+        timeout=HANGS,
         check=False,
     )
 
@@ -345,7 +345,7 @@ def test_a_closed_pipe_is_no_error() -> None:
         process.stdin.write("go\n")
         process.stdin.close()
         assert process.stderr.read() == ""
-        assert process.wait(30) == 141
+        assert process.wait(HANGS) == 141
 
 
 def test_output_that_cannot_be_encoded() -> None:
@@ -395,25 +395,12 @@ def test_build_packs_what_runs() -> None:
 def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
-    running = subprocess.Popen(
-        [
-            sys.executable,
-            "-m",
-            "phaseplane.scenarios.cli",
-            "run",
-            "ap57",
-            *BARE,
-            "--set",
-            "duration=4000 s",
-        ],
-        env={**os.environ, **PATHS, "TMPDIR": str(scratch)},
-    )
-    until = monotonic() + 50.0
-    while not list(scratch.glob("phaseplane-*/unpacked/resources")) and monotonic() < until:
-        sleep(0.05)
-    assert list(scratch.iterdir())
-    running.terminate()
-    assert running.wait(timeout=50.0) == 143
+    arguments = ["run", "ap57", *BARE, "--set", "duration=4000 s", "--realtime"]
+    command = [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments]
+    with started(command, {**PATHS, "TMPDIR": str(scratch)}) as running:
+        wait_until(lambda: list(scratch.glob("phaseplane-*/unpacked/resources")), running)
+        running.terminate()
+        assert running.wait(HANGS) == 143
     assert not list(scratch.iterdir())
 
 

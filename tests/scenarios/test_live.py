@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from time import perf_counter, sleep
+from time import perf_counter
 from types import SimpleNamespace
 from urllib.request import urlopen
 
@@ -18,6 +18,7 @@ import pytest
 from click.testing import CliRunner
 from fmpy.simulation import Recorder
 from fmpy.util import read_csv
+from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import LiveRun
@@ -97,19 +98,13 @@ def test_a_run_recorded_while_it_goes_on() -> None:
 
 @pytest.mark.slow
 def test_an_interrupted_run_leaves_what_it_has_drawn() -> None:
-    arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=60"]
-    running = subprocess.Popen(
-        [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments],
-        env={**os.environ, "PYTHONPATH": PATH},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=4000"]
+    command = [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments]
     part = Path("live.part.rrd")
-    end = perf_counter() + 60.0
-    while not (part.exists() and part.stat().st_size > 200_000) and perf_counter() < end:
-        sleep(0.1)
-    running.send_signal(signal.SIGINT)
-    _, said = running.communicate(timeout=30)
+    with started(command, {"PYTHONPATH": PATH}, stderr=subprocess.PIPE) as running:
+        wait_until(lambda: part.exists() and part.stat().st_size > 200_000, running)
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=HANGS)
     assert running.returncode == 130
     assert said.strip().startswith("phaseplane: interrupted at ")
     assert "/vehicle/axle/wheel" in entities(part)
@@ -184,19 +179,15 @@ def test_the_drawn_tyre_is_compressed_as_its_table_says() -> None:
 def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
     assert done.exit_code == 0
-    serving = subprocess.Popen(
-        [sys.executable, "-m", "phaseplane.scenarios.cli", "serve", str(tmp_path)],
-        env={**os.environ, "PYTHONPATH": PATH},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert serving.stderr
-    page = serving.stderr.readline().strip()
-    assert re.match(r"http://127\.0\.0\.1:\d+/\?url=rerun%2Bhttp", page)
-    with urlopen(page) as answer:
-        assert answer.status == 200
-    serving.send_signal(signal.SIGINT)
-    _, rest = serving.communicate(timeout=20)
+    command = [sys.executable, "-m", "phaseplane.scenarios.cli", "serve", str(tmp_path)]
+    with started(command, {"PYTHONPATH": PATH}, stderr=subprocess.PIPE) as serving:
+        assert serving.stderr
+        page = serving.stderr.readline().strip()
+        assert re.match(r"http://127\.0\.0\.1:\d+/\?url=rerun%2Bhttp", page)
+        with urlopen(page) as answer:
+            assert answer.status == 200
+        serving.send_signal(signal.SIGINT)
+        _, rest = serving.communicate(timeout=HANGS)
     assert serving.returncode == 0
     assert "Traceback" not in rest
     with pytest.raises(OSError, match="refused"):

@@ -8,7 +8,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 import zipfile
 from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
@@ -365,23 +365,20 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
         "2",
     ]
     environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
-    process = subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
     journal = Path(
         "out/sweeps", f".sweep.{journal_key(load_plan('sweep.toml'), 'process')}.journal"
     )
-    for _ in range(600):
-        if journal.exists() and len(journal.read_text().splitlines()) > 3:
-            break
-        time.sleep(0.1)
-    process.send_signal(signal.SIGINT)
-    _, complaint = process.communicate(timeout=60)
+    with started(command, environment, stderr=subprocess.PIPE) as process:
+        wait_until(lambda: journal.exists() and journal.read_text().count("\n") > 3, process)
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=HANGS)
     assert process.returncode == 130
     assert complaint.splitlines()[-1].startswith("phaseplane: interrupted")
     assert not Path("out/sweeps/sweep").exists()
     kept = len(journal.read_text().splitlines()) - 1
     assert 0 < kept < 120
     again = subprocess.run([*command, "--json"], env=environment, capture_output=True, text=True,
-                           check=True, timeout=300)  # fmt: skip
+                           check=True, timeout=HANGS)  # fmt: skip
     assert json.loads(again.stdout)["made"] == 120 - kept
     assert len(rows()) == 120
     assert not journal.exists()

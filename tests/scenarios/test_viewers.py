@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hosting import HANGS
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import recordings_in
 from phaseplane.scenarios.scene.layers import case_names
@@ -31,7 +32,6 @@ from phaseplane.recording.styles import STYLES
 
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
 SIZE = (1600, 1000)
-PATIENCE = 60.0  # s
 
 pytestmark = [
     pytest.mark.slow,
@@ -72,7 +72,7 @@ def viewer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ViewerClient]:
 
 def until(holds: Any) -> None:
     """Wait until a condition holds; errors count as not yet."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + HANGS
     while True:
         try:
             if holds():

@@ -163,10 +163,10 @@ def test_an_interrupt_ends_one_long_call() -> None:
 import signal
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
-signal.setitimer(signal.ITIMER_REAL, 0.3)
-signal.signal(signal.SIGALRM, signal.default_int_handler)
+signal.signal(signal.SIGPROF, signal.default_int_handler)
 integrator = Integrator(build("QuarterCar", {}), "equilibrium", step=1e-6)
 try:
+    signal.setitimer(signal.ITIMER_PROF, 0.3)  # of its own work, however busy the machine is
     integrator.advance(25.0)  # 25 million steps
 except KeyboardInterrupt:
     print("interrupted", integrator.time > 0)
@@ -176,7 +176,6 @@ except KeyboardInterrupt:
         env={"PYTHONPATH": str(Path(suspension.__file__).parents[1])},
         capture_output=True,
         text=True,
-        timeout=60,
         check=True,
     )
     assert done.stdout.split() == ["interrupted", "True"]
