@@ -88,8 +88,9 @@ int main(int count, char **given) {
             ((int (*)(void *, const unsigned *, size_t, const double *))function(&all[k], "fmi2SetReal"))(
                 all[k].instance, &first, 1, &negative);
         }
-        expect((call(&all[k], "fmi2ExitInitializationMode") == OK) != refused, "fmi2ExitInitializationMode");
-        if (!refused) expect(step(&all[k], 0.0, 0.01) == OK, "fmi2DoStep");
+        /* from Python 3.12 on the FMU refuses only the first step */
+        int good = call(&all[k], "fmi2ExitInitializationMode") == OK && step(&all[k], 0.0, 0.01) == OK;
+        expect(good != refused, "initialisation and first step");
     }
     if (handled || strcmp(ending, "killed") == 0) {
         puts("waiting");

@@ -19,7 +19,7 @@ alive: list[Any] = []  # what is not freed lives until the interpreter ends
 
 
 def fmpy(files: Sequence[str], refused: bool) -> Free:
-    """By FMPy: a parameter is refused at the end of initialisation."""
+    """By FMPy: a parameter is refused at the end of initialisation, or by the first step."""
     from fmpy import extract, read_model_description  # noqa: PLC0415
     from fmpy.fmi1 import FMICallException  # noqa: PLC0415
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415
