@@ -411,18 +411,17 @@ def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
         "sweep", str(written(GRID.replace("count = 3", "count = 60"))), "--workers", "2",
     ]  # fmt: skip
     environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}
-    with subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL) as process:
-        while not any(
-            len(journal.read_text().splitlines()) > 1
-            for journal in Path("out/sweeps").glob(".sweep.*.journal")
-        ):
-            assert process.poll() is None
-            time.sleep(0.1)
+
+    def some_rows_are_made() -> bool:
+        journals = Path("out/sweeps").glob(".sweep.*.journal")
+        return any(journal.read_text().count("\n") > 1 for journal in journals)
+
+    with started(command, environment, stderr=subprocess.DEVNULL) as process:
+        wait_until(some_rows_are_made, process)
         children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
         process.kill()
     assert len(children) >= 2
-    while any(running_still(int(child)) for child in children):
-        time.sleep(0.1)  # for ever, if they do not end
+    wait_until(lambda: not any(running_still(int(child)) for child in children))
 
 
 def running_still(number: int) -> bool:
