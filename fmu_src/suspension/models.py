@@ -19,6 +19,7 @@ from .parts import (
 )
 from .signals import Signal
 from .systems import Axle, Element, Load, Motion, System
+from .units import nearest
 from .variable import number
 from .variables import ParameterError, Value, checked_parameters
 
@@ -359,5 +360,14 @@ def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
     """The system of a model from all of its parameters, as `checked_parameters` gives them.
 
     What it does with numbers it can do with those of many runs at once (see `many`).
+
+    Raises
+    ------
+    ParameterError : a model that is no system, such as a road.
     """
+    if model not in _BUILDERS:
+        raise ParameterError(
+            f"{model} is not a system that can be run; there are {', '.join(_BUILDERS)}"
+            + nearest(model, _BUILDERS)
+        )
     return _BUILDERS[model](parameters)

@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -140,6 +140,12 @@ def _cleaning_up_when_terminated() -> Iterator[None]:
 
 def complain(message: object) -> None:
     click.echo(f"phaseplane: {one_line(message)}", err=True)
+
+
+def warn(messages: Iterable[str]) -> None:
+    """Say what is not wrong, but hardly meant."""
+    for message in messages:
+        complain(f"warning: {message}")
 
 
 set_option = click.option(

@@ -12,8 +12,9 @@ from pydantic import BaseModel
 from ..measures import catalogue
 from ..scene.expectations import During, Reference
 from ..scene.fmus import fmu_named
+from ..scene.names import SWEEPS
 from ..scene.sections import Construction, Show
-from ..sweeps.plan import SWEEPS, Range, SweepFile
+from ..sweeps.plan import Range, SweepFile
 
 _TOP = {
     "extends": ("", "another case or scene file, over which this one is laid"),

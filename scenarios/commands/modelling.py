@@ -12,7 +12,7 @@ from ..results.folder import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import ladder as climb
 from ..studies.ladder import ladder_in_words
-from .console import dark_option, figure_option, json_option, set_option
+from .console import dark_option, figure_option, json_option, set_option, warn
 
 
 @click.command()
@@ -28,7 +28,9 @@ from .console import dark_option, figure_option, json_option, set_option
 @json_option
 def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bool) -> None:
     """Find the smallest model that serves SCENE, by running them all."""
-    told = climb(load_scene(scene, overrides), tolerance)
+    loaded = load_scene(scene, overrides, expect=False)
+    warn(loaded.warnings)
+    told = climb(loaded, tolerance)
     click.echo(as_json(told) if as_data else ladder_in_words(told))
 
 

@@ -27,7 +27,7 @@ from ..errors import (
 from ..results.folder import as_json, read_results, read_summary
 from ..results.report import drift_words
 from ..results.tables import read_table
-from ..scene.layers import find_scene
+from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES
 from .console import dark_option, figure_option, json_option, set_option
@@ -80,8 +80,13 @@ def replay(
             "replay: nothing to do; give one or more of --save F.rrd, --figure F.png, --connect URL "
             "and --serve"
         )
-    extra = (("construction.rule", rule), ("construction.step", step))
-    settings = (*overrides, *(f"{key}={value}" for key, value in extra if value is not None))
+    extra = (
+        Setting("construction.rule", rule, "--construction"),
+        Setting("construction.step", step, "--step"),
+    )
+    settings: tuple[str | Setting, ...] = (
+        *overrides, *(setting for setting in extra if setting.value is not None)
+    )  # fmt: skip
     with page(served, address) as server:
         shown_in = viewer or (server.url if server else "")
         told = replay_construction(
@@ -100,7 +105,7 @@ def replay(
 
 def replay_construction(
     what: str,
-    overrides: Sequence[str],
+    overrides: Sequence[str | Setting],
     recording: Path | None,
     figure: Path | None,
     viewer: str = "",
@@ -135,7 +140,7 @@ def replay_construction(
         raise InputError(str(error)) from None
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
-        overrides = (f"construction.rule={RULES_SHOWN[kind]}", *overrides)
+        overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
     folder = _results_folder(Path(what))
     if folder is not None and over is None:
         results = read_results(folder)
@@ -144,7 +149,7 @@ def replay_construction(
         drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
         shown = of_results(results, drawing, {})
     else:
-        scene = load_scene(_scene_or_folder(what), overrides)
+        scene = load_scene(_scene_or_folder(what), overrides, expect=False)
         settings = scene.construction.model_dump()
         model, parameters = scene.fmu.model, scene.all_parameters
         columns = read_table(over)[0] if over is not None else {}
@@ -197,5 +202,6 @@ def _scene_or_folder(what: str) -> str:
     try:
         find_scene(what)
     except SceneError as error:
-        raise SceneError(f"{error}, or of a results folder") from None
+        more = ", or of a results folder" if str(error).endswith("file") else ""
+        raise SceneError(f"{error}{more}") from None
     return what

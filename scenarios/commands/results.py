@@ -6,8 +6,16 @@ from pathlib import Path
 
 import click
 
-from ..results.folder import as_json
-from ..results.inspection import contents, contents_in_words, difference, difference_in_words
+from ..errors import InputError, one_line
+from ..results.folder import OUTPUT, as_json, read_summary
+from ..results.inspection import (
+    contents,
+    contents_in_words,
+    difference,
+    difference_in_words,
+    first_difference,
+)
+from ..scene.names import meant
 from .console import DONE, FAILED, complain, figure_option, json_option
 
 _columns = click.option(
@@ -22,6 +30,7 @@ _columns = click.option(
 @json_option
 def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
     """Show what is in RESULTS: the folder of a run, or a table."""
+    _check_there(what)
     told = contents(what, columns, figure)
     click.echo(as_json(told) if as_data else contents_in_words(told, what))
 
@@ -37,6 +46,11 @@ def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: boo
     help="Largest difference, over the peak of the column, that counts as equal.",
 )
 @_columns
+@click.option(
+    "--common",
+    is_flag=True,
+    help="Compare only the rows, time and columns that both have; others are no difference then.",
+)
 @figure_option("the columns that differ most")
 @json_option
 def compare(
@@ -45,20 +59,34 @@ def compare(
     other: Path,
     tolerance: float,
     columns: tuple[str, ...],
+    common: bool,
     figure: Path | None,
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column.
 
-    Exit status 1 if they differ.
+    Rows, times and columns that only one of them has count as a difference, too. Exit status 1 if they
+    differ.
     """
-    told = difference(ours, other, tolerance, columns, figure)
+    _check_there(ours, other)
+    told = difference(ours, other, tolerance, columns, figure, common=common)
     click.echo(as_json(told) if as_data else difference_in_words(told))
     if told["equal"]:
         return DONE
-    worst = told["differences"][0]
-    complain(
-        f"{ours} and {other} differ: {worst['name']} by {worst['relative']:.3g} of its peak, "
-        f"allowed: {tolerance:g}"
-    )
+    complain(first_difference(told))
     return FAILED
+
+
+def _check_there(*paths: Path) -> None:
+    """Refuse results that do not exist, with what may be meant by the name.
+
+    Raises
+    ------
+    InputError
+    """
+    for path in paths:
+        if not path.exists():
+            kept = OUTPUT / path
+            known = read_summary(kept) is not None
+            hint = f"; did you mean {kept}?" if known else meant(str(path), "results")
+            raise InputError(one_line(f"no such file or folder: {path}{hint}"))

@@ -27,6 +27,7 @@ from ..results.folder import (
     write_results,
 )
 from ..results.report import failures, report
+from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from ..simulate import runner
 from .console import (
@@ -38,6 +39,7 @@ from .console import (
     output_option,
     progress_bar,
     set_option,
+    warn,
 )
 from .viewing import page, save_option, until_interrupted, viewer_options
 
@@ -45,6 +47,9 @@ from .viewing import page, save_option, until_interrupted, viewer_options
 @click.command()
 @click.argument("scene")
 @set_option
+@click.option(
+    "--no-expect", is_flag=True, help="Do not check what SCENE expects; only what --set expects."
+)
 @output_option
 @viewer_options
 @save_option
@@ -58,6 +63,7 @@ def run(
     *,
     scene: str,
     overrides: tuple[str, ...],
+    no_expect: bool,
     output: Path | None,
     viewer: str,
     served: bool,
@@ -71,7 +77,11 @@ def run(
 
     With --connect, --serve or --save it is shown or recorded while it goes on.
     """
-    shown = [f"show.planes={list(planes)}", "show.recording=stages"] if planes else []
+    shown = (
+        [Setting("show.planes", list(planes), "--plane"), Setting("show.recording", "stages")]
+        if planes
+        else []
+    )
     with page(served, address) as server:
         with progress_bar(scene) as progress:
             summary, folder = run_scene(
@@ -82,7 +92,9 @@ def run(
                 viewer=viewer or (server.url if server else ""),
                 save=save,
                 realtime=realtime,
+                expect=not no_expect,
             )
+        warn(summary["warnings"])
         click.echo(as_json(summary) if as_data else report(summary, folder))
         told = failures(summary)
         lines = [*told, *summary["notes"]]
@@ -95,13 +107,14 @@ def run(
 
 def run_scene(
     reference: str,
-    overrides: Sequence[str] = (),
+    overrides: Sequence[str | Setting] = (),
     folder: Path | None = None,
     progress: Callable[[float], None] | None = None,
     *,
     viewer: str = "",
     save: Path | None = None,
     realtime: bool = False,
+    expect: bool = True,
 ) -> tuple[dict[str, Any], Path]:
     """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
 
@@ -114,6 +127,7 @@ def run_scene(
         it, the run does not notice
     save : a recording (.rrd) that is written while the run goes on, and whole at its end
     realtime : whether the run waits for the clock
+    expect : whether what the scene expects is checked; what overrides expect is in any case
 
     Returns
     -------
@@ -126,7 +140,7 @@ def run_scene(
     KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM; what was computed until then has been written.
     """
     check_recording(save)
-    scene = load_scene(reference, overrides)
+    scene = load_scene(reference, overrides, expect=expect)
     place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
     check_replaceable(place)
     problems: list[str] = []

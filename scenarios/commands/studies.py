@@ -11,7 +11,7 @@ from ..results.folder import as_json
 from ..scene.loading import load_scene
 from ..studies import rules as study
 from ..studies.reports import study_accuracy, study_stability
-from .console import json_option, progress_bar, set_option
+from .console import json_option, progress_bar, set_option, warn
 
 
 @click.command()
@@ -51,7 +51,8 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
     The integrator is compared, too. [default of SCENE: ap57_figure13, the 60 points of the worked
     example]
     """
-    loaded = load_scene(scene, overrides)
+    loaded = load_scene(scene, overrides, expect=False)
+    warn(loaded.warnings)
     results = study.measure_rules(loaded)
     click.echo(
         as_json(study.as_data(loaded, results)) if as_data else study.rules_table(loaded, results)

@@ -9,7 +9,7 @@ import click
 from ..results.folder import as_json
 from ..sweeps.job import run_sweep
 from ..sweeps.report import sweep_in_words
-from .console import DONE, FAILED, complain, json_option, progress_bar
+from .console import DONE, FAILED, complain, json_option, progress_bar, warn
 
 
 @click.command()
@@ -60,6 +60,7 @@ def sweep(
             table=table,
             progress=progress,
         )
+    warn(summary["warnings"])
     click.echo(as_json(summary) if as_data else sweep_in_words(plan, summary, folder))
     failures = summary["failures"]
     if failures:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import cos, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,9 +28,30 @@ if TYPE_CHECKING:
 
     from ..scene.schema import Scene
 
+_OF_EQUATION = ("displacement", "x")
 _REACH = 3.0  # of an equation, unless it starts farther out
 _PART = 0.1  # m, that of a vehicle
 _PERIODS = 100
+
+
+@dataclass(frozen=True, slots=True)
+class _Subject:
+    """What a portrait is made of.
+
+    Parameters
+    ----------
+    system : the system, under its periodic excitation if there is one
+    labels : of the axes
+    reach : how far the window reaches at least, in the coordinate's unit
+    start : displacement and rate from which the section of that begins
+    held : words for the coordinates that rest while one moves
+    """
+
+    system: PhaseSystem
+    labels: tuple[str, str]
+    reach: float
+    start: tuple[float, float] = (0.0, 0.0)
+    held: tuple[str, ...] = ()
 
 
 def portrait(
@@ -65,13 +86,14 @@ def portrait(
     """
     if figure is not None:
         check_picture(figure)
-    scene = load_scene(reference, overrides)
+    scene = load_scene(reference, overrides, expect=False)
     try:
-        system, labels, reach, start = _of_scene(scene, coordinate, period)
-        shown = computed.Window(*window) if window else computed.good_window(system, reach)
+        subject = _of_scene(scene, coordinate, period)
+        system = subject.system
+        shown = computed.Window(*window) if window else computed.good_window(system, subject.reach)
         with np.errstate(all="ignore"):  # motions that leave every window
             made = computed.whole_portrait(
-                system, shown, start=start, periods=_PERIODS, frozen=frozen
+                system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
             )
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown))
@@ -80,15 +102,17 @@ def portrait(
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
         title = f"{title}: x'' + {scene.all_parameters['equation']} = 0"
+    elif subject.held:
+        title = f"{title}; {', '.join(subject.held)} held at rest"
     if made.frozen is not None and system.driven:
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:
         title = f"{title}: section, once in each period of the drive"
     if figure is not None:
-        figures.save(figures.portrait(made, labels=labels, title=title, dark=dark), figure)
+        figures.save(figures.portrait(made, labels=subject.labels, title=title, dark=dark), figure)
     return {
         "title": title,
-        "coordinate": labels[0],
+        "coordinate": subject.labels[0],
         **_told(made),
         "files": [str(figure)] if figure is not None else [],
     }
@@ -155,21 +179,20 @@ def _section_in_words(told: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def _of_scene(
-    scene: Scene, coordinate: str, period: float
-) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
-    """The system, under its periodic excitation if there is one, names of the axes, reach and start."""
+def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
     parameters = scene.all_parameters
     if scene.fmu.model == EQUATION:
+        if coordinate not in ("", *_OF_EQUATION):
+            raise ValueError(f"coordinate {coordinate!r}: an equation has none but displacement")
         return _of_equation(parameters, period)
+    if period:
+        raise ValueError("--period is for equations; a vehicle's is that of its road")
     if scene.fmu.model not in MODELS:
         raise ValueError(f"there is no portrait of {scene.fmu.model}")
     return _of_model(build(scene.fmu.model, parameters), parameters, coordinate)
 
 
-def _of_equation(
-    parameters: Mapping[str, Value], period: float
-) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
+def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     text = str(parameters["equation"])
     found = period or drive_period(text)
     if found is None:
@@ -180,12 +203,10 @@ def _of_equation(
         function_of(text)[0], period=found, on_arrays=function_of_arrays(text)
     )
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    return system, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start
+    return _Subject(system, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start)
 
 
-def _of_model(
-    system: System, parameters: Mapping[str, Value], coordinate: str
-) -> tuple[PhaseSystem, tuple[str, str], float, tuple[float, float]]:
+def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) -> _Subject:
     """A section in which one coordinate moves; one degree of freedom is driven by a sinusoidal road."""
     names = list(system.coordinates)
     name = (coordinate or names[0]).removesuffix("_displacement")
@@ -200,7 +221,8 @@ def _of_model(
     words = name.replace("_", " ")
     what = f"{words} displacement" if len(names) > 1 else "deflection"
     labels = (f"{what} [m]", "its rate [m/s]")
-    return section, labels, _PART, (0.0, 0.0)
+    held = tuple(other.replace("_", " ") for other in names if other != name)
+    return _Subject(section, labels, _PART, held=held)
 
 
 def _on_waves(still: PhaseSystem, wave: Segment) -> PhaseSystem:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import partial
+from functools import lru_cache, partial
+from types import MappingProxyType
 
 from phaseplane.suspension.variables import Variable
 
@@ -23,18 +24,25 @@ _DEFAULT = (
 )  # fmt: skip
 
 
-def catalogue(outputs: Mapping[str, Variable]) -> dict[str, Measure]:
+def catalogue(outputs: Mapping[str, Variable]) -> Mapping[str, Measure]:
     """Every measure that can be taken of a model.
 
     Parameters
     ----------
     outputs : of the model, by name
     """
+    return _measures_of(tuple(outputs.values()))
+
+
+@lru_cache(maxsize=16)
+def _measures_of(variables: tuple[Variable, ...]) -> Mapping[str, Measure]:
+    """The same, made once for each model: every measure named is looked up in it."""
+    outputs = {variable.name: variable for variable in variables}
     measures = [
         *of_motion(outputs), *of_axles(outputs), *of_ride(outputs), *of_roads(outputs),
         *of_modes(outputs), *_of_the_solver(outputs),
     ]  # fmt: skip
-    return {measure.name: measure for measure in measures}
+    return MappingProxyType({measure.name: measure for measure in measures})
 
 
 def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tuple[str, ...]:

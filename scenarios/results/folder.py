@@ -136,12 +136,15 @@ def read_results(path: Path) -> Results:
         return Results(*read_table(path))
     summary = read_summary(path)
     if summary is None:
+        if not path.exists():
+            raise FolderError(one_line(f"no such file or folder: {path}"))
         raise FolderError(
             one_line(f"{path} is no results folder: it holds no {SUMMARY} written by a run")
         )
-    columns, _ = read_table(path / str(summary.get("table", TABLE)))
+    table = path / str(summary.get("table", TABLE))
+    columns, _ = read_table(table)
     if "time" not in columns:
-        raise FolderError(one_line(f"cannot read {path / TABLE}: no column time"))
+        raise FolderError(one_line(f"cannot read {table}: no column time"))
     return Results(columns, summary)
 
 

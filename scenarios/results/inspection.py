@@ -11,7 +11,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line, shown
-from .comparison import Difference, compared
+from .comparison import Difference, check_ascending, compared, extent_words
 from .folder import Results, read_results
 from .report import aligned, report
 
@@ -34,7 +34,7 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
     if figure is not None:
         check_picture(figure)
     results = read_results(what)
-    columns = _chosen(results, names)
+    columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
     told = {
         "file": str(what),
@@ -54,9 +54,9 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
     if figure is not None:
         drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
         title = str(results.summary.get("title", what.name))
+        time = _time(results, what)
         figures.save(
-            figures.columns({n: columns[n] for n in drawn}, _time(results), units, title=title),
-            figure,
+            figures.columns({n: columns[n] for n in drawn}, time, units, title=title), figure
         )
         told["files"] = [str(figure)]
     return told
@@ -67,6 +67,7 @@ def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
     lines = []
     if told["summary"].get("measures"):
         lines += [report(told["summary"], folder), ""]
+    lines += [f"warning: {warning}" for warning in told["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     rows = [
         (name, c["unit"], *(f"{c[key]:.6g}" for key in ("first", "last", "min", "max")))
@@ -77,16 +78,23 @@ def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
 
 
 def difference(
-    ours: Path, other: Path, tolerance: float, names: Sequence[str] = (), figure: Path | None = None
+    ours: Path,
+    other: Path,
+    tolerance: float,
+    names: Sequence[str] = (),
+    figure: Path | None = None,
+    *,
+    common: bool = False,
 ) -> dict[str, Any]:
-    """How far two results lie apart, column by column.
+    """How far two results lie apart, column by column, and what only one of them has.
 
     Parameters
     ----------
     ours, other : results folders, or tables by themselves
     tolerance : largest difference over the peak that is still called equal
-    names : of columns; all they have in common if left out
+    names : of the columns compared; all if left out
     figure : picture of the columns that differ most
+    common : whether rows, time and columns that only one of them has are left out of account
 
     Raises
     ------
@@ -97,20 +105,23 @@ def difference(
     first, second = read_results(ours), read_results(other)
     for results, path in ((first, ours), (second, other)):
         _time(results, path)
-        _chosen(results, names)
+        _chosen(results, names, path)
     try:
         found = compared(first.columns, second.columns, names or None)
     except ValueError as error:
         raise InputError(one_line(f"{ours} and {other}: {error}")) from None
+    unshared = [] if common else found.unshared(str(ours), str(other))
     told: dict[str, Any] = {
         "ours": str(ours),
         "other": str(other),
         "tolerance": tolerance,
-        "equal": all(d.relative <= tolerance for d in found),
-        "differences": [_plain(d) for d in found],
+        "equal": not unshared and all(d.relative <= tolerance for d in found.differences),
+        "compared": found.as_data(),
+        "unshared": unshared,
+        "differences": [_plain(d) for d in found.differences],
     }
     if figure is not None:
-        worst = [d.name for d in found[:_MOST_DRAWN]]
+        worst = [d.name for d in found.differences[:_MOST_DRAWN]]
         picture = figures.comparison(
             {name: (first.columns[name], second.columns[name]) for name in worst},
             (first.columns["time"], second.columns["time"]),
@@ -130,8 +141,24 @@ def difference_in_words(told: Mapping[str, Any]) -> str:
         for d in told["differences"]
     ]
     verdict = "equal" if told["equal"] else "different"
-    lines = aligned([heading, *rows])
-    return "\n".join([*lines, f"{verdict} to {told['tolerance']:g}", *told.get("files", ())])
+    lines = [
+        *aligned([heading, *rows]),
+        f"compared: {extent_words(told['compared'])}",
+        *told["unshared"],
+        verdict if told["unshared"] else f"{verdict} to {told['tolerance']:g}",
+    ]
+    return "\n".join([*lines, *told.get("files", ())])
+
+
+def first_difference(told: Mapping[str, Any]) -> str:
+    """Why two results are not equal, in one line."""
+    if told["unshared"]:
+        return f"{'; '.join(told['unshared'])}; --common compares only what both have"
+    worst = told["differences"][0]
+    return (
+        f"{told['ours']} and {told['other']} differ: {worst['name']} by {worst['relative']:.3g} of "
+        f"its peak, allowed: {told['tolerance']:g}"
+    )
 
 
 def _plain(difference: Difference) -> dict[str, Any]:
@@ -144,14 +171,21 @@ def _plain(difference: Difference) -> dict[str, Any]:
     }
 
 
-def _time(results: Results, path: Path = Path()) -> Any:
+def _time(results: Results, path: Path) -> Any:
     if "time" not in results.columns:
         raise InputError(one_line(f"{path}: no column time"))
-    return results.columns["time"]
+    time = results.columns["time"]
+    try:
+        check_ascending(time.astype(float))
+    except ValueError as error:
+        raise InputError(one_line(f"{path}: {error}")) from None
+    return time
 
 
-def _chosen(results: Results, names: Sequence[str]) -> dict[str, Any]:
+def _chosen(results: Results, names: Sequence[str], path: Path) -> dict[str, Any]:
     for name in names:
         if name not in results.columns:
-            raise InputError(one_line(f"no column {shown(name)}{nearest(name, results.columns)}"))
+            raise InputError(
+                one_line(f"{path}: no column {shown(name)}{nearest(name, results.columns)}")
+            )
     return {name: results.columns[name] for name in (names or results.columns)}

@@ -9,6 +9,7 @@ from typing import Any
 
 from phaseplane.suspension.profiles import fade_length
 
+from .comparison import extent_words
 from .quantities import reading
 
 _WIDTH = 17
@@ -30,12 +31,15 @@ def failures(summary: Mapping[str, Any]) -> list[str]:
             f"{stopped['reason']}"
         )
     told += summary["problems"]
-    told += [
-        f"{e['measure']} = {_number(e['value'])}, expected {_bounds(e)}"
-        for e in summary["expectations"]
-        if not e["holds"]
-    ]
+    told += [_unmet(e) for e in summary["expectations"] if not e["holds"]]
     return told
+
+
+def _unmet(expectation: Mapping[str, Any]) -> str:
+    """What is wrong with an expectation that does not hold."""
+    if expectation.get("reason"):
+        return f"{expectation['measure']}: {expectation['reason']}"
+    return f"{expectation['measure']} = {_number(expectation['value'])}, expected {_bounds(expectation)}"
 
 
 def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
@@ -60,7 +64,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         yield _line("" if i else "note", remark)
     yield _line(
         "duration",
-        f"{summary['duration']:g} s, {summary['rows']} rows, one every "
+        f"{summary['duration']:g} s, {_counted(summary['rows'], 'row')}, one every "
         f"{1e3 * summary['output_interval']:g} ms",
     )
     yield ""
@@ -74,7 +78,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     for i, note in enumerate(summary.get("notes", ())):
         yield _line("" if i else "note", note)
     yield ""
-    for i, name in enumerate(summary["files"]):
+    for i, name in enumerate(summary.get("files", ())):  # a table by itself carries none
         yield _line("" if i else "files", _path(folder / name))
 
 
@@ -166,8 +170,12 @@ def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
     if expectations:
         hold = sum(e["holds"] for e in expectations)
         yield _line("expected", f"{hold} of {len(expectations)} hold")
+        for expectation in expectations:
+            if "compared" in expectation:
+                name = expectation["measure"].rpartition(" from ")[2]
+                yield _line("compared", f"with {name}: {extent_words(expectation['compared'])}")
     elif summary["unchecked"]:
-        yield _line("expected", "nothing checked, because the scene was changed")
+        yield _line("expected", f"not checked: {', '.join(summary['unchecked'])}")
 
 
 def road_words(parameters: Mapping[str, Any]) -> str:
@@ -226,6 +234,10 @@ def _number(value: object) -> str:
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value)) or "none"
     return f"{value:.8g}" if isinstance(value, float) else str(value)
+
+
+def _counted(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
 
 
 def _bounds(expectation: Mapping[str, Any]) -> str:

@@ -45,12 +45,23 @@ def read_table(path: Path) -> Table:
         columns, text = _FORMS[path.suffix][1](path)
         if not columns or not all(len(column) for column in columns.values()):
             raise ValueError("no rows")
+        _check_columns(columns)
         metadata = json.loads(text) if text else {}
     except ImportError:
         raise
     except Exception as error:  # whatever a file that is none provokes in its library
         raise InputError(one_line(f"cannot read {path}: {error}", 300)) from None
     return columns, metadata if isinstance(metadata, dict) else {}
+
+
+def _check_columns(columns: Columns) -> None:
+    """Refuse what is no table of numbers."""
+    rows = {len(column) for column in columns.values()}
+    for name, column in columns.items():
+        if column.ndim != 1 or column.dtype.kind not in "biuf":
+            raise ValueError(f"column {name!r} does not hold numbers")
+    if len(rows) > 1:
+        raise ValueError(f"columns of different lengths: {', '.join(map(str, sorted(rows)))} rows")
 
 
 def check_ending(path: Path) -> None:

@@ -37,6 +37,7 @@ _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
 _LONGEST = 1000
 _MOST_PERIODS = 100  # of the slowest part of a drive, after which all parts have repeated
+_NO_FURTHER = "no step is short enough: the acceleration is no number there, or grows without bound"
 
 VARIABLES = (
     Variable("equation", "f of x'' + f = 0, a formula of v = x', x and t", "parameter", "x"),
@@ -221,23 +222,28 @@ def solve(
 
     function, _ = function_of(str(parameters["equation"]))
 
+    def acceleration(x: float, v: float, t: float) -> float:
+        try:
+            return -function(v, x, t)
+        except OverflowError:  # the solver tries a shorter step where there is no number
+            return math.nan
+
     def slope(t: float, state: npt.NDArray[np.float64]) -> tuple[float, float]:
-        return state[1], -function(float(state[1]), float(state[0]), t)
+        x, v = state.tolist()
+        return v, acceleration(x, v, t)
 
     started = perf_counter()
-    complaint = ""
     y = np.array([[parameters["displacement_start"]], [parameters["velocity_start"]]], float)
     reached = times[:1]
-    try:
+    with np.errstate(all="ignore"):  # what has no number ends the run with a complaint
         solution = solve_ivp(
             slope, (times[0], times[-1]), y[:, 0], method="DOP853", t_eval=times, rtol=1e-10,
             atol=1e-12, max_step=(times[-1] - times[0]) / 50.0,
         )  # fmt: skip
+    if len(solution.t):  # else it did not come to any instant but the first
         reached, y = solution.t, solution.y
-        complaint = "" if solution.success else str(solution.message)
-    except (OverflowError, ValueError) as error:
-        complaint = f"the equation has no number there: {error}"
-    accelerations = [-function(v, x, t) for x, v, t in zip(*y.tolist(), reached, strict=True)]
+    complaint = "" if solution.success else _NO_FURTHER
+    accelerations = [acceleration(x, v, t) for x, v, t in zip(*y.tolist(), reached, strict=True)]
     columns = {
         "time": reached,
         "displacement": y[0],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from math import inf, isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from phaseplane.suspension.units import nearest, to_si
@@ -14,7 +13,6 @@ from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from ..errors import shown
 from ..measures import COUNT, Reading
 from ..results.comparison import compared
-from ..results.folder import read_results
 from .fields import Factor, Instant, Strict, choices, one_of, tuple_from, unit_words
 
 if TYPE_CHECKING:
@@ -24,6 +22,7 @@ if TYPE_CHECKING:
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
 _TOLERANCE = 1e-6
+_COMMON = "common = true compares only what both have"
 
 
 class Bounds(Strict):
@@ -120,18 +119,35 @@ class Reference(Strict):
     tolerance: Factor = _TOLERANCE
     """largest difference over the column's peak"""
     columns: Annotated[tuple[str, ...], BeforeValidator(tuple_from)] | None = None
-    """names of columns; all that file and run have in common if left out"""
+    """names of the columns compared; all if left out"""
+    common: bool = False
+    """whether only the rows, time and columns that file and run have in common are compared; if not, \
+those that only one of them has count as a difference"""
 
-    def judged(self, path: Path, columns: Columns) -> dict[str, Any]:
-        """Whether the worst column is close enough."""
-        worst = compared(columns, read_results(path).columns, self.columns)[0]
+    def judged(self, file: str, reference: Columns, columns: Columns) -> dict[str, Any]:
+        """Whether the worst column is close enough, and file and run have the same rows and columns.
+
+        Parameters
+        ----------
+        file : name of the file
+        reference : its columns
+        columns : those of the run that are shown, and those that the file has as well
+        """
+        told = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
+        try:
+            found = compared(columns, reference, self.columns)
+        except ValueError as error:
+            return {"measure": f"difference from {file}", **told, "reason": str(error)}
+        worst = found.differences[0]
+        unshared = [] if self.common else found.unshared("the run", file)
         return {
-            "measure": f"difference of {worst.name} from {path.name}",
-            "min": None,
-            "max": self.tolerance,
+            "measure": f"difference of {worst.name} from {file}",
+            **told,
             "value": worst.relative,
             "time": worst.time,
-            "holds": worst.relative <= self.tolerance,
+            "holds": worst.relative <= self.tolerance and not unshared,
+            "reason": "; ".join([*unshared, _COMMON] if unshared else []),
+            "compared": found.as_data(),
         }
 
 

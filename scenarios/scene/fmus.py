@@ -13,6 +13,7 @@ from phaseplane.suspension.variables import MODELS, Value, Variable
 
 from ..errors import InputError, one_line, shown
 from .equation import EQUATION, VARIABLES
+from .names import meant
 
 if TYPE_CHECKING:
     from fmpy.model_description import ScalarVariable
@@ -22,6 +23,13 @@ _TYPES: dict[str, Callable[[str], Value]] = {
     "Integer": int,
     "Boolean": lambda text: text == "true",
     "String": str,
+}
+_DESCRIPTION = "modelDescription.xml"
+_KINDS = {
+    "CoSimulation": "co-simulation",
+    "Implementation": "co-simulation",  # FMI 1.0
+    "ModelExchange": "model exchange",
+    "ScheduledExecution": "scheduled execution",
 }
 
 
@@ -86,6 +94,7 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
         raise InputError(
             f"must be one of {', '.join(known)}, or the path of an .fmu file"
             + nearest(reference, known)
+            + meant(reference, "model")
         )
     path = (folder or Path()) / reference
     if not path.is_file():
@@ -115,12 +124,11 @@ def default_duration(path: Path) -> float | None:
 def _described(path: Path) -> Fmu:
     from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
 
+    _refuse_other_kinds(path)
     try:
         description = read_model_description(str(path), validate=False)
-    except Exception as error:  # whatever a file that is no FMU provokes
-        raise InputError(f"not an FMU: {one_line(error, 160)}") from None
-    if description.fmiVersion != "2.0" or description.coSimulation is None:
-        raise InputError(f"FMI {description.fmiVersion}: must be FMI 2.0 for co-simulation")
+    except Exception as error:  # whatever a damaged description provokes
+        raise InputError(f"not an FMU of FMI 2.0: {one_line(error, 160)}") from None
     variables = tuple(
         _variable(scalar)
         for scalar in description.modelVariables
@@ -131,6 +139,40 @@ def _described(path: Path) -> Fmu:
         return fmu
     declared = zip(MODELS[fmu.model], variables, strict=True)  # with ranges as they are meant
     return Fmu(fmu.model, path, tuple(replace(ours, start=own.start) for ours, own in declared))
+
+
+def _refuse_other_kinds(path: Path) -> None:
+    """Refuse what is no FMU, or one that cannot be driven here.
+
+    Raises
+    ------
+    InputError : says what it is.
+    """
+    from xml.etree import ElementTree  # noqa: PLC0415  (rarely needed)
+    from zipfile import BadZipFile, ZipFile  # noqa: PLC0415
+
+    try:
+        with ZipFile(path) as archive, archive.open(_DESCRIPTION) as file:
+            root = ElementTree.parse(file).getroot()
+    except BadZipFile:
+        raise InputError("not an FMU: it is not a zip archive") from None
+    except KeyError:
+        raise InputError(f"not an FMU: it holds no {_DESCRIPTION}") from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror or error}") from None
+    except Exception as error:  # whatever a damaged archive provokes
+        raise InputError(f"not an FMU: {_DESCRIPTION}: {one_line(error, 160)}") from None
+    version = root.get("fmiVersion")
+    if root.tag != "fmiModelDescription" or not version:
+        raise InputError(
+            f"not an FMU: {_DESCRIPTION} is not a model description of any FMI version"
+        )
+    kinds = [words for tag, words in _KINDS.items() if root.find(tag) is not None]
+    if version != "2.0" or _KINDS["CoSimulation"] not in kinds:
+        purpose = f" for {' and '.join(kinds)}" if kinds else ""
+        raise InputError(
+            f"an FMU of FMI {version}{purpose}; only FMUs of FMI 2.0 for co-simulation can be run"
+        )
 
 
 def _variable(scalar: ScalarVariable) -> Variable:

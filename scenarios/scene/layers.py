@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,48 +17,109 @@ from phaseplane.suspension.units import nearest
 
 from ..errors import SceneError, one_line, shown
 from .fmus import default_duration
+from .names import CASES, case_names, meant
 
-CASES = Path(__file__).parents[1] / "cases"
 SECTIONS = ("parameters", "show", "construction", "expect")
 KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
-# A change of one of these makes another motion, and what was expected of the former no longer
-# holds; how it is solved must not matter.
+# A scene that changes one of these over its base makes another motion, and what the base expects
+# does not hold of it; how it is solved must not matter.
 MOTION = ("fmu", "duration", "parameters")
 SOLVER = "parameters.solver."
+SET = "--set"
 REFERENCE = "reference"  # a table within [expect]
 _LARGEST_FILE = 10_000_000
 
 
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A key of a scene that is set from outside.
+
+    Parameters
+    ----------
+    key : dotted, from the top of the scene
+    value : as TOML gives it
+    origin : the option that it was given with, which messages name
+    """
+
+    key: str
+    value: Any
+    origin: str = SET
+
+    @classmethod
+    def read(cls, text: str) -> Setting:
+        """What a `key=value` text says: the value as TOML and, where it is none, as a text.
+
+        Raises
+        ------
+        SceneError : no `=`, no key, or `extends`.
+        """
+        key, equals, value = (part.strip() for part in text.partition("="))
+        if not equals or not key:
+            raise SceneError(
+                one_line(
+                    f"{SET} {shown(text)}: write key=value, for example {SET} 'road.height=8 cm'"
+                )
+            )
+        if key == "extends":
+            raise SceneError(f"{SET} extends: a scene's base can be named in its file only")
+        return cls(from_top(key), _value_of(value))
+
+
+def from_top(key: str) -> str:
+    """A key from the top of a scene; one that begins with no key of a scene is a parameter's name."""
+    return key if key.split(".", maxsplit=1)[0] in KEYS else f"parameters.{key}"
+
+
+def _value_of(text: str) -> Any:
+    try:
+        parsed = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return parsed["value"] if list(parsed) == ["value"] else text
+
+
 @dataclass
 class Layers:
-    """The merged content of a scene, and where each key was given."""
+    """The merged content of a scene, and where and how far up each key was given."""
 
     content: dict[str, Any] = field(default_factory=dict)
     origins: dict[str, str] = field(default_factory=dict)
     folders: dict[str, Path] = field(default_factory=dict)
+    ranks: dict[str, int] = field(default_factory=dict)
     unchecked: tuple[str, ...] = ()
+    top: int = 0
+
+    def put_scene(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
+        """Lay a scene over its base; where it makes another motion, it expects what it says itself."""
+        self.top += 1
+        if any(key.split(".")[0] in MOTION and not key.startswith(SOLVER) for key in layer):
+            self.expect_nothing()
+        self.put(layer, origin, folder)
+
+    def expect_nothing(self) -> None:
+        """Leave what is expected so far unchecked."""
+        outdated = [key for key in self.content if key.split(".")[0] == "expect"]
+        measures = (
+            re.sub(r"^expect\.|\.(min|max|file|tolerance|columns|common)$", "", key)
+            for key in outdated
+        )
+        self.unchecked = tuple(dict.fromkeys((*self.unchecked, *measures)))
+        self._drop(outdated)
 
     def put(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
         """Lay another layer over what is there; paths in it count from `folder`."""
-        if any(key.split(".")[0] in MOTION and not key.startswith(SOLVER) for key in layer):
-            outdated = [key for key in self.content if key.split(".")[0] == "expect"]
-            measures = (
-                re.sub(r"^expect\.|\.(min|max|file|tolerance|columns)$", "", key)
-                for key in outdated
-            )
-            self.unchecked += tuple(dict.fromkeys(measures))
-            self._drop(outdated)
         tables = {table for key in self.content for table in _parents(key)}
         for key, value in layer.items():
             inner = [k for k in self.content if k.startswith(f"{key}.")] if key in tables else []
             self._drop([key, *_parents(key), *inner])
             self.content[key] = value
-            self.origins[key], self.folders[key] = origin, folder
+            self.origins[key], self.folders[key], self.ranks[key] = origin, folder, self.top
 
     def _drop(self, keys: Iterable[str]) -> None:
         for key in keys:
             self.content.pop(key, None)
             self.origins.pop(key, None)
+            self.ranks.pop(key, None)
 
     def origin(self, key: str, default: str) -> str:
         """Where a key, or the first key of that table, was given."""
@@ -67,6 +128,12 @@ class Layers:
         return next(
             (self.origins[k] for k in reversed(self.content) if k.startswith(f"{key}.")), default
         )
+
+    def rank(self, key: str) -> int:
+        """How far up a key was last given, or any key of that table: bases first; 0 if it was not."""
+        inner = f"{key}."
+        given = (rank for k, rank in self.ranks.items() if k == key or k.startswith(inner))
+        return max(given, default=0)
 
     def tables(self) -> dict[str, Any]:
         """The content with one table for each section."""
@@ -86,11 +153,6 @@ class Layers:
             else:
                 bounds[key] = value
         return {**tables, "expect": bounds} if bounds else tables
-
-
-def case_names() -> list[str]:
-    """Names of the scenes that come with the package."""
-    return sorted(path.stem for path in CASES.glob("*.toml"))
 
 
 def case_titles() -> dict[str, str]:
@@ -120,28 +182,27 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
         raise SceneError(one_line(f"{reference or '.'} is a folder, not a scene file"))
     if reference.endswith(".toml") or "/" in reference:
         raise SceneError(one_line(f"no scene file {reference}; write the path of a .toml file"))
-    raise SceneError(
-        one_line(
-            f"no scene {shown(reference)}{nearest(reference, case_names())}; "
-            "'phaseplane list' tells them all; or give the path of a .toml file"
-        )
+    hint = meant(reference, "scene") or (
+        f"{nearest(reference, case_names())}; 'phaseplane list' tells them all; or give the path of a "
+        ".toml file"
     )
+    raise SceneError(one_line(f"no scene {shown(reference)}{hint}"))
 
 
-def read_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
-    """A scene file over what it extends, with `key=value` texts laid over it.
+def read_layers(path: Path) -> Layers:
+    """A scene file over what it extends.
 
     Raises
     ------
-    SceneError : a file that is missing, not TOML or extends itself; an unreadable override.
+    SceneError : a file that is missing, not TOML or extends itself.
     """
     layers = Layers()
     for file in reversed(list(_chain(path))):
-        layers.put(*file)
-    return _overlaid(layers, overrides)
+        layers.put_scene(*file)
+    return layers
 
 
-def fmu_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
+def fmu_layers(path: Path) -> Layers:
     """An `.fmu` file as a scene: all outputs, for as long as the FMU's own experiment lasts."""
     layers = Layers()
     content: dict[str, Any] = {"title": path.stem, "fmu": str(path), "show.outputs": "all"}
@@ -149,42 +210,30 @@ def fmu_layers(path: Path, overrides: Sequence[str] = ()) -> Layers:
     if duration is not None:
         content["duration"] = duration
     layers.put(content, path.name, Path())
-    return _overlaid(layers, overrides)
-
-
-def _overlaid(layers: Layers, overrides: Sequence[str]) -> Layers:
-    overlay: dict[str, Any] = {}
-    for text in overrides:
-        key, value = parse_override(text)
-        overlay.update(_flattened({key: value}, f"--set {key}"))
-    if overlay:
-        layers.put(overlay, "--set", Path())
     return layers
 
 
-def parse_override(text: str) -> tuple[str, Any]:
-    """A `key=value` text: the value is read as TOML and, where it is none, taken as a text.
-
-    A key that begins with no key of a scene is the name of a parameter.
+def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
+    """What is set from outside: `key=value` texts, and what other options say.
 
     Raises
     ------
-    SceneError : no `=`, no key, or `extends`.
+    SceneError : see `Setting.read`.
     """
-    key, equals, value = (part.strip() for part in text.partition("="))
-    if not equals or not key:
-        raise SceneError(
-            one_line(f"--set {shown(text)}: write key=value, for example --set 'road.height=8 cm'")
-        )
-    if key == "extends":
-        raise SceneError("--set extends: a scene's base can be named in its file only")
-    if key.split(".")[0] not in KEYS:
-        key = f"parameters.{key}"
-    try:
-        parsed = tomllib.loads(f"value = {value}")
-    except (ValueError, RecursionError):
-        return key, value
-    return key, parsed["value"] if list(parsed) == ["value"] else value
+    return [Setting.read(given) if isinstance(given, str) else given for given in overrides]
+
+
+def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
+    """Lay what is set from outside over a scene.
+
+    Raises
+    ------
+    SceneError : see `Setting.read`.
+    """
+    layers.top += 1
+    for setting in read_settings(overrides):
+        inner = dict(flattened({setting.key: setting.value}, f"{setting.origin} {setting.key}"))
+        layers.put(inner, setting.origin, Path())
 
 
 def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
@@ -236,7 +285,7 @@ def _read(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > _LARGEST_FILE:
             raise SceneError(one_line(f"{name}: larger than {_LARGEST_FILE} bytes: no scene file"))
-        return dict(_flattened(tomllib.loads(path.read_text(encoding="utf-8")), name))
+        return dict(flattened(tomllib.loads(path.read_text(encoding="utf-8")), name))
     except SceneError:
         raise
     except OSError as error:
@@ -249,7 +298,7 @@ def _read(path: Path, name: str) -> dict[str, Any]:
         raise SceneError(one_line(f"{name}: not TOML: {error}")) from None
 
 
-def _flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
+def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
     """Dotted keys and values of nested tables, each key once."""
     seen: set[str] = set()
 

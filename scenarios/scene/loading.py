@@ -2,24 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.acting import Idle, idle
 from phaseplane.suspension.units import nearest
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ..errors import SceneError, one_line, shown
 from .expectations import During, Reference
-from .layers import Layers, find_scene, fmu_layers, parse_override, read_layers
+from .layers import (
+    SET,
+    Layers,
+    Setting,
+    find_scene,
+    fmu_layers,
+    overlay,
+    read_layers,
+    read_settings,
+)
 from .schema import Scene
 from .sections import Construction, Show
 
 _EXPECTED_APART = ("during", "reference")  # in the file within [expect]
 
 
-def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
+def load_scene(
+    reference: str, overrides: Sequence[str | Setting] = (), *, expect: bool = True
+) -> Scene:
     """Read a scene.
 
     Parameters
@@ -27,13 +39,17 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
     reference : name of a case, path of a scene file, or path of an `.fmu` file that is to be run as it
         is, for as long as it says itself
     overrides : `key=value` texts, laid over the file
+    expect : whether what the file expects is checked; what overrides expect is in any case
 
     Raises
     ------
     SceneError : one line that names file, key, value and what is allowed.
     """
     path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
-    layers = fmu_layers(path, overrides) if path.suffix == ".fmu" else read_layers(path, overrides)
+    layers = fmu_layers(path) if path.suffix == ".fmu" else read_layers(path)
+    if not expect:
+        layers.expect_nothing()
+    overlay(layers, overrides)
     content = {**layers.tables(), "name": path.stem, "file": path, "unchecked": layers.unchecked}
     expected = content.get("expect")
     if isinstance(expected, dict):
@@ -42,12 +58,29 @@ def load_scene(reference: str, overrides: Sequence[str] = ()) -> Scene:
         content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
     try:
         context = {"folder": layers.folders.get("fmu"), "folders": layers.folders}
-        return Scene.model_validate(content, context=context)
+        scene = Scene.model_validate(content, context=context)
     except ValidationError as error:
         raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
+    return scene.model_copy(update={"idle": tuple(_idle(scene, layers))})
 
 
-def construction_settings(kept: Mapping[str, Any], overrides: Sequence[str] = ()) -> dict[str, Any]:
+def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:
+    """Parameters that are given, but have no effect beside what else is.
+
+    Zero and an empty text say that there is none of something, which needs no effect. What a base gave
+    is not held against a scene that has put something else in its place.
+    """
+    for name, value in scene.parameters.items() if scene.fmu.is_ours else ():
+        found = idle(name, scene.all_parameters)
+        if found is not None and value:
+            causes = max((layers.rank(f"parameters.{cause}") for cause in found.causes), default=0)
+            if layers.rank(f"parameters.{name}") >= causes:
+                yield found
+
+
+def construction_settings(
+    kept: Mapping[str, Any], overrides: Sequence[str | Setting] = ()
+) -> dict[str, Any]:
     """The construction settings of a run, with `construction.key=value` texts laid over them.
 
     Raises
@@ -56,16 +89,16 @@ def construction_settings(kept: Mapping[str, Any], overrides: Sequence[str] = ()
     """
     layers = Layers()
     layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
-    for text in overrides:
-        key, value = parse_override(text)
-        if not key.startswith("construction."):
+    settings = read_settings(overrides)
+    for setting in settings:
+        if not setting.key.startswith("construction."):
             raise SceneError(
                 one_line(
-                    f"--set {text}: of results only construction.* can be set: "
-                    f"{', '.join(Construction.model_fields)}"
+                    f"{setting.origin} {setting.key.removeprefix('parameters.')}: of results only "
+                    f"construction.* can be set: {', '.join(Construction.model_fields)}"
                 )
             )
-        layers.put({key: value}, "--set", Path())
+    overlay(layers, settings)
     try:
         return Construction.model_validate(layers.tables()["construction"]).model_dump()
     except ValidationError as error:
@@ -84,7 +117,11 @@ def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
         key = str(error["ctx"]["key"])
         places = [place for place in (".".join([*parts[:1], key]).strip("."), key) if place]
         origin = next((layers.origins[p] for p in places if p in layers.origins), "")
-        return one_line(f"{origin or layers.origin(places[0], reference)}: {error['msg']}")
+        where = origin or layers.origin(places[0], reference)
+        message = error["msg"]
+        if _is_option(where):
+            message = message.removeprefix(f"{key}: ")
+        return one_line(f"{where}: {message}{_unexpected(parts, where, layers)}")
     where = layers.origin(key, reference)
     if error["type"] == "missing":
         return one_line(f"{where}: {shown(key)} is missing; a scene needs fmu and duration")
@@ -99,7 +136,22 @@ def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
         message = "must be a table"
     elif message.startswith("Input should be"):
         message = f"must be{message.removeprefix('Input should be')}"
+    if _is_option(where):
+        return one_line(f"{where} {shown(error['input'])}: {message}")
     return one_line(f"{where}: {key} = {shown(error['input'])}: {message}")
+
+
+def _is_option(origin: str) -> bool:
+    """Whether a key was set by an option of its own, whose user need not know the key."""
+    return origin.startswith("--") and origin != SET
+
+
+def _unexpected(parts: Sequence[str], where: str, layers: Layers) -> str:
+    """What to do about an expectation of the file that does not fit what was set from outside."""
+    changed = any(origin.startswith("--") for origin in layers.origins.values())
+    if parts[:1] == ["expect"] and changed and not where.startswith("--"):
+        return "; --no-expect leaves what the scene expects unchecked"
+    return ""
 
 
 def _fields(sections: Sequence[str]) -> list[str]:

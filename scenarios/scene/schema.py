@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from phaseplane.suspension import extent
+from phaseplane.suspension.acting import Idle
 from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
@@ -16,6 +18,7 @@ from pydantic_core import PydanticCustomError
 
 from ..errors import InputError, shown
 from ..measures import at_end, catalogue, default_measures
+from ..results.comparison import check_comparable
 from ..results.tables import read_table
 from .equation import EQUATION, check_equation
 from .expectations import Bounds, During, Reference, bounds_from
@@ -23,6 +26,9 @@ from .fields import Seconds, Strict, tuple_from
 from .fmus import Fmu, find_fmu
 from .sections import Construction, Show
 from .table_files import with_files
+
+if TYPE_CHECKING:
+    from ..results.tables import Columns
 
 # Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
 _SHOWN = (
@@ -51,6 +57,7 @@ class Scene(Strict):
     during : bounds on outputs within a time; in the file `expect.during`
     reference : what the run must come close to; in the file `expect.reference`
     unchecked : measures that a base scene bounds but that no longer hold, the motion being another
+    idle : parameters that are given but have no effect
     """
 
     name: str
@@ -67,6 +74,7 @@ class Scene(Strict):
     reference: Reference | None = None
     reference_folder: Path = Path()
     unchecked: tuple[str, ...] = ()
+    idle: tuple[Idle, ...] = ()
 
     @field_validator("fmu", mode="before")
     @classmethod
@@ -193,7 +201,7 @@ class Scene(Strict):
         if self.reference is None:
             return
         try:
-            columns, _ = read_table(self.reference_path)
+            columns = self.reference_columns
         except InputError as error:
             raise _at("expect.reference", f"expect.reference.file: {error}") from None
         known = [name for name in self.fmu.outputs() if name in columns]
@@ -210,20 +218,36 @@ class Scene(Strict):
                 f"expect.reference.file: {self.reference_path} has no column time, or none that is "
                 f"an output of {self.fmu.model}",
             )
+        try:
+            check_comparable(columns, self.reference.columns or known)
+        except ValueError as error:
+            raise _at(
+                "expect.reference", f"expect.reference.file: {self.reference_path}: {error}"
+            ) from None
 
     @property
     def reference_path(self) -> Path:
         """The file of the reference."""
         return self.reference_folder / (self.reference.file if self.reference else "")
 
+    @cached_property
+    def reference_columns(self) -> Columns:
+        """The columns of the reference's file, read once; none without a reference."""
+        return read_table(self.reference_path)[0] if self.reference is not None else {}
+
     @property
     def outputs_expected(self) -> set[str]:
         """The outputs that `during` and `reference` look at."""
         wanted = {during.output for during in self.during}
         if self.reference is not None:
-            columns, _ = read_table(self.reference_path)
-            wanted |= set(self.reference.columns or columns) & set(self.fmu.outputs())
+            compared = self.reference.columns or self.reference_columns
+            wanted |= set(compared) & set(self.fmu.outputs())
         return wanted
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is not wrong, but hardly meant."""
+        return [str(found) for found in self.idle]
 
     @property
     def all_parameters(self) -> dict[str, Value]:

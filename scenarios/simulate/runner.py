@@ -19,6 +19,7 @@ from .versions import versions
 
 if TYPE_CHECKING:
     from ..scene.schema import Scene
+    from .driver import Columns
 
 
 class Interrupted(KeyboardInterrupt):
@@ -144,13 +145,10 @@ def _summary(
                 during.judged(outputs, _closely(found.run, during.output))
                 for during in scene.during
             ),
-            *(
-                [scene.reference.judged(scene.reference_path, drive.columns)]
-                if scene.reference
-                else []
-            ),
+            *_against_reference(scene, drive.columns),
         ],
         "unchecked": list(scene.unchecked),
+        "warnings": scene.warnings,
         "units": {"time": "s", **{name: outputs[name].unit for name in scene.columns}},
         "rows": len(drive.columns["time"]),
         "uncompiled": drive.uncompiled,
@@ -169,3 +167,14 @@ def _remarks(scene: Scene) -> Iterator[str]:
     """What one should know of a run, though nothing went wrong."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
+
+
+def _against_reference(scene: Scene, columns: Columns) -> Iterator[dict[str, Any]]:
+    """How near the run comes to its reference, in what is shown and what the file has as well."""
+    if scene.reference is not None:
+        wanted = {"time", *scene.columns, *scene.reference_columns}
+        yield scene.reference.judged(
+            scene.reference_path.name,
+            scene.reference_columns,
+            {name: column for name, column in columns.items() if name in wanted},
+        )

@@ -111,7 +111,9 @@ def ladder(scene: Scene, tolerance: float) -> dict[str, Any]:
     for rung in _below(scene, truth):
         try:
             columns, seconds = _run(rung, scene, names)
-            worst = compared({n: c for n, c in truth.items() if n in (*names, "time")}, columns)[0]
+            worst = compared(
+                {n: c for n, c in truth.items() if n in (*names, "time")}, columns
+            ).differences[0]
         except Exception as failure:
             rungs.append(_told(rung, None, None, one_line(failure), tolerance))
         else:

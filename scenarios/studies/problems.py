@@ -17,8 +17,8 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, one_line, shown
-from ..scene.layers import case_names
 from ..scene.loading import load_scene
+from ..scene.names import case_names
 
 if TYPE_CHECKING:
     import numpy as np

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from phaseplane.suspension import extent
+from phaseplane.suspension.acting import Idle, decided_by, idle
 from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
@@ -21,12 +22,13 @@ from pydantic import BeforeValidator, Field, ValidationError, model_validator
 from ..errors import InputError, SceneError, one_line, shown
 from ..measures import catalogue
 from ..scene.fields import Strict, choices, one_of, tuple_from
-from ..scene.layers import CASES, KEYS
+from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
+from ..scene.names import SWEEPS, meant
 from ..scene.schema import Scene
 
-SWEEPS = CASES / "sweeps"
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
+_OF_RANGE = ("from", "to", "count")
 _MOST_RUNS = 1_000_000
 _QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
 _TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
@@ -77,8 +79,9 @@ class SweepFile(Strict):
     @classmethod
     def _lists(cls, content: Any) -> Any:
         if isinstance(content, dict) and isinstance(content.get("vary"), dict):
-            varied = {k: tuple(v) if isinstance(v, list) else v for k, v in content["vary"].items()}
-            return {**content, "vary": varied}
+            varied = _flattened(content["vary"])
+            lists = {k: tuple(v) if isinstance(v, list) else v for k, v in varied.items()}
+            return {**content, "vary": lists}
         return content
 
     @model_validator(mode="after")
@@ -142,6 +145,29 @@ class Plan:
         return all(key in self.scene.fmu.parameters() for key in self.keys)
 
     @property
+    def warnings(self) -> list[str]:
+        """Parameters that are given or varied, but have no effect in any run."""
+        if not self.scene.fmu.is_ours:
+            return []
+        base = self.scene.all_parameters
+        names = dict.fromkeys(
+            (*(k for k in self.keys if k in base), *(i.name for i in self.scene.idle))
+        )
+        return [str(found) for name in names if (found := self._idle(name, base)) is not None]
+
+    def _idle(self, name: str, base: Mapping[str, Value]) -> Idle | None:
+        """Why a parameter has no effect in any run, or None if it may have one in some."""
+        deciding = decided_by(name, base)
+        places = [k for k, key in enumerate(self.keys) if key in deciding]
+        found = None
+        for values in {tuple(point[k] for k in places) for point in self.points}:
+            varied = {self.keys[k]: value for k, value in zip(places, values, strict=True)}
+            found = idle(name, {**base, **varied})
+            if found is None:
+                return None
+        return found
+
+    @property
     def hash(self) -> str:
         """Of all that the sweep says; equal for equal sweeps."""
         said = (self.scene.hash, self.keys, self.points, self.measures)
@@ -197,10 +223,12 @@ class Plan:
         ------
         SceneError : values that the scene does not take.
         """
-        overrides = [f"{key}={_as_text(x)}" for key, x in zip(self.keys, point, strict=True)]
+        settings = [
+            Setting(from_top(key), x, "vary") for key, x in zip(self.keys, point, strict=True)
+        ]
         if self.road_length is not None:
-            overrides.append(f"{extent.LENGTH}={self.road_length!r}")
-        return load_scene(self.reference, overrides).only(self.measures)
+            settings.append(Setting(from_top(extent.LENGTH), self.road_length, "vary"))
+        return load_scene(self.reference, settings, expect=False).only(self.measures)
 
 
 def sweep_titles() -> dict[str, str]:
@@ -223,12 +251,11 @@ def find_sweep(reference: str) -> Path:
         return named
     if path.suffix != ".toml" and not path.exists():
         known = sweep_titles()
-        raise InputError(
-            one_line(
-                f"no sweep {shown(reference)}{nearest(reference, known)}; 'phaseplane list' tells "
-                "them all; or give the path of a .toml file"
-            )
+        hint = meant(reference, "sweep") or (
+            f"{nearest(reference, known)}; 'phaseplane list' tells them all; or give the path of a "
+            ".toml file"
         )
+        raise InputError(one_line(f"no sweep {shown(reference)}{hint}"))
     return path
 
 
@@ -282,6 +309,15 @@ def load_plan(reference: str | Path) -> Plan:
         except SceneError as error:
             raise InputError(one_line(f"{path}: {error}")) from None
     return plan
+
+
+def _flattened(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Dotted keys and what they take of nested tables, down to the ranges."""
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        nested = isinstance(value, dict) and not any(end in value for end in _OF_RANGE)
+        flat |= _flattened(value, f"{prefix}{key}.") if nested else {f"{prefix}{key}": value}
+    return flat
 
 
 def _base(path: Path, reference: str) -> str | Path:
@@ -350,12 +386,6 @@ def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, 
     ]
 
 
-def _as_text(value: Value) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    return repr(value) if not isinstance(value, str) else f'"{value}"'
-
-
 def _told(path: Path, error: ValidationError) -> str:
     errors = error.errors(include_url=False)
     first = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
@@ -364,7 +394,7 @@ def _told(path: Path, error: ValidationError) -> str:
     if first["type"] == "missing":
         return one_line(f"{path}: {key} is missing; a sweep has {', '.join(names)}")
     if first["type"] == "extra_forbidden":
-        known = names if len(first["loc"]) == 1 else ["from", "to", "count"]
+        known = names if len(first["loc"]) == 1 else _OF_RANGE
         return one_line(f"{path}: unknown key {key!r}{nearest(str(first['loc'][-1]), known)}")
     message = first["msg"].removeprefix("Value error, ")
     return one_line(f"{path}: {f'{key}: ' if key else ''}{message}")

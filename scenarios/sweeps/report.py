@@ -76,6 +76,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict
         "failures": [{"run": row.run, "reason": row.reason} for row in failures],
         "hash": plan.hash,
         "remarks": plan.road_remarks(),
+        "warnings": plan.warnings,
         **told,
     }
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
     BrokenExecutor,
     Executor,
+    Future,
     ProcessPoolExecutor,
     ThreadPoolExecutor,
     as_completed,
@@ -112,8 +113,9 @@ def sweep(
     size = max(1, min(most, ceil(len(left) / (8 * count))))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
     with _kept(key, journal) as keep, _executor(count, dask) as executor:
-        futures = [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
+        futures: list[Future[list[Row]]] = []
         try:
+            futures += [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
             for future in as_completed(futures):
                 chunk = future.result()
                 rows.update((row.run, row) for row in chunk)

@@ -336,14 +336,19 @@ segments = st.builds(
 )
 
 
+def integral(segment: roads.Segment, start: float, end: float) -> float:
+    """By Gauss's rule of 200 points: exact to rounding for waves of 70 rad (quad gives up there)."""
+    points, weights = np.polynomial.legendre.leggauss(200)
+    half = 0.5 * (end - start)
+    values = [segment.derivatives(start + half * (1.0 + x))[0] for x in points.tolist()]
+    return half * float(weights @ values)
+
+
 @given(segments, segments, st.floats(-1.0, 1.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0))
 def test_integral_of_a_road_over_a_joint(before, after, joint, back, ahead):
     road = roads.Signal((before, after._replace(start=joint)))
     start, end = joint - back, joint + ahead
-    wanted = (
-        quad(lambda t: before.derivatives(t)[0], start, joint, limit=200)[0]
-        + quad(lambda t: after.derivatives(t)[0], joint, end, limit=200)[0]
-    )
+    wanted = integral(before, start, joint) + integral(after, joint, end)
     assert road.integral(start, end) == pytest.approx(wanted, abs=1e-7)
     assert road.integral(end, start) == -road.integral(start, end)
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 from phaseplane.scenarios.results.report import failures
-from phaseplane.scenarios.scene.layers import CASES, case_names
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.names import CASES, case_names
 from phaseplane.scenarios.simulate.runner import run
 
 QUICK = ("ap57_obstacle", "h83_example40", "stiff_stop", "light_wheel", "speed_bump_20", "kerb")

@@ -195,8 +195,33 @@ def test_an_expectation_that_fails(fmu: Path) -> None:
     )
     assert result.exit_code == 1
     assert result.stderr == "phaseplane: ap57: lift_off_count = 1, expected 2\n"
-    assert "0 of 1 hold" in result.stdout
+    assert "3 of 4 hold" in result.stdout
     assert Path("out/ap57/results.csv").exists()
+
+
+def test_what_a_scene_expects_is_checked_when_it_is_changed(fmu: Path) -> None:
+    changed = ("run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "road.height=1 cm")
+    result = phaseplane(*changed)
+    assert result.exit_code == 1
+    assert "lift_off_count = 0, expected 1" in result.stdout
+    assert "nothing checked" not in result.stdout
+    unchecked = phaseplane(*changed, "--no-expect")
+    assert unchecked.exit_code == 0
+    assert "not checked: lift_off_count, first_lift_off" in unchecked.stdout
+    own = phaseplane(*changed, "--no-expect", "--set", "expect.lift_off_count=0")
+    assert own.exit_code == 0
+    assert "1 of 1 hold" in own.stdout
+
+
+def test_what_has_no_effect_is_said_once(fmu: Path) -> None:
+    result = CliRunner().invoke(
+        main, ["run", "ap57", "--set", f"fmu={fmu}", *BARE, "--set", "road.class=F", "--json"]
+    )
+    assert result.exit_code == 0
+    words = "road.class has no effect on the motion: road.shape is bump"
+    assert result.stderr == f"phaseplane: warning: {words}\n"
+    assert json.loads(result.stdout)["warnings"] == [words]
+    assert f"warning: {words}" in phaseplane("show", "out/ap57").stdout
 
 
 def test_a_diverging_run(fmu: Path) -> None:
@@ -278,8 +303,17 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
         (["replay", "ap75", "--save", "x.rrd"], "or of a results folder"),
         (["replay", "full", "--save", "x.rrd"], "is no results folder"),
+        (
+            ["replay", "ap57", "--save", "x.rrd", "--construction", "detla"],
+            "--construction 'detla': must be one of",
+        ),
         (["replay", "ap57", "--save", "x.rrd", "--construction", "detla"], "'delta'?"),
-        (["replay", "ap57", "--save", "x.rrd", "--step", "fast"], "'fast' is not a number"),
+        (
+            ["replay", "ap57", "--save", "x.rrd", "--step", "fast"],
+            "--step 'fast': 'fast' is not a number",
+        ),
+        (["run", "ap57", "--plane", "body_displacment,x"], "--plane: QuarterCar has no output"),
+        (["run", "ap57", "--plane", "x"], "--plane ['x']: must be a list of pairs"),
         (["replay", "ap57", "--save", "x.rrd", "--step", "1 s"], "at most a right angle"),
         (["replay", "ap57", "--save", "x.rrd", "--over", "gone.csv"], "cannot read gone.csv"),
         (["replay", "ap57", "--save", "x.rrd", "--over", "bad.toml"], "must end in"),

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
+from phaseplane.scenarios.results.folder import Results, replaced_whole, write_results
 from phaseplane.scenarios.results.tables import write_table
 from phaseplane.scenarios.scene.expectations import During, Reference
 from phaseplane.scenarios.scene.loading import load_scene
@@ -26,12 +27,16 @@ def phaseplane(*arguments: str) -> Result:
 
 @pytest.fixture
 def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Two tables that differ a little, in the current folder."""
+    """Two tables that differ a little, one without time, one whose time goes back, and a run's folder."""
     monkeypatch.chdir(tmp_path)
     time = np.linspace(0.0, 1.0, 101)
     for name, factor in (("a.csv", 1.0), ("b.parquet", 1.001)):
         columns = {"time": time, "x": factor * np.sin(9.0 * time), "y": np.cos(9.0 * time)}
         write_table(columns, {"units": {"x": "m"}}, tmp_path / name)
+    write_table({"x": time}, {}, tmp_path / "no_time.csv")
+    write_table({"time": time[::-1], "x": time}, {}, tmp_path / "back.csv")
+    with replaced_whole(tmp_path / "out" / "ap57") as draft:
+        write_results(Results({"time": time, "x": time}, {}), draft)
     return tmp_path
 
 
@@ -58,6 +63,10 @@ def test_show_reports_a_run(fmu: Path, tables: Path) -> None:
     shown = phaseplane("show", "out/ap57").stdout
     assert ran.splitlines()[:12] == shown.splitlines()[:12]
     assert "body_displacement" in shown
+    by_itself = phaseplane("show", "out/ap57/r.mat").stdout  # which does not know of other files
+    assert "30.662 ms" in by_itself
+    assert "1001 rows" in by_itself
+    assert "summary.json" not in by_itself
     inside = json.loads(phaseplane("show", "out/ap57/r.mat", "--json").stdout)["summary"]
     assert inside["hash"] == json.loads((tables / "out/ap57/summary.json").read_text())["hash"]
     assert set(inside["versions"]) >= {"python", "fmpy"}
@@ -76,18 +85,48 @@ def test_compare_tells_the_largest_differences_first(tables: Path) -> None:
     assert phaseplane("compare", "a.csv", "b.parquet", "--column", "y").exit_code == 0
 
 
+def test_compare_counts_what_only_one_has(tables: Path) -> None:
+    time = np.linspace(0.0, 0.5, 51)
+    write_table({"time": time, "x": np.sin(9.0 * time)}, {}, tables / "part.csv")
+    for pair in (("a.csv", "part.csv"), ("part.csv", "a.csv")):
+        result = phaseplane("compare", *pair)
+        assert result.exit_code == 1
+        lines = result.stdout.splitlines()
+        assert "compared: 1 column, 51 rows from 0 to 0.5 s" in lines
+        assert "only a.csv has column y" in lines
+        assert lines[-1] == "different"
+        assert "a.csv has 101 rows from 0 to 1 s" in result.stderr
+        assert "part.csv has 51 rows from 0 to 0.5 s" in result.stderr
+        assert "--common" in result.stderr
+        common = phaseplane("compare", *pair, "--common", "--json")
+        assert common.exit_code == 0
+        assert json.loads(common.stdout)["compared"] == {
+            "columns": ["x"], "rows": 51, "from": 0.0, "to": 0.5
+        }  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["show", "nowhere"], "is no results folder"),
+        (["show", "nowhere"], "no such file or folder: nowhere"),
+        (["show", "QuarterCar"], "QuarterCar is a model"),
+        (["show", "."], "is no results folder"),
+        (["show", "no_time.csv", "--figure", "f.png"], "phaseplane: no_time.csv: no column time"),
+        (["show", "back.csv", "--figure", "f.png"], "back.csv: time must not go back"),
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
-        (["compare", "a.csv", "c.csv"], "no results folder"),
+        (["compare", "a.csv", "c.csv"], "no such file or folder: c.csv"),
+        (["compare", "ap57", "a.csv"], "did you mean out/ap57?"),
+        (["compare", "a.csv", "back.csv"], "back.csv: time must not go back"),
         (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
         (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
         (["schema", "QuaterCar"], "MODEL 'QuaterCar': must be one of OneDof, QuarterCar"),
         (["schema", "QuaterCar", "--json"], "an .fmu file; did you mean 'QuarterCar'?"),
         (["schema", "QuarterCar", "--sweep"], "not both"),
+        (["schema", "speed_bump"], "speed_bump is a scene: 'phaseplane run speed_bump' runs it"),
+        (["run", "QuarterCar"], "QuarterCar is a model: 'phaseplane new"),
+        (["run", "four_post"], "four_post is a sweep: 'phaseplane sweep four_post' runs it"),
+        (["sweep", "ap57"], "ap57 is a scene"),
         (["sweep", "speed_bunp"], "no sweep 'speed_bunp'; did you mean 'speed_bump'?"),
         (["sweep", "../speed_bump"], "no sweep '../speed_bump'"),
         (["new", "a.csv"], "is there already"),

@@ -274,6 +274,25 @@ def test_an_equation_is_solved():
     assert columns["acceleration"] == pytest.approx(-4.0 * columns["displacement"])
 
 
+@pytest.mark.parametrize(
+    ("equation", "x", "v", "most"),
+    [
+        ("exp(1000*x)", 0.5, 0.0, 1),  # no step is short enough for the first one
+        ("sqrt(x)", 0.5, 0.0, 63),  # where x becomes negative there is no root
+        ("-x^9", 1.5, 0.0, 30),  # reaches infinity in finite time, where the power overflows
+        ("-exp(v)", 0.0, 0.0, 52),  # x'' = exp(x') does so at t = 1
+    ],
+)
+def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, most):
+    times = np.linspace(0.0, 20.0, 1001)
+    given = {"equation": equation, "displacement_start": x, "velocity_start": v}
+    columns, _, complaint = solve(given, times)
+    assert "no step is short enough" in complaint
+    assert {len(column) for column in columns.values()} == {len(columns["time"])}
+    assert 1 <= len(columns["time"]) <= most
+    assert columns["displacement"][0] == x
+
+
 @pytest.mark.slow
 def test_the_scene_of_van_der_pol():
     result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "show.recording=false"])

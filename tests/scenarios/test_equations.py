@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import quarter_car_reference as reference
 from phaseplane.scenarios.errors import InputError
-from phaseplane.scenarios.scene.layers import case_names
+from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.studies.branches import Branches, ChatterError
 from phaseplane.scenarios.studies.equations import Equations
 from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import SceneError
-from phaseplane.scenarios.results.comparison import compared
-from phaseplane.scenarios.results.tables import write_table
+from phaseplane.scenarios.results.folder import read_results
+from phaseplane.scenarios.results.tables import read_table, write_table
 from phaseplane.scenarios.scene.expectations import During
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
@@ -69,9 +71,7 @@ def test_a_run_is_held_against_a_reference(tmp_path: Path, fmu: Path) -> None:
         "body_velocity": results.columns["body_velocity"][::2],
     }
     write_table(columns, {}, tmp_path / "reference.parquet")
-    reference = (
-        'reference = { file = "reference.parquet", tolerance = 1e-9, columns = ["body_velocity"] }'
-    )
+    reference = 'reference = { file = "reference.parquet", tolerance = 1e-9, common = true }'
     during = '[[expect.during]]\noutput="airborne"\nis=true\nfrom="31 ms"\nto="65 ms"'
     judged = run(scene(tmp_path, fmu, f"{reference}\n{during}")).summary["expectations"]
     assert [e["measure"] for e in judged[-2:]] == [
@@ -81,9 +81,93 @@ def test_a_run_is_held_against_a_reference(tmp_path: Path, fmu: Path) -> None:
     # half of the instants lie between rows of the reference, whose straight lines are that far off
     assert [e["holds"] for e in judged[-2:]] == [True, False]
     assert 1e-6 < judged[-1]["value"] < 0.05
+    assert judged[-1]["compared"] == {
+        "columns": ["body_velocity"], "rows": 1001, "from": 0.0, "to": 1.0
+    }  # fmt: skip
     columns["body_velocity"] = columns["body_velocity"] * 1.5
     write_table(columns, {}, tmp_path / "reference.parquet")
     assert run(scene(tmp_path, fmu, reference)).summary["expectations"][-1]["value"] > 0.3
+
+
+def against(tmp_path: Path, fmu: Path, columns: dict[str, np.ndarray], more: str = "") -> dict:
+    """What becomes of the reference when a run meets a file of these columns."""
+    write_table(columns, {}, tmp_path / "reference.csv")
+    said = f'reference = {{ file = "reference.csv"{more} }}'
+    return run(scene(tmp_path, fmu, said)).summary["expectations"][-1]
+
+
+def test_a_reference_has_the_rows_the_time_and_the_columns_of_the_run(
+    tmp_path: Path, fmu: Path
+) -> None:
+    whole = dict(run(scene(tmp_path, fmu, "")).columns)
+    assert against(tmp_path, fmu, whole)["holds"]
+    short = {name: column[:59] for name, column in whole.items()}
+    judged = against(tmp_path, fmu, short)
+    assert not judged["holds"]
+    assert judged["value"] == 0.0
+    assert (
+        "the run has 1001 rows from 0 to 1 s, reference.csv has 59 rows from 0 to 0.058 s"
+        in judged["reason"]
+    )
+    assert against(tmp_path, fmu, short, ", common = true")["holds"]
+    few = {name: whole[name] for name in ("time", "body_velocity")}
+    judged = against(tmp_path, fmu, few)
+    assert not judged["holds"]
+    assert "only the run has columns" in judged["reason"]
+    assert against(tmp_path, fmu, few, ', columns = ["body_velocity"]')["holds"]
+    judged = against(tmp_path, fmu, {**whole, "temperature": whole["time"]})
+    assert "only reference.csv has column temperature" in judged["reason"]
+
+
+def test_a_reference_of_another_time_is_not_met_and_the_results_are_kept(
+    tmp_path: Path, fmu: Path
+) -> None:
+    later = {"time": np.array([91.9, 92.0]), "body_velocity": np.zeros(2)}
+    write_table(later, {}, tmp_path / "reference.csv")
+    expect = 'reference = { file = "reference.csv" }'
+    scene(tmp_path, fmu, expect)
+    done = CliRunner().invoke(main, ["run", f"{tmp_path}/scene.toml", "-o", f"{tmp_path}/out"])
+    assert done.exit_code == 1
+    assert done.stderr == (
+        "phaseplane: scene: difference from reference.csv: no time in common: 0 to 1 s and 91.9 to "
+        "92 s\n"
+    )
+    assert len(read_results(tmp_path / "out").columns["time"]) == 1001
+
+
+@pytest.mark.parametrize(
+    ("time", "values", "words"),
+    [
+        ([0.0, 0.2, 0.1], [0.0, 0.0, 0.0], "time must not go back, but 0.1 follows 0.2 s in row 3"),
+        ([0.0, np.nan], [0.0, 0.0], "time is nan in row 2"),
+        ([0.0, 0.1], [0.0, np.nan], "body_velocity is nan in row 2"),
+        ([0.0, 0.1], [np.inf, 0.0], "body_velocity is inf in row 1"),
+    ],
+)
+def test_a_reference_that_nothing_can_be_compared_with_is_refused(
+    tmp_path: Path, fmu: Path, time: list[float], values: list[float], words: str
+) -> None:
+    columns = {"time": np.array(time), "body_velocity": np.array(values)}
+    write_table(columns, {}, tmp_path / "reference.csv")
+    with pytest.raises(SceneError) as caught:
+        scene(tmp_path, fmu, 'reference = { file = "reference.csv" }')
+    assert f"reference.csv: {words}" in str(caught.value)
+
+
+def test_a_reference_is_read_once(
+    tmp_path: Path, fmu: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    columns = dict(run(scene(tmp_path, fmu, "")).columns)
+    write_table(columns, {}, tmp_path / "reference.csv")
+    read: list[Path] = []
+
+    def counted(path: Path) -> object:
+        read.append(path)
+        return read_table(path)
+
+    monkeypatch.setattr("phaseplane.scenarios.scene.schema.read_table", counted)
+    run(scene(tmp_path, fmu, 'reference = { file = "reference.csv" }'))
+    assert [path.name for path in read] == ["reference.csv"]
 
 
 @pytest.mark.parametrize(
@@ -117,17 +201,3 @@ def test_what_cannot_be_expected_is_refused(
     with pytest.raises(SceneError) as caught:
         scene(tmp_path, fmu, expect)
     assert words in str(caught.value)
-
-
-def test_comparison() -> None:
-    ours = {"time": np.linspace(0.0, 1.0, 11), "a": np.linspace(0.0, 2.0, 11), "b": np.zeros(11)}
-    other = {"time": np.linspace(0.0, 2.0, 5), "a": np.linspace(0.0, 4.4, 5), "b": np.zeros(5)}
-    worst, equal = compared(ours, other)
-    assert (worst.name, equal.relative) == ("a", 0.0)
-    assert worst.largest == pytest.approx(0.2)
-    assert (worst.time, worst.relative) == (1.0, pytest.approx(0.2 / 2.2))
-    assert compared(ours, {**other, "a": np.full(5, np.nan)})[0].largest == np.inf
-    with pytest.raises(ValueError, match="no column in common"):
-        compared(ours, {"time": other["time"]})
-    with pytest.raises(ValueError, match="no time in common"):
-        compared(ours, {**other, "time": other["time"] + 5.0})

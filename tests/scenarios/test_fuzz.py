@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 from phaseplane.scenarios.errors import InputError
-from phaseplane.scenarios.scene.layers import CASES
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.names import CASES
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import MODELS
 

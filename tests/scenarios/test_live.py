@@ -23,8 +23,8 @@ from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import LiveRun
 from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
-from phaseplane.scenarios.scene.layers import case_names
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.names import case_names
 from rerun.chunk import RrdReader
 
 from phaseplane.recording import serving

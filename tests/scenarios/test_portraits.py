@@ -87,6 +87,7 @@ def test_sections_of_a_vehicle_in_words() -> None:
     shown = ("portrait", "ap57", "--window", "-0.1", "0.1", "-1", "1")
     body = phaseplane(*shown, "--coordinate", "body_displacement").stdout
     assert "equilibrium  0: stable focus" in body
+    assert "wheel held at rest" in body.splitlines()[0]
     assert "window       -0.1 to 0.1, -1 to 1" in body
 
 
@@ -94,6 +95,8 @@ def test_sections_of_a_vehicle_in_words() -> None:
     ("arguments", "said"),
     [
         (("ap57", "--coordinate", "weel"), "did you mean 'wheel'?"),
+        (("ap57", "--period", "1"), "--period is for equations"),
+        (("van_der_pol", "--coordinate", "foo"), "an equation has none but displacement"),
         (("van_der_pol", "--window", "1", "0", "0", "1"), "left must lie below right"),
         (("h83_example40",), "has a memory"),
         (("van_der_pol", "--figure", "x.gif"), "must end in .png"),

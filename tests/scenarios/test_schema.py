@@ -9,8 +9,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.errors import SceneError
-from phaseplane.scenarios.scene.layers import CASES, KEYS, case_names, case_titles
+from phaseplane.scenarios.scene.layers import KEYS, case_titles
 from phaseplane.scenarios.scene.loading import construction_settings, load_scene
+from phaseplane.scenarios.scene.names import CASES, case_names
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.scene.sections import FIGURES, RULES, Construction, Detail
 
@@ -112,13 +113,90 @@ def test_override(override: str, read: object, expected: object) -> None:
     assert read(load_scene("ap57", [override])) == expected  # type: ignore[operator]
 
 
-def test_expectations_hold_for_the_motion_they_were_written_for() -> None:
-    """A new title or tolerance leaves them; another motion drops all but those given with it."""
-    for override in ("title=x", "solver.tolerance=1e-8"):
-        assert load_scene("ap57", [override]).expect.keys() == load_scene("ap57").expect.keys()
-    changed = load_scene("ap57", ["speed=10", "expect.lift_off_count=0"])
+def test_a_scene_over_another_expects_what_it_says_itself_where_the_motion_is_another(
+    tmp_path: Path,
+) -> None:
+    """A new title or tolerance leaves what the base expects; another motion drops it."""
+    file = tmp_path / "over.toml"
+    for text in ('title = "x"', "parameters.solver.tolerance = 1e-8"):
+        file.write_text(f'extends = "ap57"\n{text}\n')
+        assert load_scene(str(file)).expect.keys() == load_scene("ap57").expect.keys()
+    file.write_text('extends = "ap57"\nparameters.speed = 10\nexpect.lift_off_count = 0\n')
+    changed = load_scene(str(file))
     assert list(changed.expect) == ["lift_off_count"]
     assert "first_lift_off" in changed.unchecked
+
+
+def test_what_is_set_from_outside_leaves_what_is_expected() -> None:
+    everything = load_scene("ap57").expect
+    assert load_scene("ap57", ["speed=10"]).expect == everything
+    changed = load_scene("ap57", ["speed=10", "expect.lift_off_count=0"]).expect
+    assert changed.keys() == everything.keys()
+    assert changed["lift_off_count"].max == 0.0
+
+
+def test_what_is_expected_can_be_left_out_but_for_what_is_set() -> None:
+    bare = load_scene("ap57", ["speed=10"], expect=False)
+    assert bare.expect == {}
+    assert set(bare.unchecked) == set(load_scene("ap57").expect)
+    own = load_scene("ap57", ["expect.lift_off_count=0"], expect=False)
+    assert list(own.expect) == ["lift_off_count"]
+
+
+def test_an_expectation_that_another_model_cannot_meet_says_how_to_leave_it(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_text('fmu = "QuarterCar"\nduration = 1\nexpect.lift_off_count = 0\n')
+    with pytest.raises(SceneError) as caught:
+        load_scene(str(file), ["fmu=OneDof"])
+    assert "no measure 'lift_off_count'" in str(caught.value)
+    assert str(caught.value).endswith("--no-expect leaves what the scene expects unchecked")
+    assert load_scene(str(file), ["fmu=OneDof"], expect=False).expect == {}
+
+
+@pytest.mark.parametrize(
+    ("text", "overrides", "idle"),
+    [
+        ('road.shape = "bump"', (), []),
+        ('bump_stop.gap = "4 cm"', (), ["bump_stop.gap"]),
+        ('bump_stop.gap = "4 cm"\nbump_stop.stiffness = 1e5', (), []),
+        ('damper.table = "-1:-1, 0:0, 1:1"\ndamper.bump_rate = 9', (), ["damper.bump_rate"]),
+        ('road.shape = "random"\nroad.seed = 2', (), []),
+        ("damper = { bump_limit = 0, limit_slope = 0 }", (), []),
+        # what is put in another's place from outside is not held against the file
+        ('road.height = "4 cm"', ("road.shape=random",), []),
+        ("damper.bump_rate = 9", ("damper.table=-1:-1, 0:0, 1:1",), []),
+        # but what is set there must act
+        ('road.height = "4 cm"', ("road.class=F",), ["road.class"]),
+        ('road.height = "4 cm"', ("road.shape=random", "road.height=3"), ["road.height"]),
+        ('road.height = "4 cm"', ("road.height=3", "road.shape=random"), ["road.height"]),
+    ],
+)
+def test_what_is_given_but_has_no_effect(
+    tmp_path: Path, text: str, overrides: tuple[str, ...], idle: list[str]
+) -> None:
+    scene = load_scene(scene_file(tmp_path, f"{MINIMAL}\n[parameters]\n{text}\n"), overrides)
+    assert [found.name for found in scene.idle] == idle
+    over = tmp_path / "over.toml"
+    given = "\n".join(
+        f"{key} = {value if value[0].isdigit() else repr(value)}"
+        for key, value in (o.split("=") for o in overrides)
+    )
+    over.write_text(f'extends = "scene.toml"\n[parameters]\n{given}\n')
+    assert [
+        found.name for found in load_scene(str(over)).idle
+    ] == idle  # a scene over another alike
+
+
+def test_a_table_in_a_file_takes_the_place_of_a_rate(tmp_path: Path) -> None:
+    (tmp_path / "damper.csv").write_text("v,F\n-1,-500\n0,0\n1,900\n")
+    damper = 'damper = { bump_rate = 9, table = { file = "damper.csv", columns = ["v", "F"] } }'
+    scene = load_scene(scene_file(tmp_path, f"{MINIMAL}\n[parameters]\n{damper}\n"))
+    assert scene.warnings == ["damper.bump_rate has no effect on the motion: damper.table is given"]
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_all_that_a_case_gives_has_an_effect(name: str) -> None:
+    assert load_scene(name).warnings == []
 
 
 def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
@@ -133,7 +211,7 @@ def test_bounds_take_units_and_exclude_what_was_not_measured() -> None:
 
 def test_the_scene_has_the_keys_that_its_file_may_have() -> None:
     assert set(KEYS) - {"extends"} == set(Scene.model_fields) - {
-        "name", "file", "unchecked", "during", "reference", "reference_folder",
+        "name", "file", "unchecked", "idle", "during", "reference", "reference_folder",
     }  # fmt: skip
 
 

@@ -22,8 +22,9 @@ from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
+from phaseplane.scenarios.scene.names import SWEEPS
 from phaseplane.scenarios.sweeps import running
-from phaseplane.scenarios.sweeps.plan import SWEEPS, Plan, load_plan, sweep_titles
+from phaseplane.scenarios.sweeps.plan import Plan, load_plan, sweep_titles
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
@@ -237,6 +238,20 @@ def test_keys_of_the_scene_may_be_varied_too() -> None:
         ("0.1", "true"), ("0.1", "false"), ("0.2", "true"), ("0.2", "false"),
     ]  # fmt: skip
     assert [row["lift_off_count"] for row in found] == ["1", "0", "1", "0"]
+
+
+def test_what_is_varied_without_effect_is_said_once() -> None:
+    idle = "damper.rebound_rate = [500, 1000, 2000]"
+    table = 'damper.table = "-1:-1000, 0:0, 1:1000"'
+    written(SCENE + f"[parameters]\n{table}\n", "scene.toml")
+    written(GRID.partition("[vary]")[0] + f"[vary]\n{idle}\n")
+    result = phaseplane("sweep", "sweep.toml", "--workers", "1")
+    words = "damper.rebound_rate has no effect on the motion: damper.table is given"
+    assert result.stderr == f"phaseplane: warning: {words}\n"
+    assert result.exit_code == 0
+    # where something varied as well makes it act in some runs, there is nothing to say
+    written(GRID.partition("[vary]")[0] + f'[vary]\n{idle}\n"damper.table" = ["", "0:0, 1:1"]\n')
+    assert load_plan("sweep.toml").warnings == []
 
 
 def test_a_run_that_fails_is_a_row_with_its_reason() -> None:

@@ -21,7 +21,7 @@ import pytest
 from hosting import HANGS
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import recordings_in
-from phaseplane.scenarios.scene.layers import case_names
+from phaseplane.scenarios.scene.names import case_names
 from phaseplane.suspension.variables import MODELS
 from PIL import Image
 from rerun.experimental import ViewerClient

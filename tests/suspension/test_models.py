@@ -12,9 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension import roads, systems
+from phaseplane.suspension.batch import outputs_over_time, run_many
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import Element, System, axle_masses, build
 from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.variables import ParameterError
 from scipy.integrate import solve_ivp
 
 TIMES = [0.005 * k for k in range(121)]
@@ -281,3 +283,18 @@ def test_the_energy_balance_closes(model: str, mass: float, rate: float, height:
     for t in (0.03, 0.15, 0.5):
         session.advance(t)
         assert abs(float(session.value("energy_residual"))) <= 1e-6 * stored + 1e-15
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        lambda: build("Road", {}),
+        lambda: Session("Road", {}),
+        lambda: simulate("Road", {}, [0.0, 1.0], ["ok"]),
+        lambda: outputs_over_time("Road"),
+        lambda: run_many("Road", [{}], [0.0, 1.0], []),
+    ],
+)
+def test_a_road_alone_is_not_run(start: Callable[[], object]) -> None:
+    with pytest.raises(ParameterError, match="Road is not a system that can be run; there are One"):
+        start()

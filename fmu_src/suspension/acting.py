@@ -1,0 +1,191 @@
+"""Which parameters act beside the others: what each needs, declared once for all models.
+
+A parameter that is not listed always acts. Of an axle's parameter the conditions are on the
+parameters of the same axle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .declared import ROAD_SHAPES
+from .variable import Value
+
+_AXLES = ("front.", "rear.")
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """At least one of these must be given and act itself: a text that is not empty, a number not 0."""
+
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Without:
+    """None of these may be given and act itself: each takes the parameter's place."""
+
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Among:
+    """Another parameter must have one of these values."""
+
+    name: str
+    values: tuple[Value, ...]
+
+
+Condition = Given | Without | Among
+
+
+def _shapes(*names: str) -> Among:
+    return Among("road.shape", names)
+
+
+_HUMPS = ("bump", "obstacle", "plank", "pothole", "ramp", "sine")
+_WITH_EDGES = ("plank", "pothole")
+_POINTS = ("table", "spline")
+_MOVING = tuple(shape for shape in ROAD_SHAPES if shape not in ("input", "flat"))
+_NO_TABLE_OF_DAMPER = Without(("damper.table",))
+_BLOW_OFF = (_NO_TABLE_OF_DAMPER, Without(("damper.saturation_force",)))
+
+CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
+    "spring.rate": (Without(("spring.table",)),),
+    "spring.cubic": (Without(("spring.table",)),),
+    "spring.interpolation": (Given(("spring.table",)),),
+    # a linear spring has the same rate at any preload
+    "spring.preload": (Given(("spring.table", "spring.cubic")),),
+    "damper.rebound_rate": (_NO_TABLE_OF_DAMPER,),
+    "damper.bump_rate": (_NO_TABLE_OF_DAMPER,),
+    "damper.rebound_limit": (*_BLOW_OFF, Given(("damper.rebound_rate",))),
+    "damper.bump_limit": (*_BLOW_OFF, Given(("damper.bump_rate",))),
+    "damper.limit_slope": (*_BLOW_OFF, Given(("damper.rebound_limit", "damper.bump_limit"))),
+    "damper.saturation_force": (_NO_TABLE_OF_DAMPER,),
+    "damper.interpolation": (Given(("damper.table",)),),
+    "damper.deflection_table": (
+        Given(("damper.table", "damper.rebound_rate", "damper.bump_rate")),
+    ),
+    "bump_stop.gap": (Given(("bump_stop.stiffness",)),),
+    "rebound_stop.gap": (Given(("rebound_stop.stiffness",)),),
+    "tyre.stiffness": (Without(("tyre.table",)),),
+    "tyre.interpolation": (Given(("tyre.table",)),),
+    "lift_off": (Given(("gravity",)),),
+    "road.height": (_shapes(*_HUMPS, "step", "sweep"),),
+    "road.length": (_shapes(*_HUMPS),),
+    "road.ramp_length": (_shapes(*_WITH_EDGES),),
+    "road.start": (_shapes(*_MOVING),),
+    "speed": (_shapes(*_MOVING),),
+    "wheelbase": (_shapes(*_MOVING),),
+    "road.first_frequency": (_shapes("sweep"),),
+    "road.last_frequency": (_shapes("sweep"),),
+    "road.duration": (_shapes("sweep"),),
+    "road.class": (_shapes("random"), Without(("road.roughness",))),
+    "road.roughness": (_shapes("random"),),
+    "road.seed": (_shapes("random"),),
+    "road.profile_length": (_shapes("random"),),
+    "road.table": (_shapes(*_POINTS),),
+    "road.sequence": (_shapes("sequence"),),
+    "solver.tolerance": (Without(("solver.step",)),),
+    "solver.beyond_stable": (
+        Given(("solver.step",)),
+        Among("solver.method", ("extrapolated", "equilibrium", "mean", "tangent")),  # have a limit
+    ),
+    "solver.theta": (Among("solver.method", ("wilson",)),),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Idle:
+    """A parameter that has no effect.
+
+    Parameters
+    ----------
+    name : of the parameter
+    reason : why, in words
+    causes : names of the parameters that are the reason
+    """
+
+    name: str
+    reason: str
+    causes: frozenset[str]
+
+    def __str__(self) -> str:
+        return f"{self.name} has no effect on the motion: {self.reason}"
+
+
+def idle(name: str, parameters: Mapping[str, Value]) -> Idle | None:
+    """Why a parameter has no effect beside the others, whatever its value; None if it may have one.
+
+    Parameters
+    ----------
+    name : of the parameter
+    parameters : all those of the model, checked
+    """
+    axle, conditions = _conditions(name)
+    for condition in conditions:
+        causes = _broken(condition, axle, parameters)
+        if causes is not None:
+            reason = " and ".join(_said(cause, parameters[cause]) for cause in causes)
+            return Idle(name, reason, frozenset(causes))
+    return None
+
+
+def decided_by(name: str, parameters: Mapping[str, Value]) -> frozenset[str]:
+    """The parameters that decide whether a parameter acts.
+
+    Parameters
+    ----------
+    name : of the parameter
+    parameters : all those of the model
+    """
+    axle, conditions = _conditions(name)
+    others = {_full(other, axle, parameters) for c in conditions for other in _names_in(c)}
+    known = others & parameters.keys()
+    return frozenset(known).union(*(decided_by(other, parameters) for other in known))
+
+
+def _conditions(name: str) -> tuple[str, tuple[Condition, ...]]:
+    """The axle of a parameter, and its conditions."""
+    axle = next((axle for axle in _AXLES if name.startswith(axle)), "")
+    return axle, CONDITIONS.get(name.removeprefix(axle), ())
+
+
+def _names_in(condition: Condition) -> tuple[str, ...]:
+    match condition:
+        case Among(name):
+            return (name,)
+        case Given(names) | Without(names):
+            return names
+
+
+def _full(name: str, axle: str, parameters: Mapping[str, Value]) -> str:
+    """The name with that of its axle, where it is an axle's."""
+    return f"{axle}{name}" if f"{axle}{name}" in parameters else name
+
+
+def _broken(
+    condition: Condition, axle: str, parameters: Mapping[str, Value]
+) -> tuple[str, ...] | None:
+    """The parameters that break a condition, or None if it holds."""
+
+    def acts(name: str) -> bool:
+        return bool(parameters.get(name)) and idle(name, parameters) is None
+
+    names = [_full(name, axle, parameters) for name in _names_in(condition)]
+    match condition:
+        case Given():
+            known = tuple(name for name in names if name in parameters)
+            return None if any(map(acts, known)) else known
+        case Without():
+            return tuple(filter(acts, names)) or None
+        case Among(values=values):
+            return None if parameters[names[0]] in values else (names[0],)
+
+
+def _said(name: str, value: Value) -> str:
+    """The value of a parameter as a reason."""
+    if name.endswith(("table", "sequence")):
+        return f"{name} is {'given' if value else 'not given'}"
+    return f"{name} is {value if isinstance(value, str) else format(value, 'g')}"

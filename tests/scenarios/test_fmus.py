@@ -1,0 +1,59 @@
+"""FMUs that are not of this project: what can be driven, and what is said of the rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.scene.fmus import find_fmu
+
+THREE = """<fmiModelDescription fmiVersion="3.0" modelName="V" instantiationToken="1">
+<{kind} modelIdentifier="V"/>
+<ModelVariables>
+<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+<Float64 name="x" valueReference="1" causality="output" start="2" initial="exact"/>
+</ModelVariables>
+<ModelStructure><Output valueReference="1"/></ModelStructure>
+</fmiModelDescription>"""
+TWO = """<fmiModelDescription fmiVersion="{version}" modelName="V" guid="1">{kind}
+<ModelVariables><ScalarVariable name="x" valueReference="1" causality="output"><Real/>
+</ScalarVariable></ModelVariables></fmiModelDescription>"""
+ONLY = "; only FMUs of FMI 2.0 for co-simulation can be run"
+
+
+@pytest.mark.parametrize(
+    ("description", "words"),
+    [
+        (THREE.format(kind="CoSimulation"), f"an FMU of FMI 3.0 for co-simulation{ONLY}"),
+        (THREE.format(kind="ModelExchange"), f"an FMU of FMI 3.0 for model exchange{ONLY}"),
+        (THREE.format(kind="ScheduledExecution"), f"of FMI 3.0 for scheduled execution{ONLY}"),
+        (
+            TWO.format(version="2.0", kind='<ModelExchange modelIdentifier="V"/>'),
+            f"an FMU of FMI 2.0 for model exchange{ONLY}",
+        ),
+        (TWO.format(version="1.0", kind=""), f"an FMU of FMI 1.0{ONLY}"),
+        (TWO.format(version="2.0", kind=""), f"an FMU of FMI 2.0{ONLY}"),
+        ("<fmiModelDescription/>", "not a model description of any FMI version"),
+        ("<html/>", "not a model description of any FMI version"),
+        ("<html>", "modelDescription.xml: no element found"),
+        (None, "it holds no modelDescription.xml"),
+    ],
+)
+def test_what_another_fmu_is_is_said(tmp_path: Path, description: str | None, words: str) -> None:
+    path = tmp_path / "other.fmu"
+    with ZipFile(path, "w") as archive:
+        archive.writestr("binaries/V.so", "")
+        if description is not None:
+            archive.writestr("modelDescription.xml", description)
+    with pytest.raises(InputError) as caught:
+        find_fmu(str(path))
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04"])
+def test_what_is_no_archive(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "other.fmu").write_bytes(content)
+    with pytest.raises(InputError, match="not an FMU: it is not a zip archive"):
+        find_fmu(str(tmp_path / "other.fmu"))
