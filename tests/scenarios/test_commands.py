@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
-from phaseplane.scenarios.results.folder import Results, replaced_whole, write_results
+from phaseplane.scenarios.results.folder import Place, Results, replaced_whole, write_results
 from phaseplane.scenarios.results.tables import write_table
 from phaseplane.scenarios.scene.expectations import During, Reference
 from phaseplane.scenarios.scene.loading import load_scene
@@ -35,7 +35,7 @@ def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         write_table(columns, {"units": {"x": "m"}}, tmp_path / name)
     write_table({"x": time}, {}, tmp_path / "no_time.csv")
     write_table({"time": time[::-1], "x": time}, {}, tmp_path / "back.csv")
-    with replaced_whole(tmp_path / "out" / "ap57") as draft:
+    with replaced_whole(Place(tmp_path / "out" / "kept")) as draft:
         write_results(Results({"time": time, "x": time}, {}), draft)
     return tmp_path
 
@@ -116,7 +116,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
         (["compare", "a.csv", "c.csv"], "no such file or folder: c.csv"),
-        (["compare", "ap57", "a.csv"], "did you mean out/ap57?"),
+        (["compare", "kept", "a.csv"], "did you mean out/kept?"),
         (["compare", "a.csv", "back.csv"], "back.csv: time must not go back"),
         (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
         (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
