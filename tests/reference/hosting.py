@@ -15,9 +15,7 @@ from time import monotonic, sleep
 import pytest
 
 SOURCES = Path(__file__).parents[1] / "vehicle_fmus"
-HANGS = (
-    900.0  # s; far longer than anything takes, however busy the machine: only what hangs meets it
-)
+HANGS = 900.0  # s; far longer than anything takes on a busy machine: only what hangs meets it
 
 
 def compiled(source: Path, target: Path, *options: str) -> Path:
