@@ -333,6 +333,16 @@ class Session:
                     ("event", f"{name} {'met' if met else 'left'} at {time:.9g} s")
                 )
 
+    @property
+    def integrator(self) -> Any:
+        """The integrator at work, for what there is to be read of it besides the outputs."""
+        return self._integrator
+
+    @property
+    def sources(self) -> tuple[str, ...]:
+        """The roads and loads that bring energy in, in the order of the ledger."""
+        return tuple(self._system.signals)
+
     # -- outputs -------------------------------------------------------------------------------------
 
     def _sample(self) -> None:

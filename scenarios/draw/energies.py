@@ -1,115 +1,109 @@
 """Where the energy of a run is: moving, stored, dissipated, brought in (L2 eqs. 21, 26).
 
-T + U + D = W, with T = v' M v / 2, U the potentials of the springs, D what the elements have taken
-up and do not give back, and W the work of the road. Taken from the columns of the run: works are
-sums over its rows by the trapezoidal rule, so they are as exact as the rows are close.
+T + U + D = W + the energy at the start. The account is the ledger of the integrator, road by road and
+load by load. A model of this project takes the same internal steps here as in its FMU; at each row its
+state is taken aside, led on to that instant, and read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import inf, isfinite
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf, nan, nextafter
+from typing import Any, NamedTuple
 
 import numpy as np
-from phaseplane.suspension.models import build
-from phaseplane.suspension.systems import Element, System
+import numpy.typing as npt
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import Value
 
-if TYPE_CHECKING:
-    import numpy as np
-    import numpy.typing as npt
+Reals = npt.NDArray[np.float64]
 
-    Reals = npt.NDArray[np.float64]
+
+class _Entries(NamedTuple):
+    """What the ledger says at one instant, J.
+
+    Parameters
+    ----------
+    kinetic, stored : of all masses, of all elements
+    supplied : by each road and load so far
+    residual : what the balance lacks
+    """
+
+    kinetic: float
+    stored: float
+    supplied: Sequence[float]
+    residual: float
+
+    @property
+    def held(self) -> float:
+        """What moves and what is stored."""
+        return self.kinetic + self.stored
 
 
 def energies(
-    model: str, parameters: Mapping[str, Value], columns: Mapping[str, Reals]
+    model: str, parameters: Mapping[str, Value], times: Sequence[float] | Reals
 ) -> dict[str, Reals]:
-    """Columns of energy, J, by name; none where the columns do not hold the whole motion.
+    """Columns of energy at the instants of a run, J, by name; not numbers once the run has failed.
+
+    What is dissipated is the works of all dampers, of friction and of flow, and what a damped tyre
+    loses or gains where its contact ends or begins. Where more than one road or load brings energy in,
+    each has a column of its own besides.
 
     Parameters
     ----------
     model : key of `suspension.variables.MODELS`
     parameters : its public parameters, SI
-    columns : `time`, displacements, velocities and the ground under the wheels, shape (rows,), SI
+    times : s, ascending; the run starts at the first one
     """
-    system = build(model, parameters)
-    motion = _motion(system, columns)
-    if motion is None or any(isfinite(e.yield_force) or e.friction for e in system.elements):
-        return {}
-    q, v, grounds = motion
-    stored, dissipated, work = np.zeros(q.shape[1]), np.zeros(q.shape[1]), np.zeros(q.shape[1])
-    for element in system.elements:
-        ground, rate = grounds.get(element.road, (0.0, 0.0))
-        b = np.array(element.direction)
-        d, w = b @ q - ground, b @ v - rate
-        force = _force(element, d, w)
-        potential = _potential(element, d)
-        taken_up = _summed(columns["time"], force * w)
-        stored += potential
-        dissipated += taken_up - (potential - potential[0])
-        work -= _summed(columns["time"], force * rate)
-    moving = 0.5 * np.einsum("it,ij,jt->t", v, np.array(system.mass), v)
-    return {
-        "kinetic_energy": moving,
+    session = Session(model, parameters, float(times[0]))
+    names = session.sources
+    start = _entries(session.integrator)
+    rows = [
+        (
+            now.kinetic,
+            now.stored,
+            # the balance: with it, all that any element took up and no other entry has
+            start.held - now.held + sum(now.supplied) + now.residual,
+            sum(now.supplied),
+            *now.supplied,
+        )
+        for now in _at(session.integrator, [float(t) for t in times])
+    ]
+    rows += [(nan,) * (4 + len(names))] * (len(times) - len(rows))
+    kinetic, stored, dissipated, supplied, *sources = np.array(rows, float).T
+    found = {
+        "kinetic_energy": kinetic,
         "stored_energy": stored,
         "dissipated_energy": dissipated,
-        "supplied_energy": work,
+        "supplied_energy": supplied,
     }
-
-
-def _motion(
-    system: System, columns: Mapping[str, Reals]
-) -> tuple[Reals, Reals, dict[str, tuple[Reals, Reals]]] | None:
-    """Displacements and velocities, shape (coordinates, rows), and the grounds by their signals."""
-    grounds = {
-        axle.road: tuple(f"{axle.prefix}ground_{what}" for what in ("elevation", "velocity"))
-        for axle in system.axles
+    several = {
+        f"{name}_supplied_energy": column
+        for name, column in zip(names, sources, strict=True)
+        if np.any(column != 0.0)
     }
-    names = {
-        order: [f"{coordinate}_{order}" for coordinate in system.coordinates]
-        for order in ("displacement", "velocity")
-    }
-    needed = {n for group in (*names.values(), *grounds.values()) for n in group}
-    if not needed <= columns.keys() or not system.axles:
-        return None
-    q, v = (np.array([columns[name] for name in group], float) for group in names.values())
-    return q, v, {road: (columns[x], columns[y]) for road, (x, y) in grounds.items()}
+    return found | (several if len(several) > 1 else {})
 
 
-def _force(element: Element, d: Reals, w: Reals) -> Reals:
-    force = [
-        element.spring.force(x) + element.damper.force(y) * element.modulation.force(x)
-        for x, y in zip(d.tolist(), w.tolist(), strict=True)
-    ]
-    return np.minimum(force, element.limit)
+def _at(integrator: Any, times: Sequence[float]) -> Iterator[_Entries]:
+    """The entries at ascending instants, as far as the integrator comes, step by step of its own."""
+    before = integrator.snapshot()
+    for t in times:
+        while integrator.time < t:
+            before = integrator.snapshot()
+            if integrator.advance(nextafter(integrator.time, inf)) != 0:
+                return
+        if integrator.time == t:
+            yield _entries(integrator)
+            continue
+        ahead = integrator.snapshot()
+        integrator.restore(before)
+        if integrator.advance(t, stop=True) != 0:
+            return
+        yield _entries(integrator)
+        integrator.restore(ahead)
 
 
-def _potential(element: Element, d: Reals) -> Reals:
-    """Potential of a spring, linear where an element that cannot pull is beyond its limit."""
-    free = _free_deflection(element)
-    elastic = np.array([element.spring.potential(x) for x in np.minimum(d, free).tolist()])
-    beyond = np.maximum(0.0, d - free)
-    return elastic + np.where(beyond > 0.0, min(element.limit, 1e300), 0.0) * beyond
-
-
-def _free_deflection(element: Element) -> float:
-    """The deflection at which a spring alone has the force that its element is limited to, m."""
-    if not isfinite(element.limit):
-        return inf
-    low, high = 0.0, 1.0
-    while element.spring.force(high) < element.limit:
-        low, high = high, 2.0 * high
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (
-            (middle, high) if element.spring.force(middle) < element.limit else (low, middle)
-        )
-    return high
-
-
-def _summed(times: Reals, power: Reals) -> Reals:
-    """Integral over time from the first instant on, by the trapezoidal rule."""
-    parts = 0.5 * np.diff(times) * (power[1:] + power[:-1])
-    return np.concatenate([[0.0], np.cumsum(parts)])
+def _entries(integrator: Any) -> _Entries:
+    kinetic, stored, _, supplied = integrator.energies()
+    return _Entries(kinetic, sum(stored), supplied, integrator.residual_end)
