@@ -22,9 +22,10 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from math import ceil, isfinite
-from multiprocessing import get_context, parent_process
+from multiprocessing import Pipe, get_context, parent_process
+from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from threading import Thread
+from threading import Event, Thread
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -33,7 +34,7 @@ from ..measures import Measure, Run, catalogue, take
 from ..measures.solution import instants, refinement, solved, stepped
 from ..scene.equation import EQUATION
 from ..simulate import runner
-from ..simulate.driver import opened
+from ..simulate.driver import deferred_interrupt, opened
 from ..simulate.versions import versions
 from .plan import Plan
 
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
 _MOST_IN_CHUNK = 200
 _MOTION_IN_CHUNK = 400.0  # s: an interrupt waits for the chunks that are under way
 _PATIENCE = "10s"  # with a scheduler that does not answer
+_STOPPING = Event()  # in a process that makes runs: whether it is to stop after the one under way
 _CHECKED = 3  # runs that are made both ways, where the FMU is driven
 
 
@@ -112,19 +114,32 @@ def sweep(
     most = min(_MOST_IN_CHUNK, int(_MOTION_IN_CHUNK / plan.scene.duration))
     size = max(1, min(most, ceil(len(left) / (8 * count))))
     chunks = [left[k : k + size] for k in range(0, len(left), size)]
-    with _kept(key, journal) as keep, _executor(count, dask) as executor:
-        futures: list[Future[list[Row]]] = []
+    with _kept(key, journal) as keep, _executor(count, dask) as (executor, stop):
+        waiting: set[Future[list[Row]]] = set()
+
+        def take_rows(future: Future[list[Row]]) -> None:
+            made = future.result()
+            waiting.discard(future)
+            rows.update((row.run, row) for row in made)
+            keep(made)
+            if progress is not None:
+                progress(len(rows) / len(plan.points))
+
         try:
-            futures += [executor.submit(run_chunk, plan, chunk, through) for chunk in chunks]
-            for future in as_completed(futures):
-                chunk = future.result()
-                rows.update((row.run, row) for row in chunk)
-                keep(chunk)
-                if progress is not None:
-                    progress(len(rows) / len(plan.points))
+            with deferred_interrupt() as came:  # or a chunk would be begun that nobody waits for
+                for chunk in chunks:
+                    waiting.add(executor.submit(run_chunk, plan, chunk, through))
+            if came():
+                signal.raise_signal(came())
+            for future in as_completed(list(waiting)):
+                take_rows(future)
         except BaseException as error:
-            for future in futures:
-                future.cancel()
+            stop()
+            begun = [future for future in waiting if not future.cancel()]
+            if isinstance(error, KeyboardInterrupt):
+                for future in begun:  # they end with the run that is under way
+                    if future.exception() is None:
+                        take_rows(future)
             kept = f"after {len(rows)} of {len(plan.points)} runs; start it again to go on"
             if isinstance(error, KeyboardInterrupt):
                 raise KeyboardInterrupt(kept) from None
@@ -142,12 +157,17 @@ def sweep(
 
 
 def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
-    """Some runs of a plan, one after the other."""
+    """Some runs of a plan, one after the other; fewer if the sweep is to stop."""
     if through == "fmu" or plan.scene.fmu.model == EQUATION:
-        return list(_scene_by_scene(plan, runs))
-    if plan.parameters_only:
-        return list(_in_process(plan, runs))
-    return [row for run in runs for row in _in_process_alone(plan, run)]
+        rows = _scene_by_scene(plan, runs)
+    elif plan.parameters_only:
+        rows = _in_process(plan, runs)
+    else:
+        rows = (row for run in runs for row in _in_process_alone(plan, run))
+    made = []
+    while not _STOPPING.is_set() and (row := next(rows, None)) is not None:
+        made.append(row)
+    return made
 
 
 def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
@@ -241,19 +261,23 @@ def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
 
 
 @contextmanager
-def _executor(count: int, dask: str) -> Iterator[Executor]:
-    """Processes of this machine, or the workers of a Dask cluster."""
+def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], None]]]:
+    """Processes of this machine, or the workers of a Dask cluster; and what lets them stop early."""
     with ExitStack() as stack:
+        if not dask and count == 1:  # no process is worth its start for a single worker
+            _STOPPING.clear()
+            thread = ThreadPoolExecutor(1)
+            stack.callback(thread.shutdown, cancel_futures=True)
+            yield thread, _STOPPING.set
+            return
         if not dask:
-            pool: Executor = (
-                ThreadPoolExecutor(1)  # no process is worth its start for a single worker
-                if count == 1
-                else ProcessPoolExecutor(
-                    count, mp_context=get_context("spawn"), initializer=_begin_worker
-                )
+            told, telling = Pipe(duplex=False)
+            processes = ProcessPoolExecutor(
+                count, mp_context=get_context("spawn"), initializer=_begin_worker, initargs=(told,)
             )
-            stack.callback(pool.shutdown, cancel_futures=True)
-            yield pool
+            stack.callback(telling.close)
+            stack.callback(processes.shutdown, cancel_futures=True)
+            yield processes, telling.close
             return
         try:
             from distributed import Client  # noqa: PLC0415  (optional)
@@ -263,18 +287,20 @@ def _executor(count: int, dask: str) -> Iterator[Executor]:
             client = stack.enter_context(Client(dask, timeout=_PATIENCE))
         except Exception as error:
             raise RunError(one_line(f"no Dask scheduler at {dask}: {error}")) from None
-        yield client.get_executor()
+        yield client.get_executor(), lambda: None
 
 
-def _begin_worker() -> None:
-    """Leave interrupts to the process that started this one, and end with it however it ends."""
+def _begin_worker(told: Connection) -> None:
+    """Leave interrupts to the process that started this one; stop when it says so, end when it ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_end_with_parent, daemon=True).start()
+    Thread(target=_follow_parent, args=(told,), daemon=True).start()
 
 
-def _end_with_parent() -> None:
+def _follow_parent(told: Connection) -> None:
     parent = parent_process()
     assert parent is not None
+    wait([told, parent.sentinel])  # it closes its end of the pipe, or has ended
+    _STOPPING.set()
     parent.join()
     os._exit(1)  # the main thread waits for work that nobody will send
 

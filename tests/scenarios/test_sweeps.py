@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
@@ -351,7 +351,7 @@ def test_an_interrupted_sweep_of_the_process_is_not_that_of_the_fmu(
 
     def stopping(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
         made.append(through)
-        if len(made) == 2:
+        if len(made) > 1:
             raise KeyboardInterrupt
         return [Row(run, (123.0, 45)) for run in runs]
 
@@ -397,6 +397,26 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     assert json.loads(again.stdout)["made"] == 120 - kept
     assert len(rows()) == 120
     assert not journal.exists()
+
+
+def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of the chunk under way are kept as far as they are made, and no more are begun."""
+
+    def interrupted(_plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
+        for k, run in enumerate(runs):
+            if k == 2:
+                os.kill(os.getpid(), signal.SIGINT)
+                assert running._STOPPING.wait(60.0)
+            yield Row(run, (123.0, 45))
+
+    monkeypatch.setattr(running, "_in_process", interrupted)
+    sweep_file = written(GRID.replace("count = 3", "count = 60"))
+    result = CliRunner().invoke(main, ["sweep", str(sweep_file), "--workers", "1"])
+    assert result.exit_code == 130
+    said = "phaseplane: interrupted after 3 of 120 runs; start it again to go on\n"
+    assert result.stderr.lstrip() == said
+    (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
+    assert len(journal.read_text().splitlines()) == 1 + 3
 
 
 def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
