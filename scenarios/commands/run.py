@@ -97,10 +97,9 @@ def run(
         warn(summary["warnings"])
         click.echo(as_json(summary) if as_data else report(summary, folder))
         told = failures(summary)
-        lines = [*told, *summary["notes"]]
-        if lines:
-            more = f" (and {len(lines) - 1} more)" if len(lines) > 1 else ""
-            complain(f"{summary['scene']}: {lines[0]}{more}")
+        if told:
+            more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
+            complain(f"{summary['scene']}: {told[0]}{more}")
         until_interrupted(server)
     return FAILED if told else DONE
 
@@ -144,7 +143,7 @@ def run_scene(
     place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
     check_replaceable(place)
     problems: list[str] = []
-    notes: list[str] = []
+    unshown: list[str] = []
     drawing, drawn = None, None
     known = scene.fmu.model in CONSTRUCTED
     if scene.show.figures_construction or (known and scene.show.records_construction):
@@ -173,21 +172,22 @@ def run_scene(
                 sys.exit(TERMINATED)
             raise KeyboardInterrupt(_kept_words(interrupted.results, place)) from None
         if live is not None:
-            unwritten, notes = live.complete(results)
+            unwritten, unshown = live.complete(results)
             problems += unwritten
     if drawing is not None:
         drawing = drifting(drawing, results.columns)
         drawn = told_of(drawing, drawing_time)
     with replaced_whole(place) as draft:
         problems += draw_all(scene, results, drawing, draft)
-        told = {"origin": place.origin, "drawn": drawn, "problems": problems, "notes": notes}
+        warnings = [*results.summary["warnings"], *unshown]
+        told = {"origin": place.origin, "drawn": drawn, "problems": problems, "warnings": warnings}
         write_results(Results(results.columns, {**results.summary, **told}), draft)
     return read_summary(place.folder) or {}, place.folder
 
 
 def _keep(results: Results, problems: Sequence[str], place: Place) -> None:
     """Write the results of a run that was interrupted; nothing of it is drawn."""
-    told = {"origin": place.origin, "drawn": None, "problems": list(problems), "notes": []}
+    told = {"origin": place.origin, "drawn": None, "problems": list(problems)}
     with replaced_whole(place) as draft:
         write_results(Results(results.columns, {**results.summary, **told}), draft)
 

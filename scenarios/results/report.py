@@ -75,8 +75,6 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
         yield _line("" if i else "FAILED", failure)
-    for i, note in enumerate(summary.get("notes", ())):
-        yield _line("" if i else "note", note)
     yield ""
     for i, name in enumerate(summary.get("files", ())):  # a table by itself carries none
         yield _line("" if i else "files", _path(folder / name))

@@ -58,7 +58,9 @@ def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:
     url = "rerun+http://127.0.0.1:1/proxy"
     result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", url])
     assert result.exit_code == 0
-    assert result.stderr == f"phaseplane: ap57: the run was not shown: no viewer listens at {url}\n"
+    assert (
+        result.stderr == f"phaseplane: warning: the run was not shown: no viewer listens at {url}\n"
+    )
     assert len(read_csv("out/ap57/results.csv")) == 1001
 
 
@@ -81,7 +83,7 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
         result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", server.url, *saved])
     assert result.exit_code == 0
     gone = f"the run was not shown: the viewer at {server.url} no longer answers"
-    assert result.stderr == f"phaseplane: ap57: {gone}\n"
+    assert result.stderr == f"phaseplane: warning: {gone}\n"
     assert len(read_csv("out/ap57/results.csv")) == 1001
     if saved:
         assert {"/vehicle/axle/wheel", "/histories/force"} <= entities(Path("live.rrd"))
