@@ -11,6 +11,7 @@ _SHOWN_IN = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
 _NO_UNITS = ("", "1", "count")
 _DIGITS, _DECIMALS = 4, 3  # significant and decimal ones, at least
 _LONGEST = 1e9
+_ROUNDING = 1e-10  # what is smaller is left over of forces that cancel
 _LONG = 10.0  # s: instants from here on are told in seconds
 
 
@@ -20,12 +21,14 @@ def shown_in(unit: str) -> tuple[str, float]:
 
 
 def number(value: float) -> str:
-    """A number with at least four significant digits and three decimals."""
+    """A number with at least four significant digits and three decimals; rounding errors are 0."""
     if isinstance(value, int):
         return str(value)
     size = abs(value)
-    if not 0.0 < size < inf:
-        return f"{value:.{_DECIMALS}f}"
+    if size < _ROUNDING:
+        return f"{0.0:.{_DECIMALS}f}"
+    if not size < inf:
+        return str(value)
     leading = floor(log10(size))
     if size >= _LONGEST or leading < -_DIGITS:
         return f"{value:.{_DIGITS - 1}e}"
