@@ -69,7 +69,8 @@ def to_si(quantity: str, unit: str) -> float:
     """
     match = _QUANTITY.match(quantity)
     if match is None:
-        raise UnitError(f"{quantity!r} is not a number with a unit; write for example '1.5 {unit}'")
+        what, example = ("number", "1.5") if unit == "1" else ("number with a unit", f"1.5 {unit}")
+        raise UnitError(f"{quantity!r} is not a {what}; write for example {example!r}")
     number, name = (
         float(match[1]),
         (match[2] or unit).strip().replace(" ", "").translate(_SPELLINGS),

@@ -10,6 +10,7 @@ from typing import cast
 from .units import UnitError, nearest, to_si
 
 Value = float | bool | int | str
+_LARGEST_INTEGER = 2**31 - 1  # that FMI can pass
 
 
 class ParameterError(ValueError):
@@ -71,6 +72,8 @@ class Variable:
         if isinstance(self.start, int):
             if value != int(value):
                 raise ParameterError(f"{self.name} = {value!r}: must be a whole number")
+            if not abs(value) <= _LARGEST_INTEGER:
+                raise ParameterError(f"{self.name} = {value:g}: must be at most {_LARGEST_INTEGER}")
             return int(self._checked_range(value))
         return self._checked_range(float(value) + 0.0)  # never -0.0
 

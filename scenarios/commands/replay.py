@@ -24,7 +24,7 @@ from ..errors import (
     check_recording,
     one_line,
 )
-from ..results.folder import as_json, read_results, read_summary
+from ..results.folder import DAMAGED, as_json, read_results, read_summary
 from ..results.report import drift_words
 from ..results.tables import read_table
 from ..scene.layers import Setting, find_scene
@@ -145,11 +145,15 @@ def replay_construction(
     if folder is not None and over is None:
         results = read_results(folder)
         run = results.summary
+        if not run.keys() >= {"construction", "model", "parameters"}:
+            raise InputError(one_line(f"{folder}: {DAMAGED}"))
         settings = construction_settings(run["construction"], overrides)
         drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
         shown = of_results(results, drawing, {})
     else:
         scene = load_scene(_scene_or_folder(what), overrides, expect=False)
+        if over is None:
+            scene.check_construction()
         settings = scene.construction.model_dump()
         model, parameters = scene.fmu.model, scene.all_parameters
         columns = read_table(over)[0] if over is not None else {}

@@ -30,6 +30,7 @@ OUTPUT = Path("out")
 """Where results go unless a folder is named."""
 
 SUMMARY = "summary.json"
+DAMAGED = "the summary is damaged, or is not that of a run"
 TABLE = "results.csv"
 _MARK = "phaseplane_results"  # the first key of our summaries, with the number of their layout
 _LAYOUT = 1
@@ -155,6 +156,9 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
     except (OSError, ValueError):
         return None
     if not isinstance(summary, dict) or summary.get(_MARK) != _LAYOUT:
+        return None
+    files = summary.get("files")
+    if not isinstance(files, list) or not all(isinstance(name, str) for name in files):
         return None
     return summary
 

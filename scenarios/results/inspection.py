@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf, isnan
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line, shown
 from .comparison import Difference, check_ascending, compared, extent_words
-from .folder import Results, read_results
+from .folder import DAMAGED, Results, read_results
 from .report import aligned, report
 
 _MOST_DRAWN = 6
@@ -36,6 +37,8 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
     results = read_results(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
+    if not isinstance(units, Mapping):
+        raise InputError(one_line(f"{what}: {DAMAGED}"))
     told = {
         "file": str(what),
         "summary": dict(results.summary),
@@ -52,9 +55,11 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
         },
     }
     if figure is not None:
-        drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
-        title = str(results.summary.get("title", what.name))
         time = _time(results, what)
+        drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
+        if not drawn:
+            raise InputError(one_line(f"--figure: {what} has no column but time to be drawn"))
+        title = str(results.summary.get("title", what.name))
         figures.save(
             figures.columns({n: columns[n] for n in drawn}, time, units, title=title), figure
         )
@@ -66,7 +71,10 @@ def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
     """The same for a terminal."""
     lines = []
     if told["summary"].get("measures"):
-        lines += [report(told["summary"], folder), ""]
+        try:
+            lines += [report(told["summary"], folder), ""]
+        except (KeyError, TypeError, AttributeError, ValueError):
+            raise InputError(one_line(f"{folder}: {DAMAGED}")) from None
     lines += [f"warning: {warning}" for warning in told["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     rows = [
@@ -102,6 +110,8 @@ def difference(
     """
     if figure is not None:
         check_picture(figure)
+    if isnan(tolerance):
+        raise InputError("--tolerance nan: must be a number")
     first, second = read_results(ours), read_results(other)
     for results, path in ((first, ours), (second, other)):
         _time(results, path)
@@ -155,6 +165,8 @@ def first_difference(told: Mapping[str, Any]) -> str:
     if told["unshared"]:
         return f"{'; '.join(told['unshared'])}; --common compares only what both have"
     worst = told["differences"][0]
+    if worst["largest"] == inf:
+        return f"{worst['name']} is not a number in one of the two at {worst['time']:g} s"
     return (
         f"{told['ours']} and {told['other']} differ: {worst['name']} by {worst['relative']:.3g} of "
         f"its peak, allowed: {told['tolerance']:g}"

@@ -49,6 +49,8 @@ def read_table(path: Path) -> Table:
         metadata = json.loads(text) if text else {}
     except ImportError:
         raise
+    except OSError as error:
+        raise InputError(one_line(f"cannot read {path}: {error.strerror or error}", 300)) from None
     except Exception as error:  # whatever a file that is none provokes in its library
         raise InputError(one_line(f"cannot read {path}: {error}", 300)) from None
     return columns, metadata if isinstance(metadata, dict) else {}
@@ -103,7 +105,13 @@ def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
         rows = table.readlines()
     if not names or not rows:
         return {}, ""
-    values = np.loadtxt(rows, delimiter=",", ndmin=2)
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"{names.count(name)} columns are called {name!r}")
+    try:
+        values = np.loadtxt(rows, delimiter=",", ndmin=2)
+    except ValueError as error:  # whose hint at numpy's own arguments helps nobody here
+        raise ValueError(str(error).partition("; use `usecols`")[0]) from None
     if values.shape[1] != len(names):
         raise ValueError(f"{len(names)} names over {values.shape[1]} columns")
     return dict(zip(names, values.T.copy(), strict=True)), ""

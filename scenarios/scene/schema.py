@@ -135,6 +135,8 @@ class Scene(Strict):
         known = catalogue(info.data["fmu"].outputs())
         expected = {}
         for name, raw in given.items():
+            if name.startswith("during."):
+                raise _at(name, "expect.during must be a list: write [[expect.during]] for each")
             if name not in known:
                 raise _at(name, f"no measure {shown(name)}{nearest(name, known)}")
             try:
@@ -188,18 +190,34 @@ class Scene(Strict):
                 f"{self.duration / self.show.output_interval:.3g} rows over {self.duration:g} s; "
                 f"allowed: {_MOST_ROWS}, so at least {self.duration / _MOST_ROWS:.3g} s",
             )
-        if self.show.draws and self.construction_time / self.construction.step > _MOST_STEPS:
-            raise _at(
-                "construction.step",
-                f"construction.step = {self.construction.step:g} s gives "
-                f"{self.construction_time / self.construction.step:.3g} steps over "
-                f"{self.construction_time:g} s; allowed: {_MOST_STEPS}",
-            )
+        if self.show.draws:
+            try:
+                self.check_construction()
+            except InputError as error:
+                raise _at("construction.step", str(error)) from None
         return self
+
+    def check_construction(self) -> None:
+        """Refuse a construction of more steps than anybody can wait for.
+
+        Raises
+        ------
+        InputError
+        """
+        steps = self.construction_time / self.construction.step
+        if steps > _MOST_STEPS:
+            raise InputError(
+                f"construction.step = {self.construction.step:g} s gives {steps:.3g} steps over "
+                f"{self.construction_time:g} s; allowed: {_MOST_STEPS}"
+            )
 
     def _check_reference(self) -> None:
         if self.reference is None:
             return
+        if self.reference.columns == ():
+            raise _at(
+                "expect.reference", "expect.reference.columns = []: must name at least one column"
+            )
         try:
             columns = self.reference_columns
         except InputError as error:

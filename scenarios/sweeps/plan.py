@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import product
-from math import log2
+from math import log2, prod
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -29,6 +29,15 @@ from ..scene.schema import Scene
 
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _OF_RANGE = ("from", "to", "count")
+_NOT_VARIED = {
+    "extends": "a scene's base can be named in its file only",
+    "expect": "a sweep checks no expectations",
+}
+_MEANT = {  # in place of pydantic's words, by the type of the error
+    "dict_type": "must be a table",
+    "model_type": "must be a list of values, or { from = ..., to = ..., count = ... }",
+    "string_type": "must be a text",
+}
 _MOST_RUNS = 1_000_000
 _QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
 _TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
@@ -94,16 +103,26 @@ class SweepFile(Strict):
         if self.method == "sobol" and self.runs and not log2(self.runs).is_integer():
             raise ValueError(f"runs = {self.runs}: a Sobol sample needs a power of two")
         for key, values in self.vary.items():
+            if key.split(".")[0] in _NOT_VARIED:
+                raise ValueError(f"{key}: {_NOT_VARIED[key.split('.')[0]]}")
             if isinstance(values, tuple):
+                for value in values:
+                    if not isinstance(value, bool | int | float | str):
+                        raise ValueError(
+                            f"{key}: {shown(value)}: a value must be a number, a text, true or false"
+                        )
                 if sampled:
                     raise ValueError(f"{key}: a sample is drawn from a range, {{ from, to }}")
                 if not values:
                     raise ValueError(f"{key}: an empty list")
             elif not sampled and values.count is None:
                 raise ValueError(f"{key}: a range needs count, except in a sample")
-        lengths = {len(v) if isinstance(v, tuple) else v.count for v in self.vary.values()}
-        if self.method == "list" and len(lengths) > 1:
+        lengths = [len(v) if isinstance(v, tuple) else v.count or 1 for v in self.vary.values()]
+        if self.method == "list" and len(set(lengths)) > 1:
             raise ValueError("method list takes the values side by side: all as many")
+        count = prod(lengths) if self.method == "grid" else max(lengths)
+        if count > _MOST_RUNS:
+            raise ValueError(f"{count} runs; allowed: {_MOST_RUNS}")
         return self
 
 
@@ -295,8 +314,6 @@ def load_plan(reference: str | Path) -> Plan:
         points = list(zip(*columns, strict=True))
     else:
         points = _sampled(said, [(min(c), max(c)) for c in columns])
-    if len(points) > _MOST_RUNS:
-        raise InputError(one_line(f"{path}: {len(points)} runs; allowed: {_MOST_RUNS}"))
     units = tuple(_unit_of(key, declared) for key in said.vary)
     given_in = tuple(map(_shown_in, said.vary.values(), units))
     plan = Plan(
@@ -392,9 +409,12 @@ def _told(path: Path, error: ValidationError) -> str:
     key = ".".join(str(part) for part in first["loc"] if part not in ("Range",))
     names = [field.alias or name for name, field in SweepFile.model_fields.items()]
     if first["type"] == "missing":
-        return one_line(f"{path}: {key} is missing; a sweep has {', '.join(names)}")
+        has = "a sweep" if len(first["loc"]) == 1 else "a range"
+        known = names if has == "a sweep" else _OF_RANGE
+        return one_line(f"{path}: {key} is missing; {has} has {', '.join(known)}")
     if first["type"] == "extra_forbidden":
         known = names if len(first["loc"]) == 1 else _OF_RANGE
         return one_line(f"{path}: unknown key {key!r}{nearest(str(first['loc'][-1]), known)}")
-    message = first["msg"].removeprefix("Value error, ")
+    message = _MEANT.get(first["type"], first["msg"]).removeprefix("Value error, ")
+    message = message.replace("Input should be", "must be")
     return one_line(f"{path}: {f'{key}: ' if key else ''}{message}")

@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
+import pyarrow
 import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
@@ -18,6 +19,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.sections import Construction, Show
 from phaseplane.scenarios.sweeps.plan import Range, SweepFile
 from phaseplane.suspension.variables import MODELS
+from pyarrow import parquet
 from pydantic import BaseModel
 
 
@@ -27,7 +29,7 @@ def phaseplane(*arguments: str) -> Result:
 
 @pytest.fixture
 def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Two tables that differ a little, one without time, one whose time goes back, and a run's folder."""
+    """Two tables that differ a little, a run's folder, and what is wrong with others in many ways."""
     monkeypatch.chdir(tmp_path)
     time = np.linspace(0.0, 1.0, 101)
     for name, factor in (("a.csv", 1.0), ("b.parquet", 1.001)):
@@ -35,6 +37,15 @@ def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         write_table(columns, {"units": {"x": "m"}}, tmp_path / name)
     write_table({"x": time}, {}, tmp_path / "no_time.csv")
     write_table({"time": time[::-1], "x": time}, {}, tmp_path / "back.csv")
+    Path("twice.csv").write_text("time,x,x\n0,1,2\n")
+    Path("ragged.csv").write_text("time,x\n0,1\n1\n")
+    Path("time.csv").write_text("time\n0\n1\n")
+    write_table({"time": time, "x": time}, {"measures": {"a": 1}}, tmp_path / "other.parquet")
+    parquet.write_table(pyarrow.table({"time": [0.0], "x": ["a"]}), "words.parquet")
+    for name, said in (("damaged", '"files": [], "measures": {"a": 1}'), ("no_files", '"a": 1')):
+        Path(name).mkdir()
+        Path(name, "summary.json").write_text(f'{{"phaseplane_results": 1, {said}}}')
+        Path(name, "results.csv").write_text("time,x\n0,1\n")
     with replaced_whole(Place(tmp_path / "out" / "kept")) as draft:
         write_results(Results({"time": time, "x": time}, {}), draft)
     return tmp_path
@@ -115,6 +126,22 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["show", "back.csv", "--figure", "f.png"], "back.csv: time must not go back"),
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
+        (["show", "twice.csv"], "cannot read twice.csv: 2 columns are called 'x'"),
+        (["show", "ragged.csv"], "number of columns changed from 2 to 1 at row 2\n"),
+        (["show", "time.csv", "--figure", "f.png"], "time.csv has no column but time to be drawn"),
+        (
+            ["show", "other.parquet"],
+            "other.parquet: the summary is damaged, or is not that of a run",
+        ),
+        (["show", "words.parquet"], "column 'x' does not hold numbers"),
+        (["show", "damaged"], "damaged: the summary is damaged, or is not that of a run"),
+        (["replay", "damaged", "--save", "x.rrd"], "damaged: the summary is damaged"),
+        (["run", "ap57", "-o", "no_files"], "no_files holds no results of a run"),
+        (
+            ["replay", "ap57", "--save", "x.rrd", "--step", "1e-9"],
+            "--step: construction.step = 1e-09 s gives",
+        ),
+        (["compare", "a.csv", "a.csv", "--tolerance", "nan"], "--tolerance nan: must be a number"),
         (["compare", "a.csv", "c.csv"], "no such file or folder: c.csv"),
         (["compare", "kept", "a.csv"], "did you mean out/kept?"),
         (["compare", "a.csv", "back.csv"], "back.csv: time must not go back"),

@@ -174,6 +174,8 @@ def test_a_reference_is_read_once(
     ("expect", "words"),
     [
         ("during = 3", "expect.during = 3: must be a list"),
+        ('during = { output = "airborne", is = true }', "must be a list: write [[expect.during]]"),
+        ('reference = { file = "scene.csv", columns = [] }', "must name at least one column"),
         (
             'during = [{ output = "airborn", is = true }]',
             "number 1: no output 'airborn'; did you mean",

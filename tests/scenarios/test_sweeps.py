@@ -113,6 +113,12 @@ def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
         ("speed =", "spead =", "did you mean 'speed'?"),
         ("count = 3", "counts = 3", "did you mean 'count'?"),
         (", count = 3", "", "needs count"),
+        ("count = 3", "count = 600000", "1200000 runs; allowed: 1000000"),
+        (", to = 20.0", "", "vary.speed.to is missing; a range has from, to, count"),
+        ('{ from = "36 km/h", to = 20.0, count = 3 }', "3", "speed: must be a list of values, or"),
+        ('["2 cm", 0.05]', "[[1]]", "[1]: a value must be a number, a text, true or false"),
+        ('"road.height"', "extends", "extends: a scene's base can be named in its file only"),
+        ('"road.height"', '"expect.lift_off_count"', "a sweep checks no expectations"),
         ("count = 3", "count = 1", "greater than or equal to 2"),
         ('["2 cm", 0.05]', "[]", "empty list"),
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
@@ -238,6 +244,17 @@ def test_keys_of_the_scene_may_be_varied_too() -> None:
         ("0.1", "true"), ("0.1", "false"), ("0.2", "true"), ("0.2", "false"),
     ]  # fmt: skip
     assert [row["lift_off_count"] for row in found] == ["1", "0", "1", "0"]
+
+
+def test_nested_tables_are_varied_as_they_are_given_to_a_scene() -> None:
+    nested = """
+    damper.rebound_rate = [1000, 2000]
+    road = { height = { from = "1 cm", to = "3 cm", count = 2 } }
+    """
+    plan = load_plan(written(f"{GRID.partition('[vary]')[0]}[vary]\n{nested}"))
+    assert plan.keys == ("damper.rebound_rate", "road.height")
+    assert plan.points[0] == (1000.0, 0.01)
+    assert len(plan.points) == 4
 
 
 def test_what_is_varied_without_effect_is_said_once() -> None:

@@ -144,3 +144,10 @@ def test_elements_that_never_act_are_left_out() -> None:
     names = [element.name for element in build("QuarterCar", {}).elements]
     assert names == ["spring", "damper", "tyre"]
     assert build("QuarterCar", {"bump_stop.stiffness": 1e5}).element("bump_stop") is not None
+
+
+def test_a_whole_number_must_be_one_that_fmi_can_pass() -> None:
+    seed = {v.name: v for v in variables("OneDof")}["road.seed"]
+    assert seed.checked(2**31 - 1) == 2**31 - 1
+    with pytest.raises(ParameterError, match="must be at most 2147483647"):
+        seed.checked(10**60)
