@@ -16,7 +16,7 @@ _GONE = 5.0  # windows: a motion so far out is followed no more
 _MOST = 16_000  # steps of a section
 _TRANSIENT = 0.5  # of the periods, of a system that dissipates
 _LONGEST = 12  # periods after which a motion may repeat itself to be called periodic
-_CLOSES, _SAME = 1e-5, 1e-3  # windows
+_CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ def section(
     Parameters
     ----------
     start : one more motion
-    periods : of each motion; fewer where they would take too long
+    periods : of each motion; fewer where they would take too long, or all have settled before
 
     Raises
     ------
@@ -86,7 +86,9 @@ def section(
         far |= np.abs(going.v - v0) > _GONE * window.height
         going.active[far | ~np.isfinite(going.x)] = False
         rows.append(np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan))
-        if steps > _MOST or not going.active.any():
+        apart = np.abs(rows[-1] - rows[-2])[going.active] / [window.width, window.height]
+        # all have settled in motions of the drive's period: what follows is the same again
+        if steps > _MOST or not len(apart) or apart.max() < _SETTLED:
             break
     states = np.array(rows)
     transient = int(_TRANSIENT * (len(rows) - 1)) if _dissipates(system, window) else 0

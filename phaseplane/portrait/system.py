@@ -187,8 +187,13 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
     def on_arrays(v: Grid, x: Grid, _t: Grid) -> Grid:
         total = np.zeros_like(x)
         for (e, b, share), (spring, damper, modulation) in zip(acting, laws, strict=True):
-            d, w = b * x, b * v
-            total += share * np.minimum(spring(d) + damper(w) * modulation(d), e.limit)
+            force = np.zeros_like(x) if spring is None else spring(b * x)
+            if damper is not None:
+                pull = damper(b * v)
+                force = force + (
+                    pull * modulation(b * x) if modulation and e.is_modulated else pull
+                )
+            total += share * (np.minimum(force, e.limit) if e.limit < inf else force)
         return total
 
     return PhaseSystem(
@@ -199,8 +204,14 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
     )
 
 
-def _over(law: Characteristic) -> Callable[[Grid], Grid]:
-    """A characteristic of arrays."""
+def _over(law: Characteristic) -> Callable[[Grid], Grid] | None:
+    """A characteristic of arrays; none where it is zero."""
+    if law.is_zero:
+        return None
+    if not law.corners and not law.pieces[0].saturation:
+        only, (c0, c1, c2, c3) = law.pieces[0].origin, law.pieces[0].coefficients
+        if c2 == c3 == 0.0:
+            return lambda x: c0 + c1 * (x - only)
     corners = np.array(law.corners)
     origin = np.array([piece.origin for piece in law.pieces])
     c = np.array([piece.coefficients for piece in law.pieces]).T
