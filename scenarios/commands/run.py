@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from signal import SIGTERM
 from time import perf_counter
@@ -30,6 +31,7 @@ from ..results.report import failures, report
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from ..simulate import runner
+from ..simulate.measuring import read_at
 from .console import (
     DONE,
     FAILED,
@@ -175,7 +177,7 @@ def run_scene(
             unwritten, unshown = live.complete(results)
             problems += unwritten
     if drawing is not None:
-        drawing = drifting(drawing, results.columns)
+        drawing = drifting(drawing, results.columns, partial(read_at, scene))
         drawn = told_of(drawing, drawing_time)
     with replaced_whole(place) as draft:
         problems += draw_all(scene, results, drawing, draft)

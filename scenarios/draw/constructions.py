@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from phaseplane.constructions.primitives import Drawing
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
+    ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
 
 def constructed(
@@ -95,11 +96,19 @@ def laid_over(
         raise InputError(f"construction: {one_line(error)}") from None
 
 
-def drifting(drawing: Drawing, columns: Columns) -> Drawing:
-    """A construction by itself with how far it has drifted from a run, where the run tells enough."""
+def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
+    """A construction by itself with how far it has drifted from a run, where the run tells enough.
+
+    Parameters
+    ----------
+    drawing : the construction
+    columns : of the run
+    read_at : gives outputs of the run at the instants of the construction
+    """
     shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
     if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:
         return drawing
+    columns = read_at([frame.time for frame in drawing.frames], shown) or columns
     motion = (columns[name].tolist() for name in shown)
     return constructions.held_against(drawing, columns["time"].tolist(), *motion)
 

@@ -115,7 +115,7 @@ def solved(
     outputs = also.union(*(m.needs for m in measures if not m.at_end))
     ends = set().union(*(m.needs for m in measures if m.at_end)) - outputs
     hidden = _hidden(measures, also)
-    found = list(_simulated(model, sets, time, outputs, ends, corners=bool(hidden)))
+    found = list(simulated(model, sets, time, outputs, ends, corners=bool(hidden)))
     if not hidden:
         yield from found
         return
@@ -123,7 +123,7 @@ def solved(
         some = found[k : k + _TOGETHER]
         places = [time[:0] if one.failure else hiding_places(one, hidden) for one in some]
         every = np.unique(np.concatenate([time[:1], *places]))
-        again = _simulated(model, sets[k : k + _TOGETHER], every, outputs)
+        again = simulated(model, sets[k : k + _TOGETHER], every, outputs)
         for one, own, closer in zip(some, places, again, strict=True):
             # its own alone, so that it does not matter which others are made with it
             at = np.searchsorted(every, own)
@@ -158,7 +158,7 @@ def _hidden(measures: Iterable[Measure], also: Iterable[str]) -> set[tuple[str, 
     return {(m.needs[0], m.details) for m in measures if m.details} | {(n, "range") for n in also}
 
 
-def _simulated(
+def simulated(
     model: str,
     sets: Sequence[Mapping[str, object]],
     time: Column,

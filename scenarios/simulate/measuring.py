@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from ..errors import one_line
 from ..measures import Measure, Reading, Run, catalogue, take
-from ..measures.solution import Solution, apart, instants, refinement, solved
+from ..measures.solution import Solution, apart, instants, refinement, simulated, solved
+from ..scene.equation import EQUATION, solve
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     from ..scene.schema import Scene
@@ -61,16 +64,17 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
     interval, agreement, remarks = scene.communication_step, None, []
     if own is None and scene.fmu.is_ours and len(rows["time"]) > 1:
         own, agreement = _solution(scene, rows, over_time, during)
-        if agreement > _AGREES:
-            own = None
-            remarks.append(
-                f"measured at the rows: they lie up to {agreement:.2g} of the peaks from the "
-                "model's own solution, as those of another version of it would"
+        if own.failure or agreement > _AGREES:
+            why = own.failure or (
+                f"they lie up to {agreement:.2g} of the peaks from the model's own solution, as those "
+                "of another version of it would"
             )
+            remarks.append(f"measured at the rows: {one_line(why)}")
+            own = None
     if own is not None and len(own.columns["time"]) > 1:
         interval = float(own.columns["time"][1] - own.columns["time"][0])
         run = Run(own.columns, parameters, model, own.details)
-    elif not scene.fmu.is_ours:
+    elif own is None and not scene.fmu.is_ours:
         remarks.append(
             f"measured at the communication points, every {1e3 * interval:g} ms: what happens "
             "between them is not seen"
@@ -78,6 +82,17 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
     remarks += _too_coarse(over_time, interval)
     taken = take(known, scene.measures, run, Run(rows, parameters, model))
     return Measured(taken, run, interval, agreement, tuple(remarks))
+
+
+def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> Columns:
+    """The model's own solution at some instants, and at the start; nothing where it is not known."""
+    time = np.unique([0.0, *instants])
+    if scene.fmu.model == EQUATION:
+        return solve(scene.all_parameters, time)[0]
+    if not scene.fmu.is_ours:
+        return {}
+    own = next(simulated(scene.fmu.model, [scene.all_parameters], time, set(outputs)))
+    return {} if own.failure else own.columns
 
 
 def _solution(

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.measures import Run, catalogue, take
 from phaseplane.scenarios.measures.ride import _weighting, response, weighted
 from phaseplane.scenarios.measures.road import roughness_index
@@ -166,15 +167,33 @@ def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> Non
     assert coarse["measured"]["interval"] == 1e-3
 
 
-def test_nothing_is_solved_where_nothing_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_drift_of_a_construction_does_not_depend_on_the_output_interval(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    overrides = ["show.figures=[]", "show.recording=steps", "duration=0.15 s"]
+    drawn = [
+        run_scene("ap57", [*overrides, f"show.output_interval={x}"])[0]["drawn"]["drift"]
+        for x in ("1 ms", "50 ms")
+    ]
+    assert drawn[0].keys() == {"suspension_deflection", "wheel_displacement"}
+    for name, drift in drawn[0].items():
+        assert drawn[1][name] == pytest.approx(drift, rel=1e-9), name
+        assert drift < 1e-3
+
+
+def test_nothing_is_solved_where_nothing_is_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def never(*_: object) -> None:
         raise AssertionError
 
     monkeypatch.setattr("phaseplane.scenarios.simulate.measuring.solved", never)
-    bare = ["show.figures=[]", "duration=20 ms"]
+    reference = scene_file(tmp_path)
     for measures in ([], ["lift_off_count", "step_count", "natural_frequencies"]):
-        scene = load_scene("ap57", [*bare, f"show.measures={measures}"], expect=False)
-        summary = run(scene).summary
+        summary = run(
+            load_scene(reference, ["duration=20 ms", f"show.measures={measures}"])
+        ).summary
         assert summary["measured"] == {"interval": 0.0, "agreement": None}
 
 

@@ -187,6 +187,18 @@ def test_events_reach_the_log(car: Any) -> None:
         assert instants == pytest.approx((0.0306624689, 0.0656005836), abs=1e-7)
 
 
+@pytest.mark.parametrize(("stop", "told"), [(20.0, True), (8.0, False), (None, False)])
+def test_a_road_that_ends_before_the_experiment_reaches_the_log(
+    car: Any, stop: float | None, told: bool
+) -> None:
+    with car.instance():
+        car.fmu.setupExperiment(startTime=0.0, stopTime=stop)
+        car.set(road__shape="random")
+        car.fmu.enterInitializationMode()
+        car.fmu.exitInitializationMode()
+        assert ("road ends at 10 s of 20 s" in car.texts) is told
+
+
 def test_a_velocity_of_zero_counts_as_set(car: Any) -> None:
     """A kerb between two samples, on a road that stands still before and behind it."""
     kerb = {"road.height": 0.03, "road.start": 0.05, "speed": 1.0, "lift_off": False}

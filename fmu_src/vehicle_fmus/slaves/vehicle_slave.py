@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from phaseplane.suspension.engine import why_uncompiled
+from phaseplane.suspension.extent import remarks
 from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import (
@@ -89,6 +90,7 @@ class VehicleSlave(Fmi2Slave):
         self._readers: list[Callable[[], Any]] = []  # by value reference
         self._start_time = 0.0
         self._tolerance: float | None = None
+        self._stop_time: float | None = None
         self._refusal = ""  # why the next step cannot be made
         self._initialised = False
         self._session: Session | RoadSource | None = self._new_session()
@@ -118,6 +120,7 @@ class VehicleSlave(Fmi2Slave):
         if self.resources in sys.path:
             sys.path.remove(self.resources)  # the wrapper put it there; all is imported by now
         self._start_time, self._tolerance = start_time, tolerance
+        self._stop_time = stop_time
         self._session = None
 
     def exit_initialization_mode(self) -> None:
@@ -141,6 +144,9 @@ class VehicleSlave(Fmi2Slave):
         self._initialised = True
         if why_uncompiled:
             self.log(f"the integrator runs uncompiled, more slowly: {why_uncompiled}")
+        if self._stop_time is not None:
+            for remark in remarks(self._session.parameters, self._stop_time):
+                self.log(remark)
         self._report()
 
     # -- stepping ----------------------------------------------------------------------------------
