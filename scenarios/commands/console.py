@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from math import isfinite
 from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
@@ -163,6 +164,16 @@ output_option = click.option(
     metavar="DIR",
     help="Folder of the results, replaced whole. [default: out/SCENE]",
 )
+
+
+class FiniteRange(click.FloatRange):
+    """A number within a range; neither nan, which every range lets through, nor inf."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not isfinite(number):
+            self.fail(f"{value} must be a finite number.", param, ctx)
+        return number
 
 
 def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:

@@ -12,7 +12,7 @@ from ..results.folder import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import ladder as climb
 from ..studies.ladder import ladder_in_words
-from .console import dark_option, figure_option, json_option, set_option, warn
+from .console import FiniteRange, dark_option, figure_option, json_option, set_option, warn
 
 
 @click.command()
@@ -20,7 +20,7 @@ from .console import dark_option, figure_option, json_option, set_option, warn
 @set_option
 @click.option(
     "--tolerance",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=FiniteRange(min=0.0, min_open=True),
     default=1e-2,
     show_default=True,
     help="Largest error of the outputs compared, over their peaks.",
@@ -46,20 +46,20 @@ def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bo
 )
 @click.option(
     "--window",
-    type=float,
+    type=FiniteRange(),
     nargs=4,
     metavar="L R B T",
     help="Left, right, bottom and top of what is looked at. [default: chosen]",
 )
 @click.option(
     "--period",
-    type=click.FloatRange(min=0.0, min_open=True),
+    type=FiniteRange(min=0.0, min_open=True),
     metavar="TIME",
     help="Period of an equation's drive, s, for its Poincare section. [default: found in the equation]",
 )
 @click.option(
     "--frozen",
-    type=float,
+    type=FiniteRange(),
     metavar="TIME",
     help="Draw a driven system as if nothing changed from this instant on, s; else its section is shown.",
 )

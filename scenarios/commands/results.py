@@ -16,7 +16,7 @@ from ..results.inspection import (
     first_difference,
 )
 from ..scene.names import meant
-from .console import DONE, FAILED, complain, figure_option, json_option
+from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
 
 _columns = click.option(
     "--column", "columns", multiple=True, metavar="NAME", help="Only this column. Repeatable."
@@ -40,7 +40,7 @@ def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: boo
 @click.argument("other", metavar="B", type=click.Path(path_type=Path))
 @click.option(
     "--tolerance",
-    type=click.FloatRange(min=0.0),
+    type=FiniteRange(min=0.0),
     default=1e-6,
     show_default=True,
     help="Largest difference, over the peak of the column, that counts as equal.",

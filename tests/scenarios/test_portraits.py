@@ -97,6 +97,7 @@ def test_sections_of_a_vehicle_in_words() -> None:
     [
         (("ap57", "--coordinate", "weel"), "did you mean 'wheel'?"),
         (("ap57", "--period", "1"), "--period is for equations"),
+        (("van_der_pol", "--period", "inf"), "'--period': inf must be a finite number"),
         (("van_der_pol", "--coordinate", "foo"), "an equation has none but displacement"),
         (("van_der_pol", "--window", "1", "0", "0", "1"), "left must lie below right"),
         (("h83_example40",), "has a memory"),
