@@ -9,6 +9,7 @@ road jumps.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from math import inf, isfinite, pi
 from typing import NamedTuple
 
@@ -45,6 +46,7 @@ def frames(
     duration: float | None = None,
     steps: int | None = None,
     start: Start | None = None,
+    ending: list[Frame] | None = None,
 ) -> Iterator[Frame]:
     """The steps of a construction one after another, each complete when it is given.
 
@@ -56,6 +58,7 @@ def frames(
         the road jumps
     duration, steps : length of the motion in s or in whole steps; one of them
     start : where it begins; left out, at time 0 in the construction's initial state
+    ending : takes where the motion ends, as a step of no duration
 
     Raises
     ------
@@ -69,10 +72,12 @@ def frames(
     if start is None:
         states = construction.remembered(construction.initial, None)
         start = Start(0.0, construction.mode_at(states, 0.0), states)
-    return _frames(Stepper(construction, rule), step, start, start.time + length)
+    return _frames(Stepper(construction, rule), step, start, start.time + length, ending)
 
 
-def _frames(stepper: Stepper, step: float, start: Start, end: float) -> Iterator[Frame]:
+def _frames(
+    stepper: Stepper, step: float, start: Start, end: float, ending: list[Frame] | None
+) -> Iterator[Frame]:
     construction = stepper.construction
     time, mode, states, event = start
     jolts = iter([*(t for t in construction.jolts if time < t < end), inf])
@@ -116,6 +121,10 @@ def _frames(stepper: Stepper, step: float, start: Start, end: float) -> Iterator
             event = construction.event(old_mode, mode)
         if goal - time < _LEAST_PART * step:
             tick += 1
+    if ending is not None:
+        points = construction.points(mode, states, Window(time))
+        readings = construction.readings(mode, states, time, readings, elapsed)
+        ending.append(Frame(number, time, 0.0, mode, points, readings, event))
 
 
 def march(
@@ -130,8 +139,10 @@ def march(
 
     Parameters and what is raised are those of `frames`.
     """
-    made = tuple(frames(construction, rule, step=step, duration=duration, steps=steps))
-    return drawing(construction, rule, made, step, f"step {1e3 * step:.4g} ms")
+    ending: list[Frame] = []
+    made = frames(construction, rule, step=step, duration=duration, steps=steps, ending=ending)
+    drawn = drawing(construction, rule, tuple(made), step, f"step {1e3 * step:.4g} ms")
+    return replace(drawn, end=ending[0])
 
 
 def drawing(

@@ -149,6 +149,7 @@ class Drawing:
     curves : what is drawn once
     schemes : by key
     frames : in the order of time; the last one's successors are the end of the motion
+    end : the points and readings there, as a step of no duration; none where they are not known
     """
 
     title: str
@@ -156,6 +157,12 @@ class Drawing:
     curves: tuple[Curve, ...]
     schemes: Mapping[str, Scheme]
     frames: tuple[Frame, ...] = field(repr=False)
+    end: Frame | None = field(default=None, repr=False)
+
+    @property
+    def instants(self) -> tuple[Frame, ...]:
+        """All points of the motion with their readings, that of its end included."""
+        return self.frames if self.end is None else (*self.frames, self.end)
 
     def __iter__(self) -> Iterator[Frame]:
         return iter(self.frames)

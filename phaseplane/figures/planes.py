@@ -74,6 +74,7 @@ def construction_sheet(
     drawing: Drawing,
     frames: Iterable[int] = range(20),
     *,
+    through: bool = False,
     title: str = "",
     dark: bool = False,
 ) -> Figure:
@@ -85,6 +86,7 @@ def construction_sheet(
     Parameters
     ----------
     frames : indices of the steps that are drawn with all lines; those beyond the end are left out
+    through : whether the points beyond these are marked and numbered, too
     title : written above, before what the drawing says of itself
     dark : on a dark ground
 
@@ -103,9 +105,11 @@ def construction_sheet(
         sheet.step(one, repeated=False, turn=True, thin=0.6)
     sheet.trails()
     sheet.events()
-    sheet.numbers(chosen)
-    last = chosen[-1].step + 1
+    sheet.numbers(drawing.frames[wanted[0] :] if through else chosen)
+    last, end = chosen[-1].step + 1, drawing.frames[-1].step + 1
     words = f"Points {chosen[0].step} to {last} with all auxiliary lines"
+    if through and end > last:
+        words += f", {last + 1} to {end} along the curves"
     sheet.finish(title, f"{drawing.title}\n{words}")
     return sheet.figure
 

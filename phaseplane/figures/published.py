@@ -156,7 +156,7 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
 
 def figure13(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     """Points 0 to 20 with all auxiliary lines, the others along the curves (AP57 figure 13)."""
-    return construction_sheet(drawing, range(20), title=title, dark=dark)
+    return construction_sheet(drawing, range(20), through=True, title=title, dark=dark)
 
 
 def figure14(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
@@ -181,7 +181,7 @@ def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool)
     ------
     ValueError : a construction without the motions of a body on a suspension.
     """
-    frames = drawing.frames
+    frames = drawing.instants
     names = [n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")]
     columns = {
         "time": [f.time for f in frames],

@@ -302,7 +302,8 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     binaries = binaries_of(bare_folder)
     binaries.mkdir(exist_ok=True)
-    Path(binaries, "integrator" + EXTENSION_SUFFIXES[0]).write_bytes(b"of another machine")
+    for suffix in EXTENSION_SUFFIXES:
+        Path(binaries, "integrator" + suffix).write_bytes(b"of another machine")
     broken = run_in_a_bare_python(bare_folder)
     assert broken["values"] == as_packed["values"]
     assert any("uncompiled" in text and "cannot be loaded" in text for text in broken["log"])
@@ -311,7 +312,7 @@ def test_with_broken_binaries_the_sources_run(bare_folder: Path) -> None:
 def test_binaries_for_another_python_are_passed_over(bare_folder: Path) -> None:
     as_packed = run_in_a_bare_python(bare_folder)
     for file in list(binaries_of(bare_folder).glob("*.*")):
-        file.rename(file.with_name(file.name.replace(EXTENSION_SUFFIXES[0], ".cpython-399-x.so")))
+        file.rename(file.with_name("integrator.cpython-399-x.so"))
     elsewhere = run_in_a_bare_python(bare_folder)
     assert elsewhere["values"] == as_packed["values"]
     assert any("uncompiled" in text for text in elsewhere["log"])
@@ -329,11 +330,13 @@ def other_pythons() -> list[str]:
     return [p for p in found if _runs(p)]
 
 
-def test_another_python_runs_it(bare_folder: Path, expected: list[Any]) -> None:
+def test_another_python_runs_it(bare_folder: Path) -> None:
+    """Compiled, too, if it was compiled here: the kernel's binary is for every CPython from 3.11 on."""
     pythons = other_pythons()
     if not pythons:
         pytest.skip("not on this platform: no other Python 3.11 or newer on the path")
+    here = run_in_a_bare_python(bare_folder)
     for python in pythons:
         told = run_in_a_bare_python(bare_folder, python)
-        assert told["values"] == pytest.approx(expected, rel=1e-12)
-        assert any("uncompiled" in text for text in told["log"])
+        assert told["values"] == here["values"]
+        assert any("uncompiled" in text for text in told["log"]) != engine.compiled

@@ -1,0 +1,124 @@
+"""What is built and installed: the kernel as one module, and what is in the wheel."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("setuptools", minversion="77")
+ROOT = Path(__file__).parents[1]
+INSTALLED_AS = {  # where the packages lie in the tree
+    "phaseplane": "phaseplane",
+    "fmu_src/suspension": "phaseplane/suspension",
+    "fmu_src/vehicle_fmus": "phaseplane/vehicle_fmus",
+    "scenarios": "phaseplane/scenarios",
+}
+
+
+@pytest.fixture(scope="module")
+def installer() -> Any:
+    """The module setup.py, which sets up nothing when it is imported."""
+    spec = spec_from_file_location("installer", ROOT / "setup.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    before = list(sys.path)
+    spec.loader.exec_module(module)
+    sys.path[:] = before
+    return module
+
+
+def modules(folder: Path, *texts: str) -> list[Path]:
+    paths = [folder / f"part{number}.py" for number in range(len(texts))]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text)
+    return paths
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        ("def _same(): return 1", "def _same(): return -1"),
+        ("class _Same: pass", "class _Same: pass"),
+        ("def _same(): return 1", "class _same: pass"),
+        ("_SAME = 1", "_SAME, _OTHER = 2, 3"),
+    ],
+)
+def test_two_meanings_of_one_name_are_refused(
+    installer: Any, tmp_path: Path, first: str, second: str
+) -> None:
+    with pytest.raises(ValueError, match=r"part1\.py: _(same|Same|SAME) "):
+        installer.one_source(modules(tmp_path, first, second))
+
+
+def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
+    parts = modules(
+        tmp_path,
+        "from math import sqrt\n_N = 2\ndef root(): return sqrt(_N)",
+        "from .part0 import root\n_N = 2\ndef twice(): return 2.0 * root()",
+    )
+    found: dict[str, Any] = {}
+    exec(installer.one_source(parts), found)
+    assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
+
+
+def test_every_module_of_the_kernel_is_compiled(installer: Any) -> None:
+    there = {path.stem for path in installer.KERNEL.glob("*.py")}
+    assert set(installer.MODULES) == there - {"__init__"}
+
+
+def carried() -> set[str]:
+    """What lies in the packages of the tree, by the names it is installed under."""
+    found = set()
+    for folder, name in INSTALLED_AS.items():
+        for path in (ROOT / folder).rglob("*"):
+            below = path.relative_to(ROOT / folder)
+            made = {"__pycache__"} & set(below.parts) or path.suffix in (".so", ".pyd")
+            if path.is_file() and not made:
+                found.add(f"{name}/{below.as_posix()}")
+    return found
+
+
+@pytest.fixture(scope="module")
+def pure_wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built from a copy of the tree that an older build, of other sources, has left things in."""
+    tree = tmp_path_factory.mktemp("tree")
+    for folder in INSTALLED_AS:
+        shutil.copytree(ROOT / folder, tree / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    for file in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+        shutil.copy2(ROOT / file, tree)
+    left = tree / "build" / "lib" / "phaseplane" / "of_before.py"
+    left.parent.mkdir(parents=True)
+    left.touch()
+    command = (
+        "from setuptools import build_meta; import sys; print(build_meta.build_wheel(sys.argv[1]))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", command, str(tree / "dist")],
+        cwd=tree, env={**os.environ, "PHASEPLANE_PURE": "1"}, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    (wheel,) = (tree / "dist").iterdir()
+    return wheel
+
+
+def test_the_pure_wheel_is_for_any_platform(pure_wheel: Path) -> None:
+    assert pure_wheel.name.endswith("-py3-none-any.whl")
+
+
+def test_all_that_lies_in_the_packages_is_in_the_wheel(pure_wheel: Path) -> None:
+    with zipfile.ZipFile(pure_wheel) as archive:
+        names = {name for name in archive.namelist() if not name.endswith("/")}
+    own = {name for name in names if name.startswith("phaseplane/")}
+    assert own == carried()
+    assert {name.split("/")[0].split("-")[0] for name in names} == {"phaseplane"}
+    assert {name.split("/")[0].split(".")[-1] for name in names - own} == {"dist-info"}
