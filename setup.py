@@ -33,7 +33,8 @@ MACROS = [("Py_LIMITED_API", "0x030B0000"), ("CYTHON_LIMITED_API", "1")] if STAB
 
 # -ffp-contract=off: a fused multiply-add rounds once, so compiled and uncompiled runs would differ.
 # Nearly all loops are over a few coordinates: written out they are fast, but as loops over vectors
-# they spend their time on asking whether arrays overlap. Steps take a quarter longer at -O2.
+# they spend their time on asking whether arrays overlap. Steps take a quarter longer at -O2, and a
+# twentieth if what Python calls is compiled for size, which would save a third of the compiling.
 FLAGS = (
     []
     if sys.platform == "win32"
@@ -159,22 +160,13 @@ def one_set_of_types(paths: list[Path]) -> str:
 
 
 def translated(source: str) -> str:
-    """Translate the kernel to C, and say where.
-
-    Only what steps is to be fast. What Python calls (constructors, mostly) is two thirds of the code and
-    is marked as Cython marks its own set-up code: compiled for size, it takes half the time.
-    """
+    """Translate the kernel to C, and say where."""
     from Cython.Build import cythonize  # noqa: PLC0415 - a build without the kernel needs no Cython
 
     (module,) = cythonize(
         [Extension(f"{NAME}.integrator", [source])], compiler_directives=DIRECTIVES
     )
-    file = Path(module.sources[0])
-    called_by_python = r"^static (?=(?:PyObject \*|int |void )__pyx_(?:pw|pf|tp|getprop|setprop)_)"
-    before, definition, after = file.read_text(encoding="utf-8").partition("/* SmallCodeConfig */")
-    after = re.sub(called_by_python, "static CYTHON_SMALL_CODE ", after, flags=re.MULTILINE)
-    file.write_text(before + definition + after, encoding="utf-8")
-    return str(file)
+    return str(module.sources[0])
 
 
 class CleanBuild(build_py):
