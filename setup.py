@@ -17,7 +17,7 @@ from setuptools.command.build_py import build_py
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "fmu_src"))
-from suspension.engine import KERNEL, kernel_name  # noqa: E402
+from suspension.kernel_name import KERNEL, kernel_name  # noqa: E402
 
 NAME = kernel_name()
 STAGE = Path("build", "kernel", NAME)

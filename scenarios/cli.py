@@ -24,8 +24,8 @@ COMMANDS = {
     "list": Entry(
         "listing.list_cases", "List the scenes and the sweeps that come with the package."
     ),
-    "new": Entry("authoring.new", "Write a scene to begin with, its choices explained."),
-    "schema": Entry("authoring.schema", "Explain the keys of a scene, or the variables of MODEL."),
+    "new": Entry("new.new", "Write a scene to begin with, its choices explained."),
+    "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),
     "show": Entry("results.show", "Show what is in RESULTS: the folder of a run, or a table."),
     "compare": Entry("results.compare", "Compare the results A and B column by column."),
     "serve": Entry("viewing.serve", "Show all recordings of a folder on a page, until Ctrl-C."),

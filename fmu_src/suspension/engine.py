@@ -10,24 +10,15 @@ from __future__ import annotations
 
 import sys
 from contextlib import contextmanager, nullcontext
-from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+from .kernel_name import KERNEL, kernel_name
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
-
-KERNEL = Path(__file__).parent / "kernel"
-
-
-def kernel_name(folder: Path = KERNEL) -> str:
-    """The name under which the kernel's modules are imported: it changes with any of its sources."""
-    digest = sha256()
-    for path in sorted((*folder.glob("*.py"), *folder.glob("*.pxd"))):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    return f"suspension_kernel_{digest.hexdigest()[:12]}"
 
 
 @contextmanager

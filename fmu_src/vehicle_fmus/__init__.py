@@ -1,1 +1,5 @@
 """FMI 2.0 co-simulation FMUs of the models of `suspension`: `build.build` packs them."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -7,43 +7,27 @@ carry a hash of their content: equal content is loaded once, different content n
 from __future__ import annotations
 
 import json
-import os
 import re
 import subprocess
 import sys
 import zipfile
 from collections.abc import Mapping, Sequence
-from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
-from phaseplane.suspension.engine import kernel_name
 from phaseplane.suspension.variables import Value, refuse_unknown
 
-from phaseplane import suspension
-
-from . import slaves, systems
+from . import systems
 from .archives import digest, digest_of, write_all, zipped
+from .content import SCRIPTS, SLAVES, production, suspension_sources
 from .manual import DOCUMENTATION, page
 from .model_description import completed
 from .reference import reference_files, session_of
 from .slaves.vehicle_slave import START_VALUES
 from .wrapper import ended_once
-
-SUSPENSION = Path(suspension.__file__).parent
-SLAVES = Path(slaves.__file__).parent
-NOT_CARRIED = ("batch.py", "many.py", "series.py")  # they need numpy, and no FMU needs them
-SCRIPTS = {
-    "OneDof": "one_dof.py",
-    "QuarterCar": "quarter_car.py",
-    "HalfCarRigidTyres": "half_car_rigid_tyres.py",
-    "HalfCar": "half_car.py",
-    "Elastoplastic": "elastoplastic.py",
-    "Road": "road.py",
-}
 
 
 def build(
@@ -112,18 +96,6 @@ def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]
     )
 
 
-def content_key(model: str) -> str:
-    """A hash of all that an FMU of the model is made of; one kept under it need not be built again."""
-    own = Path(__file__).parent
-    files = {
-        f"vehicle_fmus/{path.relative_to(own).as_posix()}": path.read_bytes()
-        for path in sorted(own.rglob("*"))
-        if path.is_file() and path.suffix != ".pyc"
-    }
-    about = {"model": model.encode(), "about": json.dumps(_about()).encode()}
-    return digest_of({**files, **_suspension_sources(), **about})[:24]
-
-
 # -- what goes in ----------------------------------------------------------------------------------
 
 
@@ -139,22 +111,9 @@ def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
     return source
 
 
-def _suspension_sources() -> dict[str, bytes]:
-    """The package by path: sources, what they are compiled with, and the compiled kernel if any."""
-    kernel = SUSPENSION / "kernel"
-    binaries = kernel / kernel_name(kernel)
-    paths = [
-        *(path for path in SUSPENSION.glob("*.py") if path.name not in NOT_CARRIED),
-        *kernel.glob("*.py"),
-        *kernel.glob("*.pxd"),  # the kernel's name is a hash of these too
-        *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),
-    ]
-    return {path.relative_to(SUSPENSION).as_posix(): path.read_bytes() for path in sorted(paths)}
-
-
 def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, list[Path]]:
     """Lay out what the FMU carries; the script, and what stands beside it."""
-    package = _suspension_sources()
+    package = suspension_sources()
     sources = [part for path, text in package.items() if not path.endswith((".so", ".pyd"))
                for part in (path.encode(), text)]  # fmt: skip
     names = {"phaseplane.suspension": _hashed("suspension", *sources)}
@@ -196,7 +155,7 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
         with zipfile.ZipFile(raw) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}
     members |= {n: _mended(members[n]) for n in members if n.startswith("binaries/linux")}
-    about = _about()
+    about = production()
     members |= {
         "model.png": (DOCUMENTATION / f"{model}.png").read_bytes(),
         "documentation/index.html": page(model, start, about["generationTool"]).encode(),
@@ -226,19 +185,3 @@ def _mended(library: bytes) -> bytes:
 
 def _text(name: str) -> bytes:
     return (DOCUMENTATION / name).read_bytes()
-
-
-def _about() -> dict[str, str]:
-    """Attributes of the model description that say what made it, and when."""
-    try:
-        own = version("phaseplane")
-    except PackageNotFoundError:  # run from its sources
-        own = ""
-    epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    made = datetime.fromtimestamp(int(epoch), UTC).isoformat()[:19] + "Z" if epoch else ""
-    return {
-        "guid": "",
-        "version": own,
-        "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {version('pythonfmu')}",
-        "generationDateAndTime": made,  # no clock: it would make every build another one
-    }

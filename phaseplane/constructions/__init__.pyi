@@ -26,6 +26,7 @@ from .rules import delta as delta
 from .rules import rule_named as rule_named
 from .rules import tangent as tangent
 from .rules import velocity as velocity
+from .sheet import events_of as events_of
 from .shortcuts import shortcut_flights as shortcut_flights
 from .shortcuts import with_shortcuts as with_shortcuts
 from .two_planes import QuarterCarPlanes as QuarterCarPlanes

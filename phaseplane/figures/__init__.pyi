@@ -17,7 +17,9 @@ from .published import figure16 as figure16
 from .single_steps import figure4a as figure4a
 from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8
+from .stability import GrowthMap as GrowthMap
 from .stability import stability_sheet as stability_sheet
 from .style import save as save
 from .sweeps import sweep as sweep
+from .work_precision import Curve as Curve
 from .work_precision import work_precision as work_precision

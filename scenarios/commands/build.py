@@ -7,9 +7,12 @@ from pathlib import Path
 
 import click
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
+from phaseplane.vehicle_fmus.content import SCRIPTS
+
+from phaseplane import vehicle_fmus
 
 from ..errors import InputError, RunError, one_line
-from ..results.folder import as_json
+from ..results.plain import as_json
 from .console import json_option
 
 
@@ -46,13 +49,11 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : no such model, or a folder that cannot be written to.
     RunError : an FMU could not be packed.
     """
-    from phaseplane.vehicle_fmus.build import SCRIPTS, build  # noqa: PLC0415  (heavy)
-
     try:
         refuse_unknown(models, SCRIPTS, "there is no FMU of")
         folder.mkdir(parents=True, exist_ok=True)
         chosen = list(dict.fromkeys(models)) or list(SCRIPTS)
-        return build(chosen, folder, references=True, ssp=ssp)
+        return vehicle_fmus.build.build(chosen, folder, references=True, ssp=ssp)
     except ParameterError as error:
         raise InputError(str(error)) from None
     except OSError as error:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import sys
@@ -20,6 +21,9 @@ from ..errors import InputError, RunError, one_line
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
+_GARBAGE = (
+    50_000  # new objects before cycles are looked for: imports make many, and all of them stay
+)
 
 
 class _PipeClosedError(Exception):
@@ -93,6 +97,7 @@ class Commands(click.Group):
 
         if not standalone_mode:
             return run()
+        gc.set_threshold(_GARBAGE)
         for stream in (sys.stdout, sys.stderr):
             with suppress(AttributeError, ValueError):
                 stream.reconfigure(errors="replace")  # type: ignore[union-attr]
@@ -191,23 +196,40 @@ dark_option = click.option("--dark", is_flag=True, help="Draw on a dark ground."
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
-    """A bar on a terminal, for what takes over a second."""
+    """A bar on a terminal, for what takes over a second; while no part is told, the time it has taken."""
     if not sys.stderr.isatty():
         yield None
         return
     bar: Any = None
     started = monotonic()
+    ended = threading.Event()
+
+    def clear() -> None:
+        """End the clock, and its line."""
+        ended.set()
+        clock.join()
+        if monotonic() - started > _SHOW_BAR_AFTER:
+            click.echo("\r\033[K", err=True, nl=False)
+
+    def tick() -> None:
+        while not ended.wait(_SHOW_BAR_AFTER):
+            click.echo(f"\r{label}  {monotonic() - started:.0f} s", err=True, nl=False)
 
     def show(part: float) -> None:
         nonlocal bar
         if bar is None and monotonic() - started > _SHOW_BAR_AFTER:
+            clear()
             bar = click.progressbar(length=1000, label=label, file=sys.stderr)
             bar.__enter__()
         if bar is not None and int(1000 * part) > bar.pos:
             bar.update(int(1000 * part) - bar.pos)
 
+    clock = threading.Thread(target=tick, daemon=True)
+    clock.start()
     try:
         yield show
     finally:
         if bar is not None:
             bar.__exit__(None, None, None)
+        else:
+            clear()

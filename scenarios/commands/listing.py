@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from ..results.folder import as_json
+from ..results.plain import as_json
 from ..scene.layers import case_titles
-from ..sweeps.plan import sweep_titles
+from ..sweeps.shipped import sweep_titles
 from .console import json_option
 
 

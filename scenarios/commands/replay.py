@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -149,7 +150,8 @@ def replay_construction(
             raise InputError(one_line(f"{folder}: {DAMAGED}"))
         settings = construction_settings(run["construction"], overrides)
         drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
-        shown = of_results(results, drawing, {})
+        title = run["title"] or run["scene"]
+        shown = partial(of_results, results, drawing, {})
     else:
         scene = load_scene(_scene_or_folder(what), overrides, expect=False)
         if over is None:
@@ -165,8 +167,10 @@ def replay_construction(
             )
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
-        shown = content(
-            title=scene.title or scene.name,
+        title = scene.title or scene.name
+        shown = partial(
+            content,
+            title=title,
             model=scene.fmu.model,
             parameters=scene.all_parameters,
             drawing=drawing,
@@ -176,12 +180,12 @@ def replay_construction(
             shown={},
         )
     if recording is not None:
-        record(shown, recording)
+        record(shown(), recording)
     if viewer:
-        show_in(shown, viewer)
+        show_in(shown(), viewer)
     if figure is not None:
         try:
-            draw(kind, figure, drawing, title=shown.title, dark=dark)
+            draw(kind, figure, drawing, title=title, dark=dark)
         except ValueError as error:  # it has not got what the figure shows
             raise InputError(f"--kind {kind}: {one_line(error)}") from None
     files = [str(path) for path in (recording, figure) if path is not None]

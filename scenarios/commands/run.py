@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from signal import SIGTERM
@@ -14,9 +15,9 @@ import click
 
 from ..draw.constructions import constructed, drifting, told_of
 from ..draw.live import shown_live
-from ..draw.pictures import draw_all
+from ..draw.pictures import pictures_of
 from ..draw.planes import CONSTRUCTED
-from ..errors import DrawingError, InputError, check_recording, one_line
+from ..errors import DrawingError, InputError, RunError, check_recording, one_line
 from ..results.folder import (
     OUTPUT,
     Place,
@@ -28,6 +29,7 @@ from ..results.folder import (
     write_results,
 )
 from ..results.report import failures, report
+from ..results.standing import Standing
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from ..simulate import runner
@@ -44,6 +46,12 @@ from .console import (
     warn,
 )
 from .viewing import page, save_option, until_interrupted, viewer_options
+
+Progress = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
+
+
+def _silent(_label: str) -> AbstractContextManager[None]:
+    return nullcontext()
 
 
 @click.command()
@@ -85,17 +93,16 @@ def run(
         else []
     )
     with page(served, address) as server:
-        with progress_bar(scene) as progress:
-            summary, folder = run_scene(
-                scene,
-                (*shown, *overrides),
-                output,
-                progress,
-                viewer=viewer or (server.url if server else ""),
-                save=save,
-                realtime=realtime,
-                expect=not no_expect,
-            )
+        summary, folder = run_scene(
+            scene,
+            (*shown, *overrides),
+            output,
+            progress_bar,
+            viewer=viewer or (server.url if server else ""),
+            save=save,
+            realtime=realtime,
+            expect=not no_expect,
+        )
         warn(summary["warnings"])
         click.echo(as_json(summary) if as_data else report(summary, folder))
         told = failures(summary)
@@ -110,7 +117,7 @@ def run_scene(
     reference: str,
     overrides: Sequence[str | Setting] = (),
     folder: Path | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = _silent,
     *,
     viewer: str = "",
     save: Path | None = None,
@@ -119,11 +126,15 @@ def run_scene(
 ) -> tuple[dict[str, Any], Path]:
     """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
 
+    Results are there before anything is drawn; pictures are added one by one.
+
     Parameters
     ----------
     reference : name of a case, or path of a scene file
     overrides : `key=value` texts
     folder : None for `out/<scene>`
+    progress : given a label, a context for what takes time; it may give a function that is told the
+        part done, 0 to 1
     viewer : address of a running viewer that shows the run while it goes on; whatever becomes of
         it, the run does not notice
     save : a recording (.rrd) that is written while the run goes on, and whole at its end
@@ -138,25 +149,27 @@ def run_scene(
     ------
     InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
     RunError : the run could not begin.
-    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM; what was computed until then has been written.
+    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM; what was computed and drawn until then has been
+        written.
     """
     check_recording(save)
     scene = load_scene(reference, overrides, expect=expect)
     place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
     check_replaceable(place)
     problems: list[str] = []
-    unshown: list[str] = []
-    drawing, drawn = None, None
+    told: dict[str, Any] = {"drawn": None, "problems": problems}
+    drawing = None
     known = scene.fmu.model in CONSTRUCTED
     if scene.show.figures_construction or (known and scene.show.records_construction):
         started = perf_counter()
         try:
-            drawing = constructed(
-                scene.fmu.model,
-                scene.all_parameters,
-                scene.construction.model_dump(),
-                scene.construction_time,
-            )
+            with progress(f"construction of {scene.name}"):
+                drawing = constructed(
+                    scene.fmu.model,
+                    scene.all_parameters,
+                    scene.construction.model_dump(),
+                    scene.construction_time,
+                )
             drawing_time = perf_counter() - started
         except (ArithmeticError, DrawingError) as error:
             problems.append(f"the construction cannot be drawn: {one_line(error)}")
@@ -167,31 +180,56 @@ def run_scene(
     with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
         try:
-            results = runner.run(scene, progress=progress, watch=watch, realtime=realtime)
+            with progress(scene.name) as part:
+                results = runner.run(scene, progress=part, watch=watch, realtime=realtime)
         except runner.Interrupted as interrupted:
-            _keep(interrupted.results, problems, place)
+            _written(
+                interrupted.results, pictures_of(scene, interrupted.results, drawing), told, place
+            )
             if interrupted.number == SIGTERM:
                 sys.exit(TERMINATED)
             raise KeyboardInterrupt(_kept_words(interrupted.results, place)) from None
+        if drawing is not None:
+            drawing = drifting(drawing, results.columns, partial(read_at, scene))
+            told["drawn"] = told_of(drawing, drawing_time)
+        pictures = pictures_of(scene, results, drawing)
+        standing = _written(results, pictures, told, place)
         if live is not None:
-            unwritten, unshown = live.complete(results)
+            with progress(f"showing {scene.name}"):
+                unwritten, unshown = live.complete(results)
             problems += unwritten
-    if drawing is not None:
-        drawing = drifting(drawing, results.columns, partial(read_at, scene))
-        drawn = told_of(drawing, drawing_time)
-    with replaced_whole(place) as draft:
-        problems += draw_all(scene, results, drawing, draft)
-        warnings = [*results.summary["warnings"], *unshown]
-        told = {"origin": place.origin, "drawn": drawn, "problems": problems, "warnings": warnings}
-        write_results(Results(results.columns, {**results.summary, **told}), draft)
+            told["warnings"] = [*results.summary["warnings"], *unshown]
+    problems += _drawn(pictures, standing, progress)
+    standing.tell(**told)
     return read_summary(place.folder) or {}, place.folder
 
 
-def _keep(results: Results, problems: Sequence[str], place: Place) -> None:
-    """Write the results of a run that was interrupted; nothing of it is drawn."""
-    told = {"origin": place.origin, "drawn": None, "problems": list(problems)}
+def _written(
+    results: Results, pictures: Iterable[str], told: Mapping[str, Any], place: Place
+) -> Standing:
+    """Write results before anything of them is drawn."""
+    told = {"origin": place.origin, **told, "undrawn": list(pictures)}
     with replaced_whole(place) as draft:
         write_results(Results(results.columns, {**results.summary, **told}), draft)
+    return Standing(place.folder)
+
+
+def _drawn(
+    pictures: Mapping[str, Callable[[Path], None]], standing: Standing, progress: Progress
+) -> Iterator[str]:
+    """Add the pictures to the results; yields a line for what could not be drawn."""
+    for name, draw in pictures.items():
+        try:
+            with progress(f"drawing {name}"), standing.added(name) as path:
+                draw(path)
+        except RunError:
+            raise
+        except Exception as error:  # a picture that fails must not cost the others
+            yield f"{name} was not drawn: {one_line(error)}"
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                f"while drawing {name}; results and what was drawn before are in {standing.folder}"
+            ) from None
 
 
 def _kept_words(results: Results, place: Place) -> str:

@@ -128,8 +128,6 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
     most; `drift`: how far from a given motion a construction by itself gets, or a step that is laid
     over it ends, at most; both in m
     """
-    from phaseplane.constructions.sheet import events_of  # noqa: PLC0415
-
     readings = drawing.frames[-1].readings
     controls = [name.removeprefix("control_") for name in readings if name.startswith("control_")]
     return {
@@ -140,7 +138,7 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
         "events": [
             {"event": event.name, "time": frame.time}
             for frame in drawing.frames
-            for event in events_of(frame, drawing.planes)
+            for event in constructions.events_of(frame, drawing.planes)
         ],
         "control": {
             name: max(abs(f.readings[name] - f.readings[f"control_{name}"]) for f in drawing.frames)

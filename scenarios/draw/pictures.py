@@ -5,13 +5,14 @@ Only what is asked for is imported and made.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from phaseplane import figures, recording
 
-from ..errors import MOVING, PICTURES, one_line
+from ..errors import MOVING, PICTURES
 from .recording_content import of_results
 
 if TYPE_CHECKING:
@@ -29,29 +30,25 @@ RULES_SHOWN = {"figure4a": "mean_normal", "figure4b": "osculating_circle", "figu
 """The step rule that a figure shows, where it shows a single one."""
 
 
-def draw_all(
-    scene: Scene, results: Results, drawing: Drawing | None, folder: Path
-) -> Iterator[str]:
-    """Draw what the scene shows into the folder; yields a line for what could not be drawn."""
-    makers = {name: f"{name}.png" for name in scene.show.figures}
-    for name, file in makers.items():
-        if name == "time_histories" or drawing is not None:
-            try:
-                draw(
-                    name,
-                    folder / file,
-                    drawing,
-                    results,
-                    title=scene.title or scene.name,
-                    dark=scene.show.dark,
-                )
-            except Exception as error:  # a picture that fails must not cost the results
-                yield f"{file} was not drawn: {one_line(error)}"
+def pictures_of(
+    scene: Scene, results: Results, drawing: Drawing | None
+) -> dict[str, Callable[[Path], None]]:
+    """What draws or records each picture that a scene shows, by the name of its file.
+
+    Parameters
+    ----------
+    drawing : the construction; without one, the pictures that need it are left out
+    """
+    title, dark = scene.title or scene.name, scene.show.dark
+    pictures: dict[str, Callable[[Path], None]] = {
+        f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, dark=dark)
+        for name in scene.show.figures
+        if name == "time_histories" or drawing is not None
+    }
     if scene.show.recording:
-        try:
-            record(of_results(results, drawing, scene.show.model_dump()), folder / RECORDING)
-        except Exception as error:
-            yield f"{RECORDING} was not written: {one_line(error)}"
+        shown = scene.show.model_dump()
+        pictures[RECORDING] = lambda path: record(of_results(results, drawing, shown), path)
+    return pictures
 
 
 def draw(

@@ -1,9 +1,9 @@
 """The results of a run, and the folder that keeps them.
 
 A results folder is replaced whole: everything is written beside it first and moved into its place
-at the end. It is known by its `summary.json`, which lists its files and says where they come from: a
-folder that holds anything else is never touched, and one that holds the results of another file only if
-it is named.
+at the end; pictures are added once it stands (see `standing`). It is known by its `summary.json`, which
+lists its files and says where they come from: a folder that holds anything else is never touched, and one
+that holds the results of another file only if it is named.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import FolderError, one_line
+from .plain import as_json
 from .tables import read_table, write_table
 
 if TYPE_CHECKING:
@@ -111,21 +111,6 @@ def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
     return files
 
 
-def as_json(data: object) -> str:
-    """Plain data as JSON text; a number that is not finite becomes null."""
-    return json.dumps(_finite(data), indent=1, ensure_ascii=False, allow_nan=False)
-
-
-def _finite(data: Any) -> Any:
-    if isinstance(data, float):
-        return data if isfinite(data) else None
-    if isinstance(data, Mapping):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
-    return data
-
-
 def read_results(path: Path) -> Results:
     """Read a results folder, or a table by itself, whose summary is what it carries.
 
@@ -189,7 +174,8 @@ def check_replaceable(place: Place) -> None:
                 "give another folder with -o"
             )
         )
-    foreign = sorted(found - set(summary["files"] if summary else ()))
+    ours = {*summary["files"], *summary.get("undrawn", ())} if summary else set()
+    foreign = sorted(found - ours)
     if foreign:
         raise FolderError(
             one_line(
@@ -232,7 +218,20 @@ def replaced_whole(place: Place) -> Iterator[Path]:
     FolderError : see `check_replaceable`; or the place cannot be written to.
     """
     check_replaceable(place)
-    folder = place.folder
+    with draft_beside(place.folder) as draft:
+        yield draft
+        check_replaceable(place)
+        _exchange(draft, place.folder.resolve())
+
+
+@contextmanager
+def draft_beside(folder: Path) -> Iterator[Path]:
+    """A hidden folder beside another one, on the same disk, for as long as something is written.
+
+    Raises
+    ------
+    FolderError : the place cannot be written to.
+    """
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
     try:
@@ -241,8 +240,6 @@ def replaced_whole(place: Place) -> Iterator[Path]:
         raise FolderError(one_line(f"cannot write {folder}: {error.strerror}")) from None
     try:
         yield draft
-        check_replaceable(place)
-        _exchange(draft, target)
     except OSError as error:
         raise FolderError(one_line(f"cannot write {folder}: {error.strerror or error}")) from error
     finally:

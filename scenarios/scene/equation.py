@@ -10,15 +10,11 @@ import functools
 import math
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value, Variable
-
-if TYPE_CHECKING:
-    import numpy.typing as npt
 
 EQUATION = "Equation"
 """What a scene names in place of an FMU."""
@@ -37,7 +33,6 @@ _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
 _LONGEST = 1000
 _MOST_PERIODS = 100  # of the slowest part of a drive, after which all parts have repeated
-_NO_FURTHER = "no step is short enough: the acceleration is no number there, or grows without bound"
 
 VARIABLES = (
     Variable("equation", "f of x'' + f = 0, a formula of v = x', x and t", "parameter", "x"),
@@ -207,47 +202,3 @@ def check_equation(parameters: Mapping[str, Value]) -> None:
         raise ValueError(
             f"equation = {text!r}: is {value} at the start, v = {start[0]:g}, x = {start[1]:g}"
         )
-
-
-def solve(
-    parameters: Mapping[str, Value], times: npt.NDArray[np.float64]
-) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
-    """The motion at these instants by scipy's DOP853, to ten digits.
-
-    Returns
-    -------
-    columns as far as the solution goes, seconds that it took, and why it ended early, if it did
-    """
-    from scipy.integrate import solve_ivp  # noqa: PLC0415
-
-    function, _ = function_of(str(parameters["equation"]))
-
-    def acceleration(x: float, v: float, t: float) -> float:
-        try:
-            return -function(v, x, t)
-        except OverflowError:  # the solver tries a shorter step where there is no number
-            return math.nan
-
-    def slope(t: float, state: npt.NDArray[np.float64]) -> tuple[float, float]:
-        x, v = state.tolist()
-        return v, acceleration(x, v, t)
-
-    started = perf_counter()
-    y = np.array([[parameters["displacement_start"]], [parameters["velocity_start"]]], float)
-    reached = times[:1]
-    with np.errstate(all="ignore"):  # what has no number ends the run with a complaint
-        solution = solve_ivp(
-            slope, (times[0], times[-1]), y[:, 0], method="DOP853", t_eval=times, rtol=1e-10,
-            atol=1e-12, max_step=(times[-1] - times[0]) / 50.0,
-        )  # fmt: skip
-    if len(solution.t):  # else it did not come to any instant but the first
-        reached, y = solution.t, solution.y
-    complaint = "" if solution.success else _NO_FURTHER
-    accelerations = [acceleration(x, v, t) for x, v, t in zip(*y.tolist(), reached, strict=True)]
-    columns = {
-        "time": reached,
-        "displacement": y[0],
-        "velocity": y[1],
-        "acceleration": np.array(accelerations),
-    }
-    return columns, perf_counter() - started, complaint

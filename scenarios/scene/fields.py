@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Callable, Sequence
+from inspect import cleandoc, getsource
+from itertools import pairwise
 from math import inf, isfinite
-from typing import Annotated
+from textwrap import dedent
+from typing import Annotated, Any
 
 from phaseplane.suspension.units import nearest, to_si
 from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+
+
+def _described(schema: dict[str, Any], table: type[BaseModel]) -> None:
+    """Give the keys in a table's JSON Schema the docstrings that stand under them in its definition."""
+    (definition,) = ast.parse(dedent(getsource(table))).body
+    for key, text in pairwise(getattr(definition, "body", ())):
+        match key, text:
+            case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str() as about)):
+                said = schema["properties"][table.model_fields[name].alias or name]
+                said.setdefault("description", cleandoc(about))
 
 
 class Strict(BaseModel):
@@ -18,7 +32,7 @@ class Strict(BaseModel):
         frozen=True,
         strict=True,
         arbitrary_types_allowed=True,
-        use_attribute_docstrings=True,
+        json_schema_extra=_described,
     )
 
 

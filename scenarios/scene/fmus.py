@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variables import MODELS, Value, Variable
+from phaseplane.vehicle_fmus.content import content_key
 
 from ..errors import InputError, one_line, shown
 from .equation import EQUATION, VARIABLES
@@ -61,8 +62,6 @@ class Fmu:
             return sha256(self.path.read_bytes()).hexdigest()[:24]
         if self.model == EQUATION:
             return ""
-        from phaseplane.vehicle_fmus.build import content_key  # noqa: PLC0415  (heavy)
-
         return content_key(self.model)
 
     def parameters(self) -> dict[str, Variable]:

@@ -1,1 +1,5 @@
 """A scene simulated: its FMU packed or found, driven by FMPy, or its equation solved."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import signal
 import tempfile
-import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -13,25 +11,22 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.simulation import instantiate_fmu
 from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 from ..errors import InputError, RunError, one_line
 from ..scene.fmus import Fmu
-from .fmu_cache import kept
+from .drive import INTERRUPTED, Columns, Drive, Progress, Watch
+from .fmu_cache import is_plain, kept
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
     from fmpy.simulation import Recorder
 
     from ..scene.schema import Scene
 
-    Columns = dict[str, npt.NDArray[np.float64]]
 
-Progress = Callable[[float], None]
-Watch = Callable[["Recorder"], None]
-INTERRUPTED = "interrupted"
-"""Why a run ended early, if it was told to."""
 _LONGEST_SLEEP = 0.1  # s, after which an interrupt is looked for
 _DISCARD, _FATAL = 2, 4  # FMI status
 
@@ -62,36 +57,28 @@ class _Log:
         return one_line(min(complaints)[2]) if complaints else ""
 
 
-@dataclass(frozen=True)
-class Drive:
-    """What came out of the FMU: all columns read, and why it ended early, if it did."""
-
-    columns: Columns
-    run_time: float
-    complaint: str
-    uncompiled: bool
-
-
 class OpenFmu:
-    """An FMU unpacked and instantiated, which is reset between runs; made by `opened`."""
+    """An FMU unpacked and instantiated, which is reset between runs; made by `opened`.
 
-    def __init__(self, fmu: Fmu, path: Path, unpacked: Path) -> None:
-        from fmpy import extract, read_model_description  # noqa: PLC0415  (heavy)
+    Parameters
+    ----------
+    unpacked : its folder; one of others is unpacked there first
+    """
 
+    def __init__(self, fmu: Fmu, unpacked: Path) -> None:
         self.fmu, self._unpacked = fmu, str(unpacked)
         self._log = _Log()
         self._instance: Any = None
         try:
-            extract(path, self._unpacked)
-            mend_unpacked(unpacked)  # made by others, it may end this process badly
+            if fmu.path is not None:
+                extract(fmu.path, self._unpacked)
+                mend_unpacked(unpacked)  # made by others, it may end this process badly
             self._description = read_model_description(self._unpacked, validate=False)
         except Exception as error:
             raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
 
     def _ready(self) -> Any:
         """The instance, as new."""
-        from fmpy.simulation import instantiate_fmu  # noqa: PLC0415
-
         self._log.lines.clear()
         if self._instance is not None:
             try:
@@ -133,8 +120,6 @@ class OpenFmu:
         ------
         RunError : the FMU could not be instantiated or initialised.
         """
-        from fmpy import simulate_fmu  # noqa: PLC0415  (heavy)
-
         instance = self._ready()
         seen: list[Recorder] = []  # FMPy's own, so that rows survive an exception
         reached = 0.0
@@ -193,10 +178,10 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
     """
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
         _check_path(folder)
-        path, build_time = fmu.path, None
-        if path is None:
-            path, build_time = kept(fmu.model, Path(folder))
-        open_fmu = OpenFmu(fmu, path, Path(folder, "unpacked"))
+        unpacked, build_time = Path(folder, "unpacked"), None
+        if fmu.path is None:
+            unpacked, build_time = kept(fmu.model, Path(folder))
+        open_fmu = OpenFmu(fmu, unpacked)
         try:
             yield open_fmu, build_time
         finally:
@@ -204,8 +189,8 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
 
 
 def _check_path(folder: str) -> None:
-    """The FMU's binary crashes where its path is not plain: refuse instead."""
-    if not folder.isascii() or set(folder) & set("#%"):
+    """Refuse a folder from which no FMU can be loaded."""
+    if not is_plain(Path(folder)):
         raise InputError(
             f"an FMU cannot run from the temporary folder {one_line(folder)}: set TMPDIR to a path "
             "in plain ASCII without '#' and '%'"
@@ -235,19 +220,3 @@ def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
         why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
         raise RunError(f"no run: {why}")
     return {name: column[:rows].copy() for name, column in columns.items()}
-
-
-@contextmanager
-def deferred_interrupt() -> Iterator[Callable[[], int]]:
-    """Remember Ctrl-C and SIGTERM; raised inside the FMU they would be taken for its failure."""
-    came: list[int] = [0]
-    if threading.current_thread() is not threading.main_thread():
-        yield lambda: came[-1]
-        return
-    signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(one, lambda number, _frame: came.append(number)) for one in signals]
-    try:
-        yield lambda: came[-1]
-    finally:
-        for one, handler in zip(signals, before, strict=True):
-            signal.signal(one, handler)

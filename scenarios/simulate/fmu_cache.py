@@ -1,4 +1,4 @@
-"""FMUs of this project, packed once for each content and kept in the user's cache folder."""
+"""FMUs of this project, packed once for each content and kept, unpacked, in the user's cache folder."""
 
 from __future__ import annotations
 
@@ -6,9 +6,15 @@ import os
 import re
 import shutil
 import tempfile
+import zipfile
 from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
+
+from phaseplane.vehicle_fmus.content import content_key
+from platformdirs import user_cache_path
+
+from phaseplane import vehicle_fmus
 
 from ..errors import RunError, one_line
 
@@ -17,38 +23,47 @@ _MOST_KEPT = 16
 
 
 def kept(model: str, spare: Path) -> tuple[Path, float]:
-    """The file of a model's FMU, and how long it took to pack, s: 0 if it was kept from before.
+    """The folder of a model's FMU, unpacked, and how long packing took, s: 0 if it was kept from before.
+
+    Python leaves there what it has compiled of the FMU's modules, so that a later run need not.
 
     Parameters
     ----------
     model : of this project
-    spare : folder for it where nothing can be kept
+    spare : folder for it where nothing can be kept, or nothing that is kept be loaded
 
     Raises
     ------
     RunError : it could not be packed.
     """
-    from phaseplane.vehicle_fmus.build import content_key  # noqa: PLC0415  (heavy)
-
     started = perf_counter()
     folder = cache_folder() / content_key(model)
-    path = folder / f"{model}.fmu"
     try:
-        if path.is_file():
+        if folder.is_dir():
             os.utime(folder)
-            return path, 0.0
+            return _loadable(folder / model, spare), 0.0
         folder.parent.mkdir(parents=True, exist_ok=True)
         draft = Path(tempfile.mkdtemp(prefix=".draft-", dir=folder.parent))
     except OSError:
-        return _packed(model, spare), perf_counter() - started
+        return _unpacked(model, spare), perf_counter() - started
     try:
-        _packed(model, draft)
+        _unpacked(model, draft)
         with suppress(OSError):  # another process was first
             draft.rename(folder)
     finally:
         shutil.rmtree(draft, ignore_errors=True)
     _forget_the_oldest(folder.parent)
-    return path, perf_counter() - started
+    return _loadable(folder / model, spare), perf_counter() - started
+
+
+def is_plain(folder: Path) -> bool:
+    """Whether the binary of an FMU can be loaded from there; it crashes where its path is not plain."""
+    return str(folder).isascii() and not set(str(folder)) & set("#%")
+
+
+def _loadable(folder: Path, spare: Path) -> Path:
+    """The folder, or a copy of it where it cannot be loaded from."""
+    return folder if is_plain(folder) else Path(shutil.copytree(folder, spare / folder.name))
 
 
 def cache_folder() -> Path:
@@ -56,18 +71,19 @@ def cache_folder() -> Path:
     named = os.environ.get(FOLDER_VARIABLE)
     if named:
         return Path(named)
-    from platformdirs import user_cache_path  # noqa: PLC0415
-
     return user_cache_path("phaseplane") / "fmus"
 
 
-def _packed(model: str, folder: Path) -> Path:
-    from phaseplane.vehicle_fmus.build import build  # noqa: PLC0415
-
+def _unpacked(model: str, folder: Path) -> Path:
+    """A model's FMU, packed and unpacked in a folder."""
     try:
-        return build([model], folder)[0]
+        with tempfile.TemporaryDirectory(dir=folder) as beside:
+            (packed,) = vehicle_fmus.build.build([model], Path(beside))
+            with zipfile.ZipFile(packed) as archive:
+                archive.extractall(folder / model)
     except Exception as error:
         raise RunError(f"cannot pack {model}: {one_line(error)}") from error
+    return folder / model
 
 
 def _forget_the_oldest(folder: Path) -> None:

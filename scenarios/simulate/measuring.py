@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import simulate
 from ..errors import one_line
 from ..measures import Measure, Reading, Run, catalogue, take
 from ..measures.solution import Solution, apart, instants, refinement, simulated, solved
-from ..scene.equation import EQUATION, solve
+from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -88,7 +89,7 @@ def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> 
     """The model's own solution at some instants, and at the start; nothing where it is not known."""
     time = np.unique([0.0, *instants])
     if scene.fmu.model == EQUATION:
-        return solve(scene.all_parameters, time)[0]
+        return simulate.solving.solve(scene.all_parameters, time)[0]
     if not scene.fmu.is_ours:
         return {}
     own = next(simulated(scene.fmu.model, [scene.all_parameters], time, set(outputs)))

@@ -7,19 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension import extent
 
+from .. import simulate
 from ..errors import one_line
 from ..measures import Run, catalogue, outputs_needed
 from ..measures.solution import Solution, instants, refinement, solved_by
 from ..results.folder import Results
-from ..scene.equation import EQUATION, solve
+from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
-from .driver import Drive, OpenFmu, Progress, Watch, deferred_interrupt, opened
+from .drive import Drive, Progress, Watch
+from .interrupts import deferred_interrupt
 from .measuring import measured
 from .versions import versions
 
 if TYPE_CHECKING:
     from ..scene.schema import Scene
-    from .driver import Columns
+    from .drive import Columns
+    from .driver import OpenFmu
 
 
 class Interrupted(KeyboardInterrupt):
@@ -60,7 +63,7 @@ def run(
     """
     if scene.fmu.model == EQUATION:
         return _solved(scene)
-    with opened(scene.fmu) as (fmu, build_time):
+    with simulate.driver.opened(scene.fmu) as (fmu, build_time):
         return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
 
 
@@ -90,9 +93,9 @@ def _solved(scene: Scene) -> Results:
     measures = [known[name] for name in scene.measures]
     parts = refinement(scene.duration, interval)
     time = instants(scene.duration, interval, parts)
-    columns, seconds, complaint = solve(scene.all_parameters, time)
+    columns, seconds, complaint = simulate.solving.solve(scene.all_parameters, time)
     own = solved_by(
-        lambda places: solve(scene.all_parameters, places)[0],
+        lambda places: simulate.solving.solve(scene.all_parameters, places)[0],
         columns, measures, {one.output for one in scene.during},
     )  # fmt: skip
     at = own.rows(parts)

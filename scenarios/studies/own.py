@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from phaseplane.suspension.engine import FAILURES, Integrator
 from phaseplane.suspension.variables import MODELS
+from phaseplane.vehicle_fmus.content import SCRIPTS
 
 from ..draw.constructions import constructed, planes_of
 from ..errors import InputError, one_line
@@ -55,21 +56,16 @@ def in_process(bench: Workbench, **options: Any) -> Run:
 
 @cache
 def _unpacked(model: str) -> Path:
-    """The folder of a model's FMU, unpacked until this process ends."""
-    from fmpy import extract  # noqa: PLC0415  (heavy)
-
-    folder = Path(tempfile.mkdtemp(prefix="phaseplane-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    path, _ = kept(model, folder)
-    extract(path, folder / "unpacked")
-    return folder / "unpacked"
+    """The folder of a model's FMU, unpacked."""
+    spare = Path(tempfile.mkdtemp(prefix="phaseplane-"))
+    atexit.register(shutil.rmtree, spare, ignore_errors=True)
+    return kept(model, spare)[0]
 
 
 def through_fmu(bench: Workbench, tolerance: float) -> Run:
     """`fmpy.simulate_fmu` at the output interval, with an instance that is reset before."""
     from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
-    from phaseplane.vehicle_fmus.build import SCRIPTS  # noqa: PLC0415  (heavy)
 
     problem = bench.problem
     if problem.model not in SCRIPTS:

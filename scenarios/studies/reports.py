@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from phaseplane import figures
-from phaseplane.figures.stability import GrowthMap
 
 from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
 from . import stability as study
@@ -100,11 +99,11 @@ def study_stability(
         {name: (made.phases, curve) for name, curve in made.curves.items()},
         {"2√3": study.LINEAR, "order 8: 3.2": study.EIGHTH},
         [
-            GrowthMap("Order 8, spectral radius of a step", made.grid, made.damping_ratios,
+            figures.GrowthMap("Order 8, spectral radius of a step", made.grid, made.damping_ratios,
                       "damping ratio", made.damped, study.EIGHTH),
-            GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
+            figures.GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
                       "ratio of the springs", made.coupled, study.LINEAR),
-            GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
+            figures.GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
                       "stop over spring", made.bounced, study.LINEAR),
         ],
         [

@@ -16,10 +16,11 @@ from phaseplane.suspension.session import SimulationError, simulate
 
 from phaseplane import constructions
 
+from .. import simulate as simulating
 from ..draw.constructions import constructed
 from ..draw.planes import planes_of
 from ..errors import InputError, one_line
-from ..scene.equation import EQUATION, solve
+from ..scene.equation import EQUATION
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -137,7 +138,7 @@ def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
     """Largest error of each displacement, m."""
     names = list(motion.columns)
     exact = (
-        solve(scene.all_parameters, motion.times)[0]
+        simulating.solving.solve(scene.all_parameters, motion.times)[0]
         if scene.fmu.model == EQUATION
         else _simulated(scene, motion.times, names)
     )

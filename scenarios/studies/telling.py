@@ -13,7 +13,7 @@ from typing import Any
 
 from phaseplane.suspension import engine
 
-from phaseplane.figures.work_precision import Curve
+from phaseplane import figures
 
 from .accuracy import Point
 from .problems import Problem
@@ -141,7 +141,7 @@ def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[s
             (
                 f"{problem.name.replace('_', ' ')} ({problem.kind})",
                 [
-                    Curve(
+                    figures.Curve(
                         solver,
                         family,
                         tuple(

@@ -26,6 +26,7 @@ from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SWEEPS, meant
 from ..scene.schema import Scene
+from .shipped import sweep_titles
 
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _OF_RANGE = ("from", "to", "count")
@@ -248,14 +249,6 @@ class Plan:
         if self.road_length is not None:
             settings.append(Setting(from_top(extent.LENGTH), self.road_length, "vary"))
         return load_scene(self.reference, settings, expect=False).only(self.measures)
-
-
-def sweep_titles() -> dict[str, str]:
-    """Name and title of the sweeps that come with the package."""
-    return {
-        path.stem: str(tomllib.loads(path.read_text(encoding="utf-8")).get("title", ""))
-        for path in sorted(SWEEPS.glob("*.toml"))
-    }
 
 
 def find_sweep(reference: str) -> Path:

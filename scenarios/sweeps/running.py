@@ -29,12 +29,13 @@ from threading import Event, Thread
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
 from ..measures.solution import instants, refinement, solved, stepped
 from ..scene.equation import EQUATION
 from ..simulate import runner
-from ..simulate.driver import deferred_interrupt, opened
+from ..simulate.interrupts import deferred_interrupt
 from ..simulate.versions import versions
 from .plan import Plan
 
@@ -221,7 +222,9 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
                     summary = runner.run(scene).summary
                 else:
                     if scene.fmu not in fmus:
-                        fmus[scene.fmu], _ = stack.enter_context(opened(scene.fmu))
+                        fmus[scene.fmu], _ = stack.enter_context(
+                            simulating.driver.opened(scene.fmu)
+                        )
                     summary = runner.run_with(fmus[scene.fmu], scene).summary
             except (InputError, RunError) as error:
                 yield Row(run, (None,) * len(plan.measures), one_line(error))

@@ -11,12 +11,11 @@ from pathlib import Path
 import pytest
 
 import phaseplane
-from phaseplane import figures
+from phaseplane import figures, scenarios, vehicle_fmus
 
-ROOT = Path(phaseplane.__path__[0])
 PACKAGES = [
     "phaseplane", "phaseplane.constructions", "phaseplane.portrait", "phaseplane.figures",
-    "phaseplane.recording",
+    "phaseplane.recording", "phaseplane.vehicle_fmus", "phaseplane.scenarios.simulate",
 ]  # fmt: skip
 
 
@@ -28,8 +27,13 @@ def test_every_name_is_there(name: str) -> None:
 
 
 def test_every_package_that_says_its_names_is_tested() -> None:
-    stubs = [path.parent.relative_to(ROOT) for path in ROOT.rglob("*.pyi")]
-    assert sorted(PACKAGES) == sorted(".".join(["phaseplane", *stub.parts]) for stub in stubs)
+    found = [
+        ".".join([package.__name__, *path.parent.relative_to(root).parts])
+        for package in (phaseplane, scenarios, vehicle_fmus)
+        for root in [Path(package.__path__[0])]
+        for path in root.rglob("*.pyi")
+    ]
+    assert sorted(PACKAGES) == sorted(set(found))
 
 
 def test_a_function_stands_before_the_module_of_its_name() -> None:
@@ -47,5 +51,7 @@ def test_importing_the_packages_imports_nothing_else() -> None:
         check=True,
     )
     loaded = set(done.stdout.split())
-    assert {name for name in loaded if name.startswith("phaseplane")} == set(PACKAGES)
+    assert {name for name in loaded if name.startswith("phaseplane")} == {
+        *PACKAGES, "phaseplane.scenarios",
+    }  # fmt: skip
     assert not loaded & {"numpy", "scipy", "matplotlib", "rerun", "pydantic"}

@@ -62,23 +62,7 @@ def in_a_process(
     )
 
 
-# -- what is not used is not imported ------------------------------------------------------------
-
-
-def test_the_command_line_imports_nothing_heavy() -> None:
-    code = (
-        "import sys, phaseplane.scenarios.cli as c\n"
-        "try: c.main(['--help'])\n"
-        "except SystemExit: pass\n"
-        "print(*sys.modules, file=sys.stderr)"
-    )
-    loaded = set(in_a_process("-c", code).stderr.split())
-    assert "click" in loaded
-    assert not loaded & {
-        "numpy", "scipy", "fmpy", "matplotlib", "rerun", "pydantic", "pythonfmu",
-        "phaseplane.suspension", "phaseplane.vehicle_fmus", "phaseplane.constructions",
-        "phaseplane.figures",
-    }  # fmt: skip
+# -- the list of commands ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -98,22 +82,6 @@ def test_every_command_of_the_package_is_listed() -> None:
         for attribute, value in vars(import_module(f"{commands.__name__}.{module.stem}")).items()
         if isinstance(value, Command)
     }
-
-
-def test_a_bare_run_imports_neither_pictures_nor_recordings(fmu: Path) -> None:
-    arguments = ["run", "ap57", "--set", f"fmu={fmu}", *BARE, "--json"]
-    code = (
-        f"import sys, phaseplane.scenarios.cli as c\ntry: c.main({arguments!r})\n"
-        "except SystemExit as e: status = e.code\n"
-        "print(*sys.modules, file=sys.stderr)\nsys.exit(status)"
-    )
-    done = in_a_process("-c", code)
-    assert done.returncode == 0
-    assert not set(done.stderr.split()) & {
-        "rerun", "matplotlib", "scipy", "phaseplane.constructions.marching",
-        "phaseplane.figures.canvas",
-    }  # fmt: skip
-    assert json.loads(done.stdout)["scene"] == "ap57"  # and nothing else on stdout
 
 
 # -- the main job --------------------------------------------------------------------------------

@@ -21,9 +21,9 @@ from phaseplane.scenarios.scene.equation import (
     drive_period,
     function_of,
     function_of_arrays,
-    solve,
 )
 from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.solving import solve
 from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate

@@ -9,6 +9,8 @@ import phaseplane.vehicle_fmus.build as builder
 import pytest
 from phaseplane.scenarios.errors import RunError
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE, kept
+from phaseplane.vehicle_fmus import content
+from phaseplane.vehicle_fmus.archives import zipped
 
 
 @pytest.fixture(autouse=True)
@@ -17,12 +19,12 @@ def _of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def counting(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
-    """Packing that writes a few bytes and notes where."""
+    """Packing that writes a small archive and notes where."""
     built: list[Path] = []
 
     def build(models: list[str], folder: Path) -> list[Path]:
         path = Path(folder, f"{models[0]}.fmu")
-        path.write_bytes(b"fmu")
+        path.write_bytes(zipped({"modelDescription.xml": b"description"}))
         built.append(path)
         return [path]
 
@@ -37,9 +39,10 @@ def test_equal_content_is_packed_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert first == again
     assert (len(built), not_again) == (1, 0.0)
     assert took > 0.0
-    assert first.read_bytes() == b"fmu"
+    assert (first / "modelDescription.xml").read_bytes() == b"description"
+    assert [path.name for path in first.parent.iterdir()] == ["QuarterCar"]
     assert kept("OneDof", tmp_path)[0] != first
-    monkeypatch.setattr(builder, "version", lambda _name: "another version of pythonfmu")
+    monkeypatch.setattr(content, "version", lambda _name: "another version of pythonfmu")
     assert kept("QuarterCar", tmp_path)[0].parent != first.parent
     assert [path.name for path in first.parent.parent.glob(".draft*")] == []
 
@@ -77,3 +80,16 @@ def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     with pytest.raises(RunError, match="cannot pack QuarterCar: pythonfmu said: no"):
         kept("QuarterCar", tmp_path)
     assert not any((tmp_path / "cache").iterdir())
+
+
+def test_what_is_kept_under_a_name_that_no_fmu_can_be_loaded_from_is_copied(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    built = counting(monkeypatch)
+    monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "50 %"))
+    for spare in (tmp_path / "one", tmp_path / "two"):
+        spare.mkdir()
+        folder, _ = kept("QuarterCar", spare)
+        assert folder == spare / "QuarterCar"
+        assert (folder / "modelDescription.xml").exists()
+    assert len(built) == 1

@@ -24,8 +24,9 @@ from phaseplane.scenarios.errors import InputError
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.scene.names import SWEEPS
 from phaseplane.scenarios.sweeps import running
-from phaseplane.scenarios.sweeps.plan import Plan, load_plan, sweep_titles
+from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
+from phaseplane.scenarios.sweeps.shipped import sweep_titles
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 

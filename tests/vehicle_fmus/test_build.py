@@ -17,7 +17,7 @@ from fmpy import extract, read_model_description
 from phaseplane.suspension import engine
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, variables
-from phaseplane.vehicle_fmus import build as packing
+from phaseplane.vehicle_fmus import content
 from phaseplane.vehicle_fmus.build import build
 
 OUTPUTS = ("body_displacement", "contact_force", "step_count")
@@ -30,7 +30,7 @@ def guid(fmu: Path) -> str:
 @pytest.fixture
 def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The same FMU, packed from sources in which the kernel and a model differ."""
-    sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
+    sources = shutil.copytree(content.SUSPENSION, tmp_path / "sources")
     stepper, models = sources / "kernel" / "stepper.py", sources / "models.py"
     shorter_steps = stepper.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
     heavier = models.read_text().replace(
@@ -40,7 +40,7 @@ def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     assert heavier != models.read_text()
     stepper.write_text(shorter_steps)
     models.write_text(heavier)
-    monkeypatch.setattr(packing, "SUSPENSION", sources)
+    monkeypatch.setattr(content, "SUSPENSION", sources)
     return build(["QuarterCar"], tmp_path)[0]
 
 
@@ -136,9 +136,9 @@ def test_a_failing_builder_leaves_the_old_file(
 ) -> None:
     old = tmp_path / "QuarterCar.fmu"
     old.write_bytes(b"old")
-    sources = shutil.copytree(packing.SUSPENSION, tmp_path / "sources")
+    sources = shutil.copytree(content.SUSPENSION, tmp_path / "sources")
     (sources / "session.py").write_text("raise ImportError('no such session')")
-    monkeypatch.setattr(packing, "SUSPENSION", sources)
+    monkeypatch.setattr(content, "SUSPENSION", sources)
     with pytest.raises(RuntimeError, match=r"QuarterCar\.fmu:[^$]*no such session"):
         build(["QuarterCar"], tmp_path)
     assert old.read_bytes() == b"old"
@@ -257,10 +257,10 @@ def bare_folder(quarter_car_folder: str, tmp_path: Path) -> Path:
 def test_what_a_slave_imports_within_a_function_is_carried_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[Any]
 ) -> None:
-    slaves = shutil.copytree(packing.SLAVES, tmp_path / "slaves")
+    slaves = shutil.copytree(content.SLAVES, tmp_path / "slaves")
     with (slaves / "quarter_car.py").open("a") as file:
         file.write(_IMPORTS_LATE)
-    monkeypatch.setattr(packing, "SLAVES", slaves)
+    monkeypatch.setattr("phaseplane.vehicle_fmus.build.SLAVES", slaves)
     (fmu,) = build(["QuarterCar"], tmp_path)
     told = run_in_a_bare_python(Path(extract(str(fmu), str(tmp_path / "fmu"))))
     assert told["values"] == pytest.approx(expected, rel=1e-12)

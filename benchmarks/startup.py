@@ -1,0 +1,143 @@
+"""What it costs to begin: whole commands against processes that only import what they cannot do without.
+
+    python benchmarks/startup.py [--rounds 15] [--only help,bare,whole]
+
+Each round starts every process once, one after the other; ratios are of medians over the rounds. The
+first round, which packs the FMU of the scene, does not count.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+from phaseplane.scenarios.studies.telling import machine, versions
+
+HERE = Path(__file__).parent
+PHASEPLANE = "from phaseplane.scenarios.cli import main; main()"
+BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
+# figures of the size of those of the main job, in inches
+EMPTY = """
+import fmpy, numpy, rerun
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+for i, size in enumerate([(9.0, 7.5), (8.79, 11.5)]):
+    figure = Figure(figsize=size, dpi=150)
+    FigureCanvasAgg(figure)
+    figure.savefig(f"{i}.png")
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One ratio: a command, what it is held against, and its bar.
+
+    Parameters
+    ----------
+    arguments : of `phaseplane`
+    against : code of the process that it is held against
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    against: str
+    bar: float
+
+
+PARTS = {
+    "help": Part("phaseplane --help / import click", ("--help",), "import click", 1.5),
+    "bare": Part(
+        "run ap57, nothing drawn / import fmpy", ("run", "ap57", *BARE), "import fmpy", 1.8
+    ),
+    "whole": Part("run ap57 / its libraries and two empty figures", ("run", "ap57"), EMPTY, 1.5),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Seconds:
+    """Median times of a process, s: of the clock, and of the processor for all that it started."""
+
+    clock: float
+    processor: float
+
+
+def begun(code: str, arguments: Sequence[str], folder: Path) -> Seconds:
+    """The times of one process.
+
+    Raises
+    ------
+    CalledProcessError : it failed.
+    """
+    # as it is for users: what has been compiled once is not compiled again
+    around = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    command = [sys.executable, "-P", "-c", code, *arguments]
+    before, started = os.times(), perf_counter()
+    subprocess.run(command, cwd=folder, env=around, check=True, capture_output=True)
+    elapsed, after = perf_counter() - started, os.times()
+    return Seconds(elapsed, sum(after[2:4]) - sum(before[2:4]))
+
+
+def measured(names: Sequence[str], rounds: int) -> dict[str, tuple[Seconds, Seconds]]:
+    """What each part takes, and what it is held against."""
+    processes = {
+        **{(name, "ours"): (PHASEPLANE, PARTS[name].arguments) for name in names},
+        **{(name, "against"): (PARTS[name].against, ()) for name in names},
+    }
+    taken: dict[tuple[str, str], list[Seconds]] = {process: [] for process in sorted(processes)}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(rounds + 1):
+            for process, times in taken.items():
+                times.append(begun(*processes[process], Path(folder)))
+    medians = {
+        process: Seconds(median(t.clock for t in times[1:]), median(t.processor for t in times[1:]))
+        for process, times in taken.items()
+    }
+    return {name: (medians[name, "ours"], medians[name, "against"]) for name in names}
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--rounds", type=int, default=15)
+    options.add_argument("--only", default=",".join(PARTS))
+    options.add_argument("--print", action="store_true", dest="only_print", help="write no file")
+    given = options.parse_args()
+    found = measured(given.only.split(","), given.rounds)
+    ratios = {}
+    for name, (ours, against) in found.items():
+        part = PARTS[name]
+        ratio = ours.clock / against.clock
+        ratios[part.name] = {
+            "seconds": asdict(ours),
+            "against": asdict(against),
+            "value": ratio,
+            "of_processors": ours.processor / against.processor,
+            "bar": part.bar,
+            "holds": ratio <= part.bar,
+        }
+        print(
+            f"{part.name:<50} {1e3 * ours.clock:6.0f} ms against {1e3 * against.clock:6.0f} ms: "
+            f"{ratio:.2f}, of processors {ours.processor / against.processor:.2f}, bar {part.bar}"
+        )
+    if not given.only_print:
+        data = {
+            "date": datetime.now(UTC).date().isoformat(),
+            "machine": machine(),
+            "versions": versions(),
+            "rounds": given.rounds,
+            "ratios": ratios,
+        }
+        (HERE / "startup.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

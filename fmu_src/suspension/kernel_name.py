@@ -1,0 +1,16 @@
+"""The name under which the integrator's kernel is imported."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from pathlib import Path
+
+KERNEL = Path(__file__).parent / "kernel"
+
+
+def kernel_name(folder: Path = KERNEL) -> str:
+    """The name under which the kernel's modules are imported: it changes with any of its sources."""
+    digest = sha256()
+    for path in sorted((*folder.glob("*.py"), *folder.glob("*.pxd"))):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return f"suspension_kernel_{digest.hexdigest()[:12]}"

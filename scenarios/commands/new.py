@@ -1,0 +1,18 @@
+"""`phaseplane new`: a scene to begin with."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .template import write_template
+
+
+@click.command()
+@click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
+@click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
+def new(path: Path, model: str) -> None:
+    """Write a scene to begin with, its choices explained."""
+    write_template(path, model)
+    click.echo(f"{path}: run it with 'phaseplane run {path}'")

@@ -1,0 +1,114 @@
+"""What a command does not use is not imported: the modules of a fresh process after each of them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from phaseplane.scenarios.cli import COMMANDS
+
+HEAVY = (
+    "numpy", "scipy", "matplotlib", "rerun", "fmpy", "pythonfmu", "pydantic", "pyarrow", "PIL",
+    "contourpy", "lxml",
+    "phaseplane.suspension", "phaseplane.suspension.engine", "phaseplane.vehicle_fmus.build",
+    "phaseplane.constructions.marching", "phaseplane.figures.canvas", "phaseplane.figures.histories",
+    "phaseplane.figures.animation", "phaseplane.recording.sinks", "phaseplane.recording.server",
+    "phaseplane.portrait.system", "phaseplane.scenarios.studies", "phaseplane.scenarios.sweeps.plan",
+)  # fmt: skip
+CODE = """
+import sys
+from phaseplane.scenarios.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit as end:
+    print(*sys.modules, file=sys.stderr)
+    sys.exit(end.code)
+"""
+BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
+SCENE = {"numpy", "pydantic", "phaseplane.suspension"}
+ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
+RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu", "lxml"}
+DRAWN = {"matplotlib", "PIL"}
+PLANES = {*DRAWN, "phaseplane.constructions.marching", "phaseplane.figures.canvas"}
+RECORDED = {
+    "rerun",
+    "pyarrow",
+    "PIL",
+    "phaseplane.constructions.marching",
+    "phaseplane.recording.sinks",
+}
+PORTRAIT = {
+    *SCENE, "scipy", "contourpy", "phaseplane.portrait.system", "phaseplane.scenarios.studies",
+    ENGINE,
+}  # fmt: skip
+SWEEP = {
+    *SCENE, *DRAWN, "pyarrow", ENGINE, "phaseplane.scenarios.sweeps.plan",
+}  # fmt: skip
+
+USED: dict[tuple[str, ...], set[str]] = {
+    ("--help",): set(),
+    ("--version",): set(),
+    ("list",): {"numpy", "phaseplane.suspension"},
+    ("schema",): {*SCENE, "phaseplane.scenarios.sweeps.plan"},
+    ("schema", "QuarterCar"): {*SCENE, "phaseplane.scenarios.sweeps.plan"},
+    ("new", "scene.toml"): SCENE,
+    ("run", "ap57", *BARE): RUN,
+    ("run", "ap57", *BARE[2:], "--set", "show.figures=['time_histories']"): {
+        *RUN, *DRAWN, "phaseplane.figures.histories",
+    },
+    ("run", "ap57", *BARE[2:], "--set", "show.figures=['phase_planes']"): {*RUN, *PLANES},
+    ("run", "ap57", *BARE[:2]): {*RUN, *RECORDED},
+    ("run", "van_der_pol", *BARE): {*SCENE, ENGINE, "scipy"},
+    ("replay", "ap57", "--figure", "planes.png"): {*SCENE, *PLANES},
+    ("replay", "ap57", "--save", "planes.rrd"): {*SCENE, *RECORDED},
+    ("portrait", "van_der_pol"): PORTRAIT,
+    ("portrait", "van_der_pol", "--figure", "portrait.png"): {*PORTRAIT, *DRAWN},
+    ("sweep", "speed_bump", "--workers", "1"): SWEEP,
+    ("build", "OneDof", "-o", "fmus"): {
+        "numpy", "pythonfmu", "phaseplane.suspension", ENGINE,
+        "phaseplane.vehicle_fmus.build",
+    },
+    ("ladder", "ap57"): {
+        *SCENE, ENGINE, "phaseplane.scenarios.studies",
+    },
+    ("show", "."): {"numpy", "phaseplane.suspension"},
+    ("show", ".", "--figure", "columns.png"): {"numpy", "phaseplane.suspension", *DRAWN},
+    ("compare", ".", "."): {"numpy", "phaseplane.suspension"},
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run; the FMU is kept from then on."""
+    folder = tmp_path_factory.mktemp("results")
+    subprocess.run(
+        [sys.executable, "-P", "-c", CODE, "run", "ap57", *BARE, "-o", "there"],
+        cwd=folder, check=True, capture_output=True,
+    )  # fmt: skip
+    return folder / "there"
+
+
+@pytest.mark.parametrize("arguments", USED, ids=" ".join)
+def test_nothing_is_imported_that_a_command_does_not_use(
+    arguments: tuple[str, ...], results: Path, tmp_path: Path
+) -> None:
+    where = results if arguments[0] in ("show", "compare") else tmp_path
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", CODE, *arguments],
+        cwd=where, check=False, capture_output=True, encoding="utf-8",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert set(HEAVY) & set(done.stderr.split()) <= USED[arguments]
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_imports_nothing_that_runs_or_draws(name: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", CODE, name, "--help"],
+        check=True, capture_output=True, encoding="utf-8",
+    )  # fmt: skip
+    light = {"numpy", "pydantic", "phaseplane.suspension", "phaseplane.scenarios.sweeps.plan"}
+    studies = {"phaseplane.scenarios.studies", ENGINE}
+    assert set(HEAVY) & set(done.stderr.split()) <= light | studies

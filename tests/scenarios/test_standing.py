@@ -1,0 +1,176 @@
+"""Results are there before anything of them is drawn; what is drawn is added picture by picture."""
+
+from __future__ import annotations
+
+import io
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands import console
+from phaseplane.scenarios.draw import pictures
+from phaseplane.scenarios.results.folder import Place, read_results, replaced_whole, write_results
+
+FIGURES = 'show.figures=["time_histories", "phase_planes"]'
+PICTURES = ["time_histories.png", "phase_planes.png"]
+RESULTS = ["results.csv", "summary.json"]
+FOLDER = Path("out", "ap57")
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def run(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
+    """`phaseplane run ap57` with two figures, each drawn by the function given."""
+
+    def go(draw: Callable[[str, Path], object] | None = None, *more: str) -> Result:
+        with monkeypatch.context() as patch:
+            if draw is not None:
+                patch.setattr(pictures, "draw", lambda name, path, **_: draw(name, path))
+            bare = ("--set", f"fmu={fmu}", "--set", "show.recording=false", "--set", FIGURES)
+            return CliRunner().invoke(main, ["run", "ap57", *bare, *more])
+
+    return go
+
+
+def summary() -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((FOLDER / "summary.json").read_text("utf-8"))
+    return found
+
+
+def names() -> list[str]:
+    assert [path.name for path in FOLDER.parent.iterdir()] == ["ap57"]
+    return sorted(path.name for path in FOLDER.iterdir())
+
+
+def test_results_stand_before_the_first_picture_is_drawn(run: Callable[..., Result]) -> None:
+    seen = []
+
+    def draw(name: str, path: Path) -> None:
+        there = {each.name for each in FOLDER.iterdir()}
+        seen.append((name, there, summary()["undrawn"], len(read_results(FOLDER).columns["time"])))
+        path.write_bytes(name.encode())
+
+    assert run(draw).exit_code == 0
+    assert seen == [
+        ("time_histories", {*RESULTS}, PICTURES, 1001),
+        ("phase_planes", {*RESULTS, PICTURES[0]}, PICTURES[1:], 1001),
+    ]
+    assert names() == summary()["files"] == sorted([*RESULTS, *PICTURES])
+    assert summary()["undrawn"] == []
+
+
+def test_an_interrupt_while_drawing_keeps_what_is_complete(run: Callable[..., Result]) -> None:
+    def draw(name: str, path: Path) -> None:
+        path.write_bytes(b"half a picture")
+        if name == "phase_planes":
+            raise KeyboardInterrupt
+
+    result = run(draw)
+    assert result.exit_code == console.INTERRUPTED
+    assert result.stderr.split("\n", 1)[1].splitlines() == [  # click ends the line of ^C
+        "phaseplane: interrupted while drawing phase_planes.png; results and what was drawn before are "
+        f"in {FOLDER}"
+    ]
+    assert names() == summary()["files"] == sorted([*RESULTS, PICTURES[0]])
+    assert summary()["undrawn"] == PICTURES[1:]
+    assert run().exit_code == 0  # it is replaced as any other
+    assert names() == sorted([*RESULTS, *PICTURES])
+
+
+def test_a_picture_that_fails_costs_itself_alone(run: Callable[..., Result]) -> None:
+    def draw(name: str, path: Path) -> None:
+        path.write_bytes(b"picture")
+        if name == "time_histories":
+            raise ValueError("no ink")
+
+    assert run(draw).exit_code == console.FAILED
+    assert names() == sorted([*RESULTS, PICTURES[1]])
+    assert summary()["problems"] == ["time_histories.png was not drawn: no ink"]
+    assert summary()["undrawn"] == PICTURES[:1]
+
+
+def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Result]) -> None:
+    def draw(name: str, path: Path) -> None:
+        path.write_bytes(b"picture")
+        results = read_results(FOLDER)
+        with replaced_whole(Place(FOLDER)) as draft:
+            write_results(
+                type(results)(results.columns, {**results.summary, "title": "other"}), draft
+            )
+
+    assert run().exit_code == 0
+    result = run(draw, "-o", str(FOLDER))
+    assert result.exit_code == console.FAILED
+    assert "holds other results by now" in result.stderr
+    assert names() == RESULTS
+    assert summary()["title"] == "other"
+
+
+def test_an_interrupted_process_says_so_and_ends_with_its_status(fmu: Path) -> None:
+    code = (
+        "import signal\n"
+        "from phaseplane.scenarios.draw import pictures\n"
+        "def draw(name, path, **_):\n"
+        "    print(name, flush=True)\n"
+        "    signal.pause()\n"
+        "pictures.draw = draw\n"
+        "from phaseplane.scenarios.cli import main\n"
+        "main()"
+    )
+    arguments = ["run", "ap57", "--set", f"fmu={fmu}", "--set", FIGURES]
+    with subprocess.Popen(
+        [sys.executable, "-P", "-c", code, *arguments],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        assert process.stdout is not None
+        assert process.stdout.readline() == "time_histories\n"
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == console.INTERRUPTED
+    assert said.lstrip().startswith("phaseplane: interrupted while drawing time_histories.png")
+    assert names() == RESULTS
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_what_takes_long_is_named_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(console, "_SHOW_BAR_AFTER", 0.01)
+    with console.progress_bar("drawing phase_planes.png"):
+        while "drawing phase_planes.png" not in terminal.getvalue():
+            pass
+    assert terminal.getvalue().endswith("\r\033[K")  # and nothing is left of it
+
+
+def test_what_tells_its_parts_has_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(console, "_SHOW_BAR_AFTER", 0.01)
+    with console.progress_bar("ap57") as show:
+        assert show is not None
+        while "%" not in terminal.getvalue():
+            show(0.5)
+    assert "50%" in terminal.getvalue()
+
+
+def test_elsewhere_nothing_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    with console.progress_bar("ap57") as show:
+        assert show is None
