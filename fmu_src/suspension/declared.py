@@ -138,6 +138,12 @@ SOLVER_OUTPUTS = (
 GRAVITY = parameter("gravity", KGF, "acceleration of free fall; 0: no weight, no lift-off", "m/s2",
                       minimum=0.0)  # fmt: skip
 LIFT_OFF = parameter("lift_off", True, "whether the tyre may leave the road")
+CONTACT_RULE = parameter(
+    "contact", "gap", "when a tyre that may leave the road touches it. gap: no force where the tyre is "
+    "longer than its free length; contact ends where the contact force falls to zero, and begins where "
+    "the gap closes. force: contact wherever the tyre's spring and damper together press, across a gap "
+    "as well (AP57 eq. 28 for both ends of the flight)", choices=("gap", "force"),
+)  # fmt: skip
 
 
 def motion(coordinate: str, what: str) -> tuple[Variable, ...]:

@@ -201,6 +201,8 @@ def tyre_element(
 ) -> Element:
     """The tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
 
+    Where it touches the road, by `contact`, says `systems.Element`.
+
     Parameters
     ----------
     p : checked parameters
@@ -216,6 +218,7 @@ def tyre_element(
         damper=_tyre_damper(p, of),
         road=f"{prefix}road",
         limit=static_load if p["lift_off"] and static_load > 0.0 else inf,
+        contact=str(p["contact"]),
     )
 
 

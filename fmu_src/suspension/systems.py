@@ -18,6 +18,8 @@ from .signals import Signal
 
 _NOTHING = characteristics.linear(0.0)
 ALWAYS = characteristics.constant(1.0)
+CONTACTS = ("gap", "force")
+"""Rules by which an element with a limit has contact; see `Element`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +32,8 @@ class Element:
     direction : b, one entry per coordinate; the deflection is b' q - u, extension positive
     spring, damper : force over deflection (N, m) and over its rate (N, m/s)
     road : name of the signal u under the element, or empty
-    limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26)
+    limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26),
+        so that the road presses on it with N = limit - force >= 0
     yield_force : the force at which a linear spring begins to flow, N (H83 example 40)
     hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
         the two lines of flow keeps its height
@@ -38,11 +41,16 @@ class Element:
     modulation : factor on the damper over deflection (1, m), for damping Phi = D(v) m(d)
     friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
         long as no more is needed
+    contact : when an element with a limit touches what it stands on. `gap`: there is no force where it
+        is longer than its free length; contact ends where N falls to zero or the gap opens, and begins
+        where the gap closes or, at less than the free length, N would become positive. `force`: N is
+        positive wherever spring and damper together make it so, across a gap as well (AP57 eq. 28 for
+        both ends of the flight)
 
     Raises
     ------
     ValueError : an element that yields and has anything but a linear spring and damper, a limit, or
-        a hardening that is not below its spring rate.
+        a hardening that is not below its spring rate; an unknown rule of contact.
     """
 
     name: str
@@ -56,8 +64,13 @@ class Element:
     permanent_set: float = 0.0
     friction: float = 0.0
     modulation: Characteristic = ALWAYS
+    contact: str = "gap"
 
     def __post_init__(self) -> None:
+        if self.contact not in CONTACTS:
+            raise ValueError(
+                f"{self.name}: contact = {self.contact!r} is not one of {', '.join(CONTACTS)}"
+            )
         if not 0.0 <= self.friction < inf:
             raise ValueError(
                 f"{self.name}: friction = {self.friction:g} must be at least 0 and finite"
@@ -85,6 +98,13 @@ class Element:
         """Deflection at which the spring alone reaches the limit, m; 0 if it has none or never does."""
         free = self.spring.argument(self.limit) if self.limit < inf else 0.0
         return free if abs(free) < inf else 0.0
+
+    @property
+    def opening(self) -> float:
+        """Deflection beyond which there is a gap and no force, m; infinite if there never is."""
+        if not self.limit < inf or self.contact == "force":
+            return inf
+        return self.spring.argument(self.limit)
 
 
 def damper_family(

@@ -14,6 +14,7 @@ from functools import cache
 from .declared import (
     BODY_FORCE_TABLE,
     CONTACT,
+    CONTACT_RULE,
     GRAVITY,
     GROUND,
     LIFT_OFF,
@@ -85,6 +86,7 @@ _QUARTER_CAR = (
     *WHEEL,
     *SUSPENSION,
     LIFT_OFF,
+    CONTACT_RULE,
     GRAVITY,
     *_ROAD,
     *initial({"body": "the body", "wheel": "the wheel"}),
@@ -161,6 +163,7 @@ _HALF_CAR = (
     *_RIGID_BODY,
     *_both_axles((*WHEEL, *SUSPENSION)),
     LIFT_OFF,
+    CONTACT_RULE,
     GRAVITY,
     *_HALF_CAR_ROAD,
     *initial(

@@ -3,9 +3,9 @@
     python tests/reference/make_drawn.py [MODEL ...]
 
 makes `drawn/<MODEL>.json` anew (some minutes; needs numpy and scipy): 30 sets each, from rest, 41
-instants. Of a vehicle every set lifts every wheel off the road, meets both end stops and opens the
-damper's blow-off valve both ways, on every axle; every frame flows both ways. Sets in which something
-never acts are drawn again. The solutions are those of `vehicle_reference` and `frame_reference`.
+instants; contact is by gap in the even ones, by force in the odd ones. Of a vehicle every set lifts
+every wheel off the road, meets both end stops and opens the damper's blow-off valve both ways, on
+every axle; every frame flows both ways. Sets in which something never acts are drawn again. The solutions are those of `vehicle_reference` and `frame_reference`.
 """
 
 from __future__ import annotations
@@ -116,7 +116,12 @@ def instants(model: str) -> NDArray[np.float64]:
 def draw(model: str, number: int, attempt: int) -> Parameters:
     """A parameter set of a model."""
     random = Random(f"{model} {number} {attempt}")
-    return draw_frame(random) if model == "Elastoplastic" else draw_vehicle(model, random)
+    if model == "Elastoplastic":
+        return draw_frame(random)
+    found = draw_vehicle(model, random)
+    if vehicle_reference.MODELS[model][1]:
+        found["contact"] = ("gap", "force")[number % 2]
+    return found
 
 
 def solve(model: str, parameters: Parameters, times: NDArray[np.float64]) -> Any:

@@ -41,6 +41,7 @@ DEFAULTS: dict[str, Value] = {
     "rebound_stop.gap": 0.08,
     "rebound_stop.stiffness": 0.0,
     "lift_off": True,
+    "contact": "gap",
     "gravity": 9.80665,
     "road.shape": "bump",
     "road.height": 0.05,
@@ -155,6 +156,7 @@ class Law:
 
     Branch i lies between corners[i - 1] and corners[i]. For the tyre u is what its contact force
     would be; branch 0 is flight, branch 1 contact, and its forces stand in the equations of motion.
+    Its contact by gap, the deflection beyond the free length, is `TyreAcrossGap`.
     """
 
     element: str
@@ -166,6 +168,40 @@ class Law:
     def force(self, branch: int, u: float) -> float:
         c0, c1, c3 = self.coefficients[branch]
         return c0 + u * (c1 + u * u * c3)
+
+    def at(self, arguments: Mapping[str, float]) -> int:
+        """The branch at a state; on a corner the upper one."""
+        return int(np.searchsorted(self.corners, arguments[self.argument], side="right"))
+
+    def exits(self, branch: int) -> list[tuple[str, float, float, int]]:
+        """How a branch is left: argument, side (1 downwards), bound, and the branch entered."""
+        found = []
+        if branch > 0:
+            found.append((self.argument, 1.0, self.corners[branch - 1], branch - 1))
+        if branch < len(self.corners):
+            found.append((self.argument, -1.0, self.corners[branch], branch + 1))
+        return found
+
+
+@dataclass(frozen=True)
+class TyreAcrossGap(Law):
+    """The tyre that has no force across a gap: in flight above the road, or while it extends slowly.
+
+    Branch 0 is flight with a gap below, branch 1 flight at less than the free length, where spring and
+    damper together would pull, branch 2 contact.
+    """
+
+    def at(self, arguments: Mapping[str, float]) -> int:
+        if arguments["gap"] > 0.0:
+            return 0
+        return 2 if arguments["contact"] > 0.0 else 1
+
+    def exits(self, branch: int) -> list[tuple[str, float, float, int]]:
+        if branch == 0:
+            return [("gap", 1.0, 0.0, 2)]
+        if branch == 1:
+            return [("gap", -1.0, 0.0, 0), ("contact", -1.0, 0.0, 2)]
+        return [("contact", 1.0, 0.0, 1)]
 
 
 @dataclass(frozen=True)
@@ -311,7 +347,6 @@ def car_from(parameters: Parameters) -> Car:
     damper = _table("damper", "rate", p["damper.table"]) if p["damper.table"] else _damper(p)
     weight = (p["sprung_mass"] + p["unsprung_mass"]) * p["gravity"]
     may_leave = bool(p["lift_off"]) and weight > 0.0
-    nothing = (0.0, 0.0, 0.0)
     return Car(
         body=p["sprung_mass"],
         wheel=p["unsprung_mass"],
@@ -324,15 +359,21 @@ def car_from(parameters: Parameters) -> Car:
             _stop("bump_stop", -p["bump_stop.gap"], p["bump_stop.stiffness"]),
             _stop("rebound_stop", p["rebound_stop.gap"], p["rebound_stop.stiffness"]),
         ),
-        tyre=Law(
-            "tyre",
-            "contact",
-            (0.0,) if may_leave else (),
-            ("flight", "contact") if may_leave else ("contact",),
-            (nothing, nothing) if may_leave else (nothing,),
-        ),
+        tyre=_tyre(str(p["contact"]) if may_leave else ""),
         road=_road(p),
     )
+
+
+def _tyre(rule: str) -> Law:
+    """The tyre by its rule of contact, which is empty where it is held to the road."""
+    nothing = (0.0, 0.0, 0.0)
+    if rule == "gap":
+        return TyreAcrossGap("tyre", "contact", (), ("flight", "flight", "contact"), 3 * (nothing,))
+    if rule == "force":
+        return Law("tyre", "contact", (0.0,), ("flight", "contact"), 2 * (nothing,))
+    if rule:
+        raise ValueError(f"contact = {rule!r}: gap and force are known")
+    return Law("tyre", "contact", (), ("contact",), (nothing,))
 
 
 def stretches(car: Car, end: float) -> Iterable[tuple[float, float, RoadPiece]]:
@@ -352,14 +393,15 @@ def road_events(car: Car, end: float) -> list[Event]:
     ]
 
 
-def switch(t: float, law: Law, before: int, after: int) -> Event:
-    return Event(t, law.element, law.branches[before], law.branches[after])
+def switch(t: float, law: Law, before: int, after: int) -> list[Event]:
+    """The event of a branch entered; none between two that bear one name."""
+    names = law.branches[before], law.branches[after]
+    return [Event(t, law.element, *names)] if names[0] != names[1] else []
 
 
 def contact_jump(car: Car, t: float, before: list[int], after: list[int]) -> list[Event]:
     """At a joint only the contact force can jump, and only where the road's velocity does."""
-    changed = before and before[-1] != after[-1]
-    return [switch(t, car.tyre, before[-1], after[-1])] if changed else []
+    return switch(t, car.tyre, before[-1], after[-1]) if before else []
 
 
 def refuse_endless_switching(events: Sequence[Event], t: float) -> None:

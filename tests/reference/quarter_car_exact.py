@@ -39,6 +39,7 @@ def _exact_forms(car: Car) -> dict[str, Array]:
         "deflection": x1 - x2,
         "rate": v1 - v2,
         "contact": car.weight * one - bracket,
+        "gap": x2 - xi - car.weight / car.tyre_stiffness * one,
     }
 
 
@@ -64,22 +65,17 @@ def _exact_limits(car: Car, branch: Sequence[int]) -> tuple[Array, list[tuple[in
     form, one = _exact_forms(car), ONE[CONSTANT]
     rows, beyond = [], []
     for i, (law, b) in enumerate(zip(car.laws, branch, strict=True)):
-        if b > 0:
-            rows.append(form[law.argument] - law.corners[b - 1] * one)
-            beyond.append((i, b - 1))
-        if b < len(law.corners):
-            rows.append(law.corners[b] * one - form[law.argument])
-            beyond.append((i, b + 1))
+        for argument, side, corner, after in law.exits(b):
+            rows.append(side * (form[argument] - corner * one))
+            beyond.append((i, after))
     return np.array(rows).reshape(-1, 8) * UNIT, beyond
 
 
 def _exact_branch(car: Car, z: Array, omega: float) -> list[int]:
     """The branch of every law at z; on a corner the first derivative other than zero decides."""
     form = _exact_forms(car)
-    branch = [
-        int(np.searchsorted(law.corners, form[law.argument] * UNIT @ z, side="right"))
-        for law in car.laws
-    ]
+    arguments = {name: float(row * UNIT @ z) for name, row in form.items()}
+    branch = [law.at(arguments) for law in car.laws]
     A = _exact_matrix(car, branch, omega)
     for i, law in enumerate(car.laws):
         for j, corner in enumerate(law.corners):
@@ -160,7 +156,7 @@ def march(car: Car, times: Array) -> tuple[Array, list[Event]]:
             for instant, k in exits:
                 if instant == min(exits)[0]:
                     i, after = beyond[k]
-                    events.append(switch(t, car.laws[i], branch[i], after))
+                    events += switch(t, car.laws[i], branch[i], after)
                     branch[i] = after
     if times[-1] == t:
         rows[-1] = _exact_outputs(car, branch, A, z)

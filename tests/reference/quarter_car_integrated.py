@@ -28,6 +28,7 @@ def _arguments(car: Car, t: float, state: Array, piece: RoadPiece) -> dict[str, 
         "deflection": x1 - x2,
         "rate": v1 - v2,
         "contact": car.weight - car.tyre_stiffness * (x2 - xi) - car.tyre_damping * (v2 - xi_rate),
+        "gap": x2 - xi - car.weight / car.tyre_stiffness,
     }
 
 
@@ -88,19 +89,16 @@ def _exits(
         functions.append(room)
 
     for i, (law, b) in enumerate(zip(car.laws, branch, strict=True)):
-        if b > 0:
-            add(law.argument, 1.0, law.corners[b - 1])
-            beyond.append((i, b - 1))
-        if b < len(law.corners):
-            add(law.argument, -1.0, law.corners[b])
-            beyond.append((i, b + 1))
+        for argument, side, corner, after in law.exits(b):
+            add(argument, side, corner)
+            beyond.append((i, after))
     return functions, beyond
 
 
 def _integrated_branch(car: Car, t: float, state: Array, piece: RoadPiece) -> list[int]:
     """The branch of every law; for one on a corner, the side on which it is a moment later."""
     u = _arguments(car, t, state, piece)
-    branch = [int(np.searchsorted(law.corners, u[law.argument], side="right")) for law in car.laws]
+    branch = [law.at(u) for law in car.laws]
     scale = {"deflection": 1e-15, "rate": 1e-14, "contact": 1e-13 * (1.0 + car.weight)}
     later: dict[str, float] = {}
     for i, law in enumerate(car.laws):
@@ -154,7 +152,7 @@ def march(car: Car, times: Array) -> tuple[Array, list[Event]]:
             for k, found in enumerate(solution.t_events or ()):
                 if len(found) and found[-1] == reached:
                     i, after = beyond[k]
-                    events.append(switch(reached, car.laws[i], branch[i], after))
+                    events += switch(reached, car.laws[i], branch[i], after)
                     branch[i] = after
             t = reached
     if times[-1] == t:

@@ -4,6 +4,10 @@
     S = F(y) + Phi(y'),   y = x1 - x2
     T = c2 (x2 - xi) + k2 (x2' - xi') in contact, (M + m) g in flight     (AP57 eqs. 26 to 32)
 
+Contact ends where N = (M + m) g - T falls to zero. With `contact` = gap it begins where x2 - xi falls
+below x2st = (M + m) g / c2 or, while it is below, where N would become positive; with `force` where N
+would become positive, across a gap as well (eq. 28 for both ends).
+
 Between two switches (contact, damper corner, end stop, corner of a table, joint of the road) the
 right-hand side is smooth. Both references keep the branch of every element until its switch, locate
 the switch to rounding and start afresh from there:
@@ -71,6 +75,7 @@ HERE = Path(__file__).resolve().parent
 #: What is stored beside this file: parameters that differ from the defaults, s, number of instants.
 STORED: dict[str, tuple[dict[str, Value], float, int]] = {
     "ap57_lift_off": ({}, 1.0, 201),
+    "ap57_contact_by_force": ({"contact": "force"}, 1.0, 201),
     "ap57_no_lift_off": ({"lift_off": False}, 1.0, 201),
     "ap57_blow_off": ({"damper.table": BLOW_OFF_TABLE}, 2.0, 401),
 }

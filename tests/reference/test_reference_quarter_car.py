@@ -39,6 +39,8 @@ CARS: dict[str, dict[str, Any]] = {
     "stops and blow-off": STOPS,
     "obstacle": {**STOPS, "road.shape": "obstacle", "road.length": 0.6, "road.start": 0.013},
     "undamped tyre": {"tyre.damping": 0.0, "road.height": 0.08},
+    "contact by force": {"contact": "force"},
+    "contact by force, stops": {**STOPS, "contact": "force", "road.height": 0.08},
     "no gap, no rebound damping": {**STOPS, "bump_stop.gap": 0.0, "damper.rebound_rate": 0.0},
     "broken road": {"road.shape": "table", "road.table": "1:0, 2:0.03, 2.2:-0.1, 3:0"},
     "sine": {"road.shape": "sine", "road.height": 0.03, "road.length": 3.0},
@@ -98,6 +100,7 @@ ANY_CAR = st.fixed_dictionaries(
         "bump_stop.gap": st.floats(0.0, 0.05),
         "bump_stop.stiffness": st.just(1e5),
         "tyre.damping": st.sampled_from([0.0, 300.0]),
+        "contact": st.sampled_from(["gap", "force"]),
         "road.shape": st.sampled_from(["bump", "obstacle"]),
         "road.length": st.floats(0.4, 3.0),
         "speed": st.just(10.0),
@@ -129,28 +132,38 @@ def test_the_equations_of_the_paper_hold_in_its_own_units(may_leave: bool) -> No
     np.testing.assert_allclose(run.contact_force, KGF * (weight - tyre), rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("contact", ["gap", "force"])
 @pytest.mark.parametrize("way", ["exact", "integrated"])
-def test_switches_lie_where_their_conditions_vanish(way: str) -> None:
-    events = solve({}, [1.0], way).events
-    at = solve({}, sorted({event.time for event in events}), way)
+def test_switches_lie_where_their_conditions_vanish(way: str, contact: str) -> None:
+    events = solve({"contact": contact}, [1.0], way).events
+    at = solve({"contact": contact}, sorted({event.time for event in events}), way)
+    gap = 1e2 * at.wheel_displacement - bump_of_the_paper(at.times)[0] - 0.33 * 980.665 / 150.0
     rate = 1e2 * (at.body_velocity - at.wheel_velocity)
     would_be_contact = 0.33 * 980.665 - tyre_bracket_of_the_paper(at)
     for event in events:
         i = int(np.flatnonzero(at.times == event.time)[0])
         if event.element == "damper":
             assert abs(rate[i]) < 1e-11  # cm/s
+        elif event.element == "tyre" and event.after == "contact" and contact == "gap":
+            assert abs(gap[i]) < 1e-12  # cm
+            assert would_be_contact[i] > 100.0
         elif event.element == "tyre":
             assert abs(would_be_contact[i]) < 1e-10  # kgf
         else:
             assert (event.element, event.time) == ("road", 0.05)
 
 
-def test_each_contact_and_each_damper_branch_has_the_sign_it_is_named_for() -> None:
-    run = solve({}, np.linspace(0.0, 1.0, 2001))
+@pytest.mark.parametrize("contact", ["gap", "force"])
+def test_each_contact_and_each_damper_branch_has_the_sign_it_is_named_for(contact: str) -> None:
+    run = solve({"contact": contact}, np.linspace(0.0, 1.0, 2001))
     flying = airborne(run)
     assert (run.contact_force[~flying] > 0.0).all()
     assert (run.contact_force[flying] == 0.0).all()
-    assert (tyre_bracket_of_the_paper(run)[flying] > 0.33 * 980.665).all()
+    gap = 1e2 * run.wheel_displacement - bump_of_the_paper(run.times)[0] - 0.33 * 980.665 / 150.0
+    would_pull = tyre_bracket_of_the_paper(run) > 0.33 * 980.665
+    assert (would_pull | ((gap > 0.0) & (contact == "gap")))[flying].all()
+    if contact == "gap":
+        assert (gap[~flying] < 0.0).all()
     rate = run.body_velocity - run.wheel_velocity
     for before, after in pairwise(
         [(0.0, "bump"), *((e.time, e.after) for e in run.events if e.element == "damper")]
@@ -238,20 +251,32 @@ def test_the_worked_example_has_its_known_numbers() -> None:
     assert tyre_bracket_of_the_paper(held).max() / 150.0 == pytest.approx(4.82, abs=5e-3)
     assert held.contact_force.min() < 0.0
 
-    events = solve({}, [0.2])
+    force = {"contact": "force"}
+    events = solve(force, [0.2])
     (lift_off,), (touchdown,) = (
         events.instants("tyre", "flight"),
         events.instants("tyre", "contact"),
     )
     assert touchdown == pytest.approx(0.0656, abs=5e-5)
-    at = solve({}, [lift_off, touchdown])
+    at = solve(force, [lift_off, touchdown])
     elevation = bump_of_the_paper(at.times)[0] * 1e-2
     from_free_length = at.wheel_displacement - elevation - static_deflection
     energies = 0.5 * 15000.0 * KGF * from_free_length**2
     np.testing.assert_allclose(energies, [48.2, 6.5], atol=0.05)
     # the wheel passes x2st, where AP57's shortcut sees the touchdown, only later
-    around = solve({}, [0.07215, 0.0722]).wheel_displacement - static_deflection
+    around = solve(force, [0.07215, 0.0722]).wheel_displacement - static_deflection
     assert around[0] > 0.0 > around[1]
+
+    # by gap: the same lift-off, and contact where the road, level by then, is touched
+    by_gap = solve({}, [0.2])
+    assert by_gap.instants("tyre", "flight") == [lift_off]
+    (touchdown,) = by_gap.instants("tyre", "contact")
+    assert touchdown == pytest.approx(0.0719526, abs=5e-8)
+    around = solve({}, [touchdown - 1e-9, touchdown + 1e-9])
+    assert around.contact_force[0] == 0.0
+    assert around.contact_force[1] == pytest.approx(
+        -100.0 * KGF * around.wheel_velocity[1], rel=1e-5
+    )
 
 
 def test_blow_off_case_switches_seventeen_times() -> None:

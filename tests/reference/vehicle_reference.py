@@ -8,6 +8,9 @@ that of eqs. 33 to 39 or, on wheels, of eq. 1:
     m_i w_i'' = S_i - T_i,    T_i = c (w_i - xi_i) + k (w_i' - xi_i') on the road,
                               T_i = the static axle load in flight
 
+Contact ends where T_i reaches the static load; it begins where T_i falls below it again (`contact` is
+`force`) or, with `gap`, where besides c (w_i - xi_i) does, so that nothing acts across a gap.
+
 Every element keeps its branch (damper piece, stop, contact) until its switch; see `switched`. What
 each damper and tyre dissipates and what each road brings in is integrated along with the motion.
 
@@ -111,6 +114,7 @@ class Vehicle:
 
     def __init__(self, model: str, p: Mapping[str, Any]) -> None:
         axles, self.wheels = MODELS[model]
+        self.by_gap = p.get("contact") != "force"
         mass = p["sprung_mass"]
         if axles == 1:
             self.mobility = ((1.0 / mass,),)
@@ -193,6 +197,8 @@ class Vehicle:
             ]
             if self.wheels:
                 tyre = axle.tyre[0] * z + axle.tyre[1] * z_rate - axle.load
+                if self.by_gap and flight:
+                    tyre = np.maximum(tyre, axle.tyre[0] * z - axle.load)
                 found.append(tyre if flight else -tyre)
         return found
 

@@ -46,6 +46,7 @@ class Car:
     tyre_hard: float = 200e3  # beyond 15 mm of compression
     tyre_damping: float = 400.0
     height: float = 0.05
+    contact: str = "gap"
 
     @property
     def load(self) -> float:
@@ -77,7 +78,7 @@ class Car:
                 Element("bump_stop", strut, law.bump_stop(self.gap, self.stop)),
                 Element("friction", strut, friction=self.friction),
                 Element("tyre", (0.0, 0.0, 1.0), tyre, law.linear(self.tyre_damping), "road",
-                        limit=self.load),
+                        limit=self.load, contact=self.contact),
             ),
             signals={"road": roads.bump(self.height, 1.0, speed)},
             scales=3 * (self.height,),
@@ -99,12 +100,21 @@ class Reference:
         half = 0.5 * self.car.height
         return half * (1.0 - math.cos(omega * t)), half * omega * math.sin(omega * t)
 
+    def tyre_spring(self, t: float, y: np.ndarray) -> float:
+        c, d = self.car, y[2] - self.road(t)[0]
+        return c.tyre_soft * d + (c.tyre_hard - c.tyre_soft) * min(d + 0.015, 0.0)
+
     def tyre(self, t: float, y: np.ndarray) -> float:
-        c = self.car
-        level, rate = self.road(t)
-        d, w = y[2] - level, y[5] - rate
-        spring = c.tyre_soft * d + (c.tyre_hard - c.tyre_soft) * min(d + 0.015, 0.0)
-        return spring + c.tyre_damping * w
+        return self.tyre_spring(t, y) + self.car.tyre_damping * (y[5] - self.road(t)[1])
+
+    def contact(self, t: float, y: np.ndarray) -> float:
+        """What is left until contact ends, or begins."""
+        if not self.airborne:
+            return self.car.load - self.tyre(t, y)
+        pulled = self.tyre(t, y)
+        if self.car.contact == "gap":
+            pulled = max(pulled, self.tyre_spring(t, y))
+        return pulled - self.car.load
 
     def mount(self, y: np.ndarray) -> float:
         return self.car.mount * (y[0] - y[1] - y[6])
@@ -141,8 +151,7 @@ class Reference:
         """What ends the present branches when it becomes negative."""
         c = self.car
         back = c.mount * c.mount_hardens / (c.mount - c.mount_hardens)
-        away = -1.0 if self.airborne else 1.0
-        guards = [("contact", lambda t, y: away * (c.load - self.tyre(t, y)))]
+        guards = [("contact", self.contact)]
         if self.slip:
             guards.append(("friction", lambda t, y: self.slip * (y[4] - y[5])))
         else:
@@ -210,6 +219,10 @@ CARS = {
     "as declared": (Car(), 15.0),
     "low and stiff": (Car(gap=0.015, stop=8e5, height=0.04, friction=300.0), 8.0),
     "light and soft": (Car(body=150.0, wheel=20.0, mount_yields=400.0, most=400.0), 22.0),
+    "contact by force": (
+        Car(body=150.0, wheel=20.0, mount_yields=400.0, most=400.0, contact="force"),
+        22.0,
+    ),
 }
 
 

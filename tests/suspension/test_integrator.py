@@ -43,12 +43,14 @@ def error(parameters: dict[str, object], truth: reference.Reference, **options: 
     return float(np.abs(found - exact).max() / np.abs(exact).max())
 
 
-@pytest.fixture(scope="module", params=["ap57_lift_off", "ap57_no_lift_off", "stops"])
+@pytest.fixture(
+    scope="module",
+    params=["ap57_lift_off", "ap57_contact_by_force", "ap57_no_lift_off", "stops"],
+)
 def case(request: pytest.FixtureRequest) -> tuple[dict[str, object], reference.Reference]:
     if request.param == "stops":
         return STOPS, reference.solve(STOPS, np.linspace(0.0, 1.0, 101))
-    parameters = {"lift_off": request.param == "ap57_lift_off"}
-    return parameters, reference.stored(request.param)
+    return dict(reference.STORED[request.param][0]), reference.stored(request.param)
 
 
 def test_default_settings_are_within_a_millionth_of_the_peak(
@@ -102,9 +104,13 @@ def test_a_smooth_nonlinear_spring_keeps_every_order(method: str) -> None:
         assert slope == pytest.approx(2.0, abs=0.15)
 
 
-def test_switches_are_located_to_rounding() -> None:
-    truth = reference.stored("ap57_lift_off")
-    system = build("QuarterCar", {})
+@pytest.mark.parametrize(
+    ("case", "rule", "touchdown"),
+    [("ap57_lift_off", "gap", 0.0719526), ("ap57_contact_by_force", "force", 0.0656006)],
+)
+def test_switches_are_located_to_rounding(case: str, rule: str, touchdown: float) -> None:
+    truth = reference.stored(case)
+    system = build("QuarterCar", {"contact": rule})
     _, integrator = motion(system, truth.times, tolerance=1e-12)
     tyre = system.element("tyre")
     found = {
@@ -114,6 +120,8 @@ def test_switches_are_located_to_rounding() -> None:
     }
     assert found["contact1"] == pytest.approx(truth.instants("tyre", "flight")[0], abs=1e-12)
     assert found["contact0"] == pytest.approx(truth.instants("tyre", "contact")[0], abs=1e-12)
+    assert found["contact1"] == pytest.approx(0.0306625, abs=5e-8)
+    assert found["contact0"] == pytest.approx(touchdown, abs=5e-8)
 
 
 def test_every_switch_of_the_reference_is_found_in_order() -> None:

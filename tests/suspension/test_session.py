@@ -67,7 +67,7 @@ def test_contact_is_counted_by_located_instants() -> None:
     assert session.value("airborne") is False
     assert session.value("lift_off_count") == 1
     assert session.value("last_lift_off") == pytest.approx(0.0306624689, abs=1e-9)
-    assert session.value("last_touchdown") == pytest.approx(0.0656005836, abs=1e-9)
+    assert session.value("last_touchdown") == pytest.approx(0.0719525917, abs=1e-9)
     assert [text.split(" at ")[0] for _, text in session.messages] == ["lift-off", "touchdown"]
 
 

@@ -26,5 +26,7 @@ cdef class Crossing:
                    x=double, rest=double, slope=double, value=double, new=double, i=int,
                    _iteration=int)
     cdef double _single_root(self, int at, int m) noexcept nogil
+    @cython.locals(c="double *", i=int, k=int)
+    cdef double value(self, double x, int degree) noexcept nogil
     @cython.locals(b="double *", i=int)
     cdef void extent(self, int degree) noexcept nogil

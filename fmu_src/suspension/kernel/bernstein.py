@@ -179,6 +179,16 @@ class Crossing:
             x = new
         return x
 
+    def value(self, x, degree):
+        """The polynomial at a fraction x of the step (de Casteljau)."""
+        c = self.casteljau
+        for i in range(degree + 1):
+            c[i] = self.bezier[i]
+        for k in range(degree):
+            for i in range(degree - k):
+                c[i] += x * (c[i + 1] - c[i])
+        return c[0]
+
     def extent(self, degree):
         """Smallest and largest coefficient, into `low` and `high`."""
         b = self.bezier

@@ -48,6 +48,7 @@ class Elements(Laws):
         elements = self.elements
         self.yields, self.modulated = integers([0] * elements), integers([0] * elements)
         self.friction, self.limit, self.free_length, self.free_energy = vectors(4, elements)
+        self.opening = doubles([0.0] * elements)  # deflection beyond which there is a gap
         self.initial_set, self.spring_rate = vectors(2, elements)
         self.branch, self.departing = (
             integers([0] * _KINDS * elements),
@@ -107,7 +108,8 @@ class Elements(Laws):
             self.yields[e] = x[at + 5] != 0.0
             self.initial_set[e] = x[at + 6]
             self.spring_rate[e] = x[at + 7]
-            at += 8
+            self.opening[e] = x[at + 8]
+            at += 9
         self.list_switchable()
         return at
 
@@ -342,7 +344,7 @@ class Elements(Laws):
             self.branch[at + _MODULATION] = self.piece_at(_LAWS * e + _MODULATION, d)
             if self.limit[e] < 1e300:
                 force = self.law(self.piece_now(e, _SPRING), d) + self.damper_force(e)
-                off = 1 if force > self.limit[e] else 0
+                off = 1 if force > self.limit[e] or d > self.opening[e] else 0
                 self.branch[at + _CONTACT] = off
             if self.friction[e] > 0.0:
                 self._follow_slip(e, w)
@@ -539,4 +541,5 @@ def element_numbers(element):
         1.0 if yields else 0.0,
         element.permanent_set,
         element.spring.tangent(0.0) if yields else 0.0,
+        element.opening,
     ]

@@ -411,9 +411,10 @@ class Integrator(March):
         """The whole state as bytes, from which `restore` continues to the bit."""
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         head = pack(
-            "<12d3q", self.time, d.start, d.end, self.grid_start, self.proposal,
+            "<14d6q", self.time, d.start, d.end, self.grid_start, self.proposal,
             net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
-            ledger.initial_energy, ledger.supplied, self.grid_index, self.step_count, self.in_step,
+            ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
+            self.grid_index, self.step_count, self.in_step, self.entered, self.stalled, self.overruns,
         )  # fmt: skip
         return head + b"".join(bytes(part) for part in self._parts())
 
@@ -426,14 +427,15 @@ class Integrator(March):
         """
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         parts = self._parts()
-        at = 8 * 15
+        at = 8 * 20
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
             raise ValueError("this state belongs to another system")
         (
             self.time, d.start, d.end, self.grid_start, self.proposal,
             net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
-            ledger.initial_energy, ledger.supplied, self.grid_index, self.step_count, self.in_step,
-        ) = unpack_from("<12d3q", state)  # fmt: skip
+            ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
+            self.grid_index, self.step_count, self.in_step, entered, self.stalled, self.overruns,
+        ) = unpack_from("<14d6q", state)  # fmt: skip
         for part in parts:
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]
@@ -447,6 +449,7 @@ class Integrator(March):
         derived = [s.a, s.j, s.multiplier, s.multiplier_rate]
         kept = [bytes(part) for part in derived]
         self._enter_branches()
+        self.entered = entered
         for part, content in zip(derived, kept, strict=True):
             memoryview(part).cast("B")[:] = content
 

@@ -131,7 +131,8 @@ def pieces_of(element):
 def law_numbers(element):
     """The pieces of the laws of an element, one after the other.
 
-    Of a spring with what is stored up to each piece; a force over a rate stores nothing.
+    Of a spring with what is stored up to each piece, of what modulates with its integral; a force
+    over a rate stores nothing.
     """
     if element.yield_force < 1e300:
         numbers = _flow_pieces(element)
@@ -140,7 +141,10 @@ def law_numbers(element):
     return [
         *numbers,
         *_numbers(element.damper, repeat(0.0)),
-        *_numbers(element.modulation, repeat(0.0)),
+        *_numbers(
+            element.modulation,
+            element.modulation.potentials if element.is_modulated else repeat(0.0),
+        ),
     ]
 
 

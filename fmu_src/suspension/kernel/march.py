@@ -340,7 +340,7 @@ class March:
                         return status
                     continue
                 h = self.landed
-                landed = not self.switches.recedes
+                landed = not (self.switches.recedes or self.switches.only_opens)
                 self.switches.start_known = 0  # of the shortened step
                 to_end = to_end and self.time + h >= end
             break
@@ -467,15 +467,16 @@ class March:
         Under error control with two or three columns the state there is read, in a linear branch, off
         the septic through the ends of the attempt, which is right to their order; otherwise the step
         is made again, and may then not reach the bound: long steps are less right than short ones.
-        Such a step counts, but ends on no switch.
+        Such a step counts, but ends on no switch; nor does one cut short because a gap opens in it.
         """
         step = self.switches.at * h
         reads = self.reads_switches and self.stepper.affine
         if reads:
             self._keep_attempt(h)
         status = self._end_at(step, reads)
+        self.switches.recedes = False
         best = 1e300
-        for _iteration in range(8):
+        for _iteration in range(0 if self.switches.only_opens else 8):
             if status != 0:
                 return status
             late = self.switches.lateness(self.time + step)

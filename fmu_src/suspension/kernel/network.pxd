@@ -3,7 +3,7 @@ from libc.math cimport sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
-cdef int _DAMPER, _MODULATION, _LAWS, _PIECE
+cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE
 
 @cython.final
 cdef class Network(Elements):
@@ -23,10 +23,16 @@ cdef class Network(Elements):
 
     @cython.locals(s=int, jumped=int, jump=double)
     cdef int enter_segments(self, double t, double[::1] v) noexcept nogil
-    @cython.locals(n=int, r=int, i=int, e=int, law=int, p=int, c=double)
+    @cython.locals(i=int, e=int, r=int, law=int, p=int)
     cdef void kerb(self, int signal, double jump, double[::1] v) noexcept nogil
-    @cython.locals(n=int, r=int, i=int)
+    @cython.locals(i=int, e=int, r=int, c=double)
     cdef void impulse(self, int signal, double jump, double[::1] v) noexcept nogil
+    @cython.locals(i=int, r=int, way=double, near=double)
+    cdef void _push(self, int e, double c, double d, double jump) noexcept nogil
+    @cython.locals(law=int)
+    cdef double _work_of_factor(self, int e, double d) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _give_way(self, double[::1] v) noexcept nogil
     @cython.locals(n=int, i=int, k=int, r=int, bi=double, bb=double)
     cdef void assemble(self, double[::1] stiffness, double[::1] damping) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, p=double)

@@ -21,7 +21,7 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_DAMPER, _MODULATION = 1, 2  # as in elements
+_DAMPER, _MODULATION, _CONTACT, _KINDS = 1, 2, 3, 5  # as in elements
 _LAWS, _PIECE = 3, 9  # as in laws
 
 
@@ -120,8 +120,7 @@ class Network(Elements):
         c is the slope that a damper ends with on that side; where the road falls away, what cannot
         pull does nothing.
         """
-        n = self.n
-        for i in range(n):
+        for i in range(self.n):
             self.scratch[i] = 0.0
         for e in range(self.elements):
             r = self.element_row[e]
@@ -129,25 +128,52 @@ class Network(Elements):
                 continue
             law = _LAWS * e + _DAMPER
             p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
-            c = self.piece[p * _PIECE + 3]
-            if self.modulated[e]:
-                c *= self.law(self.piece_now(e, _MODULATION), self.row_d[r])
-            for i in range(n):
-                self.scratch[i] += self.row_direction[r * n + i] * c * jump
-        solve(self.mass_factor, 0, n, self.scratch)
-        for i in range(n):
-            v[i] += self.scratch[i]
+            self._push(e, self.piece[p * _PIECE + 3], self.row_d[r], jump)
+        self._give_way(v)
 
     def impulse(self, signal, jump, v):
-        """A small jump between samples of a road acts through its dampers: v += M^-1 b c jump."""
-        n = self.n
-        for r in range(self.rows):
-            if self.row_signal[r] == signal:
-                for i in range(n):
-                    self.scratch[i] = self.row_direction[r * n + i] * self.row_c[r] * jump
-                solve(self.mass_factor, 0, n, self.scratch)
-                for i in range(n):
-                    v[i] += self.scratch[i]
+        """A small jump between samples of a road acts through its dampers: v += M^-1 sum b c jump.
+
+        The road has jumped already; c are the slopes of the dampers as they are.
+        """
+        for i in range(self.n):
+            self.scratch[i] = 0.0
+        for e in range(self.elements):
+            r = self.element_row[e]
+            if self.row_signal[r] == signal and not self.branch[_KINDS * e + _CONTACT]:
+                c = self.law_slope(self.piece_now(e, _DAMPER), self.row_v[r])
+                self._push(e, c, self.row_d[r] + jump, jump)
+        self._give_way(v)
+
+    def _push(self, e, c, d, jump):
+        """Add b c jump of element e, at deflection d before, to `scratch`.
+
+        Of a road that rises under a gap only what is left when the gap has closed acts; of what
+        modulates a damper, the mean over the way.
+        """
+        r = self.element_row[e]
+        way = jump
+        near = d
+        if jump > 0.0 and d > self.opening[e]:
+            near = self.opening[e]
+            way -= d - near
+            if way <= 0.0:
+                return
+        if self.modulated[e]:
+            way = self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
+        for i in range(self.n):
+            self.scratch[i] += self.row_direction[r * self.n + i] * c * way
+
+    def _work_of_factor(self, e, d):
+        """The integral from 0 to d of what modulates the damper of element e."""
+        law = _LAWS * e + _MODULATION
+        return self.potential(self.first[law] + self.piece_at(law, d), d)
+
+    def _give_way(self, v):
+        """v += M^-1 of the impulses in `scratch`."""
+        solve(self.mass_factor, 0, self.n, self.scratch)
+        for i in range(self.n):
+            v[i] += self.scratch[i]
 
     # -- forces and tangents in the present branches -------------------------------------------------
 
@@ -309,9 +335,14 @@ class Network(Elements):
         self.all_signals(t)
         self.row_states(q, v)
         self.row_forces()
-        self.accelerate(a)
         for e in range(self.elements):
             forces[e] = self.element_force(e)
+            if forces[e] > self.limit[e] and self.friction[e] == 0.0:
+                # what cannot pull does not, be it by the error of what is read between two steps
+                self.row_f[self.element_row[e]] -= forces[e] - self.limit[e]
+                forces[e] = self.limit[e]
+        self.accelerate(a)
+        for e in range(self.elements):
             if self.yields[e]:
                 sets[e] = self.permanent_set(e, self.row_d[self.element_row[e]])
         for p in range(self.stuck):

@@ -13,15 +13,16 @@ cdef class Switches:
     cdef Network net
     cdef Crossing crossing
     cdef int watched, element, kind, side
-    cdef bint roads_known, start_known, recedes
+    cdef bint roads_known, start_known, recedes, across, only_opens
     cdef double at, miss
     cdef int[::1] watched_element, watched_kind
     cdef double[::1] low, high, row, road
     cdef double[::1] contact_f, contact_k, contact_c
+    cdef int[::1] contact_straight
 
     @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil
-    @cython.locals(ps=int, pd=int, factor=double)
+    @cython.locals(ps=int, pd=int, pm=int, factor=double)
     cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(k=int, r=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
@@ -42,6 +43,12 @@ cdef class Switches:
     @cython.locals(k=double, c=double)
     cdef void _contact_force(self, int e, int at) noexcept nogil
     @cython.locals(e=int, kind=int, departing=bint, at=double)
-    cdef void _search(self, int k, int side, double bound, int degree) noexcept nogil
-    @cython.locals(e=int, kind=int, at=int, i=int, order=int, value=double, rate=double, over=double)
+    cdef void _search(self, int k, int side, double bound, int degree, double h) noexcept nogil
+    cdef void _keep(self, int k, double at, int side) noexcept nogil
+    @cython.locals(at=int)
+    cdef bint _is_open(self, int e) noexcept nogil
+    @cython.locals(e=int, bound=double, departing=bint, at=double)
+    cdef void _search_gap(self, int k, double h) noexcept nogil
+    @cython.locals(e=int, kind=int, at=int, order=int, value=double, rate=double, bound=double,
+                   over=double)
     cdef double lateness(self, double t) noexcept nogil

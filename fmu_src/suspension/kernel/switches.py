@@ -1,8 +1,9 @@
 """Which element leaves its branch first within an attempted step, and when.
 
 Watched is whatever has a bound in the present branches: a deflection or a rate that may reach a
-corner, the force of a tyre that may leave the road, the force that sticking takes. Each is a
-polynomial through its value and derivatives at both ends of the step.
+corner, the force of a tyre that may leave the road or press on it again, the gap below a tyre in
+flight, the force that sticking takes. Each is a polynomial through its value and derivatives at both
+ends of the step.
 """
 
 from __future__ import annotations
@@ -42,8 +43,12 @@ class Switches:
         self.roads_known = 0
         self.start_known = 0
         self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
+        self.contact_straight = integers([0] * self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
+        self.across = False  # whether what was found is the end of a gap
+        # whether nothing was found but where a gap has opened: it is watched from there on
+        self.only_opens = False
         self.recedes = False
 
     def enter_branches(self):
@@ -68,11 +73,15 @@ class Switches:
                 self.watched += 1
 
     def _note_contact(self, e):
-        """Force at rest, stiffness and damping of a tyre while its pieces are straight."""
+        """Force at rest, stiffness and damping of a tyre, if its pieces are straight."""
         ps, pd = self.net.piece_now(e, _SPRING), self.net.piece_now(e, _DAMPER)
+        self.contact_straight[e] = self.net.straight[ps] and self.net.straight[pd]
         factor = 1.0
         if self.net.modulated[e]:
-            factor = self.net.law(self.net.piece_now(e, _MODULATION), 0.0)
+            pm = self.net.piece_now(e, _MODULATION)
+            factor = self.net.law(pm, 0.0)
+            if not self.net.straight[pm] or self.net.law_slope(pm, 0.0) != 0.0:
+                self.contact_straight[e] = 0
         self.contact_k[e] = self.net.law_slope(ps, 0.0)
         self.contact_c[e] = self.net.law_slope(pd, 0.0) * factor
         self.contact_f[e] = self.net.intercept(ps) + self.net.intercept(pd) * factor
@@ -92,12 +101,15 @@ class Switches:
         for k in range(self.watched):
             if self.watched_kind[k] == _SPRING and self._stays_far(k, h):
                 continue
+            if self.watched_kind[k] == _CONTACT and self._is_open(self.watched_element[k]):
+                self._search_gap(k, h)
+                continue
             degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
             self.crossing.extent(degree)
             if self.crossing.low < self.low[k]:
-                self._search(k, -1, self.low[k], degree)
+                self._search(k, -1, self.low[k], degree, h)
             if self.crossing.high > self.high[k]:
-                self._search(k, 1, self.high[k], degree)
+                self._search(k, 1, self.high[k], degree, h)
         return self.at
 
     def carry_on(self):
@@ -205,8 +217,8 @@ class Switches:
         return 5
 
     def _contact_force(self, e, at):
-        """As `unlimited_force`; in a linear branch by its few numbers."""
-        if not self.stepper.affine:
+        """As `unlimited_force`; by few numbers where all pieces are straight."""
+        if not self.contact_straight[e]:
             self.net.unlimited_force(e, self.row, at)
             return
         k, c = self.contact_k[e], self.contact_c[e]
@@ -214,7 +226,7 @@ class Switches:
         self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
         self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
-    def _search(self, k, side, bound, degree):
+    def _search(self, k, side, bound, degree, h):
         """Keep the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
         departing = self.net.departing[_KINDS * e + kind] == side or (
@@ -225,10 +237,36 @@ class Switches:
         )
         at = self.crossing.exit(bound, side, degree, departing)
         if at < self.at:
-            self.at = at
-            self.element = e
-            self.kind = kind
-            self.side = side
+            self._keep(k, at, side)
+            if kind == _CONTACT and side < 0:
+                # it presses again, unless it has left the road by more than its length until then
+                self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
+                self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
+
+    def _keep(self, k, at, side):
+        self.at = at
+        self.element = self.watched_element[k]
+        self.kind = self.watched_kind[k]
+        self.side = side
+        self.across = self.only_opens = False
+
+    def _is_open(self, e):
+        """Whether there is a gap below a tyre where the attempt starts."""
+        at = 8 * self.net.element_row[e]
+        return self.net.branch[_KINDS * e + _CONTACT] != 0 and self.row[at] > self.net.opening[e]
+
+    def _search_gap(self, k, h):
+        """Keep the instant at which a gap closes, if it is the earliest."""
+        e = self.watched_element[k]
+        bound = self.net.opening[e]
+        self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
+        self.crossing.extent(7)
+        if self.crossing.low < bound:
+            departing = self.net.departing[_KINDS * e + _CONTACT] == -1
+            at = self.crossing.exit(bound, -1, 7, departing)
+            if at < self.at:
+                self._keep(k, at, -1)
+                self.across = True
 
     def lateness(self, t):
         """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell.
@@ -241,7 +279,10 @@ class Switches:
         if not self.stepper.loads_hold:
             self._read_end(t)
         self._read_row(self.net.element_row[e], 1)
-        if kind == _CONTACT:
+        bound = self.net.bound(e, kind, self.side)
+        if self.across:
+            value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.opening[e]
+        elif kind == _CONTACT:
             self.net.unlimited_force(e, self.row, at + 4)
             value, rate = self.net.force0, self.net.force1
         elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
@@ -249,7 +290,7 @@ class Switches:
         else:
             order = 1 if kind in (_DAMPER, _FRICTION) else 0
             value, rate = self.row[at + 4 + order], self.row[at + 5 + order]
-        over = value - self.net.bound(e, kind, self.side)
+        over = value - bound
         self.miss = fabs(over)
         self.recedes = over * self.side < 0.0 and rate * self.side < 0.0
         return over / rate if rate != 0.0 else 0.0
