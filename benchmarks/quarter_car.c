@@ -1,5 +1,5 @@
-/* The quarter car of AP57 section 8 with blow-off and lift-off, hard-coded: linear acceleration with
-   Newton's iteration to the equilibrium at the end of each fixed step (H83 15.12, 15.13).
+/* The quarter car of AP57 section 8 with blow-off and lift-off (contact by force), hard-coded: linear
+   acceleration with Newton's iteration to the equilibrium at the end of each fixed step (H83 15.12, 15.13).
    What a step of the general integrator is measured against. */
 
 #include <math.h>

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import cases
@@ -19,7 +20,11 @@ def test_c_and_plain_floats_take_the_same_steps(tmp_path: Path) -> None:
 
 
 def test_they_are_the_steps_of_the_integrator() -> None:
-    integrator = Integrator(PROBLEMS["lift_off"]().system, "equilibrium", STEP, landing=False)
+    system = PROBLEMS["lift_off"]().system
+    # contact by force, which needs no event: the tyre's force is cut off in every iteration
+    elements = tuple(replace(element, contact="force") for element in system.elements)
+    system = replace(system, elements=elements)
+    integrator = Integrator(system, "equilibrium", STEP, landing=False)
     assert integrator.advance(STEPS * STEP) == 0
     body, wheel = hard_coded.run(STEPS, STEP)
     integrator.sample(STEPS * STEP)

@@ -309,7 +309,7 @@ def _motion(system: System) -> Iterator[str]:
         w = sum(map(mul, element.direction, v)) - road[1]
         energy += abs(element.spring.potential(d))
         own = element.damper.force(w) * element.modulation.force(d) + element.spring.force(d)
-        own = min(own, element.limit)
+        own = element.limit if d > element.opening else min(own, element.limit)
         plain = element.yield_force == inf and element.friction == 0.0
         if plain and abs(own - found) > 1e-9 * (abs(own) + abs(found)):
             yield f"{element.name}: the integrator has {found:g} N where its own laws give {own:g} N"

@@ -179,7 +179,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
         for e, b, share in acting:
             d, w = b * x, b * v
             force = e.spring.force(d) + e.damper.force(w) * e.modulation.force(d)
-            total += share * min(force, e.limit)
+            total += share * (e.limit if d > e.opening else min(force, e.limit))
         return total
 
     laws = [(_over(e.spring), _over(e.damper), _over(e.modulation)) for e, _, _ in acting]

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     Vector = npt.NDArray[np.float64]
 
 _ELASTIC = 1  # the middle one of the three pieces of an element that yields
+# Of an element with a limit: in contact; out of it though no longer than its free length; across a gap.
+_TOUCHES, _HANGS, _GAP = 0, 1, 2
 _TURNS = 100  # switches at one instant
 
 
@@ -58,7 +60,7 @@ class Branches:
         self.spring = [0] * len(elements)
         self.damper = [0] * len(elements)
         self.modulation = [0] * len(elements)
-        self.limited = [False] * len(elements)
+        self.limited = [_TOUCHES] * len(elements)
         self.slip = [0] * len(elements)  # -1, 1, or 0 where friction sticks
         self.permanent_set = [element.permanent_set for element in elements]
         self.events: list[tuple[float, str, str]] = []
@@ -125,12 +127,17 @@ class Branches:
 
     def _impulse(self, i: int, jump: float, t: float, y: Vector) -> None:
         element, n = self.system.elements[i], self.equations.n
-        if not self.limited[i]:
-            d, w = self.deflection(i, t, y)
-            slope = element.damper.pieces[self.damper[i]].tangent(w)
-            slope *= element.modulation.force(d)
+        d, _ = self.deflection(i, t, y)
+        if jump > 0.0 and d + jump > element.opening:  # a gap: what is left of the jump acts
+            jump = element.opening - d
+        elif self.limited[i]:
+            return
+        if jump > 0.0 or not element.limit < inf:
+            # a ramp without length is passed at a rate without bound
+            slope = element.damper.pieces[0 if jump > 0.0 else -1].coefficients[1]
+            way = element.modulation.potential(d + jump) - element.modulation.potential(d)
             for k, push in enumerate(self.equations.spread(element.direction)):
-                y[n + k] += push * slope * jump
+                y[n + k] += push * slope * way
 
     # -- branches ----------------------------------------------------------------------------------
 
@@ -143,7 +150,9 @@ class Branches:
             self.damper[i] = bisect_right(element.damper.corners, w)
             self.modulation[i] = bisect_right(element.modulation.corners, d)
             force = element.spring.force(d) + element.modulation.force(d) * element.damper.force(w)
-            self.limited[i] = force > element.limit
+            self.limited[i] = _HANGS if force > element.limit else _TOUCHES
+            if d > element.opening:
+                self.limited[i] = _GAP
             if element.friction > 0.0 and (self.slip[i] != 0 or abs(w) > 1e-12):
                 self.slip[i] = int(w > 0.0) - int(w < 0.0)
 
@@ -213,13 +222,16 @@ class Branches:
         elif kind == "modulation":
             self.modulation[i] += side
         elif kind == "contact":
-            self.limited[i] = side > 0
+            self.limited[i] = _HANGS if side > 0 else _TOUCHES
+        elif kind == "gap":
+            self.limited[i] = _GAP if side > 0 else _TOUCHES
         elif kind == "friction":
             self.slip[i] = 0
             self._stop(i, t, y)
         else:
             self.slip[i] = side
-        self.events.append((t, element.name, kind))
+        if kind != "gap" or side < 0:  # a gap that opens changes nothing yet
+            self.events.append((t, element.name, "contact" if kind == "gap" else kind))
         self._write_element(i)
         if kind in ("friction", "multiplier"):
             self._write_sticking()
@@ -314,9 +326,12 @@ class Branches:
         element = self.system.elements[i]
         yields = element.yield_force < inf
         if guard.kind == "contact":
-            if self.limited[i] == (side < 0):
-                return element.limit * (1.0 + side * LATE)
-            return None
+            ends = self.limited[i] == (_TOUCHES if side > 0 else _HANGS)
+            return element.limit * (1.0 + side * LATE) if ends else None
+        if guard.kind == "gap":
+            ends = self.limited[i] == (_HANGS if side > 0 else _GAP)
+            # the force jumps where a gap closes: to rounding; where it opens nothing changes
+            return element.opening + (LATE if side > 0 else 0.0) if ends else None
         if guard.kind == "friction":
             return side * LATE if self.slip[i] == -side else None
         if guard.kind == "multiplier":

@@ -39,7 +39,7 @@ class Guard:
     """One side of one branch: `kind` of variable of `element` below (-1) or above (+1) its bound."""
 
     element: int
-    kind: str  # spring, damper, modulation, contact, friction, multiplier
+    kind: str  # spring, damper, modulation, contact, gap, friction, multiplier
     side: int
 
 
@@ -107,6 +107,7 @@ class Equations:
                 "damper": len(element.damper.pieces) > 1 or yields,
                 "modulation": len(element.modulation.pieces) > 1,
                 "contact": element.limit < inf,
+                "gap": element.opening < inf,
                 "friction": element.friction > 0.0,
                 "multiplier": element.friction > 0.0,
             }
@@ -125,7 +126,7 @@ class Equations:
         if choosing:
             return rhs
         values = {"spring": "d{}", "modulation": "d{}", "damper": "w{}", "friction": "w{}",
-                  "contact": "free{}", "multiplier": "stick{}"}  # fmt: skip
+                  "contact": "free{}", "gap": "d{}", "multiplier": "stick{}"}  # fmt: skip
         tests = []
         for k, guard in enumerate(self.guards):
             row = self._row(self.system.elements[guard.element])
@@ -169,7 +170,10 @@ class Equations:
                 damper = f"({factor}) * ({damper})"
             force = " + ".join(text for text in (spring, damper) if text != "0.0") or "0.0"
             if i in self.contacts and choosing:
-                yield f"f{i} = min({force}, {element.limit!r})"
+                limited = f"min({force}, {element.limit!r})"
+                if element.opening < inf:
+                    limited = f"{element.limit!r} if d{r} > {element.opening!r} else {limited}"
+                yield f"f{i} = {limited}"
             elif i in self.contacts:
                 at = self.contacts[i]
                 yield f"free{i} = {force}"

@@ -5,7 +5,8 @@
 makes `drawn/<MODEL>.json` anew (some minutes; needs numpy and scipy): 30 sets each, from rest, 41
 instants; contact is by gap in the even ones, by force in the odd ones. Of a vehicle every set lifts
 every wheel off the road, meets both end stops and opens the damper's blow-off valve both ways, on
-every axle; every frame flows both ways. Sets in which something never acts are drawn again. The solutions are those of `vehicle_reference` and `frame_reference`.
+every axle; every frame flows both ways. Sets in which something never acts are drawn again. The
+solutions are those of `vehicle_reference` and `frame_reference`.
 """
 
 from __future__ import annotations

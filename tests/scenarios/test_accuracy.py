@@ -163,7 +163,8 @@ def test_methods_of_the_project_converge_on_the_truth(bench: Workbench) -> None:
 
 
 def test_a_construction_is_read_at_the_wanted_instants() -> None:
-    problem = of_model("car", "", "non-smooth", "QuarterCar", {}, 0.1, 20)
+    by_force = {"contact": "force"}
+    problem = of_model("car", "", "non-smooth", "QuarterCar", by_force, 0.1, 20)
     bench = Workbench(problem, truth(problem))
     coarse, fine = (own.drawn("delta", bench, step)() for step in (2.5e-3, 6.25e-4))
     peak = np.abs(bench.true).max()

@@ -89,7 +89,7 @@ def test_every_model_is_constructed_on_any_road(model, road):
     ids=lambda laws: next(iter(laws)),
 )
 def test_every_law_is_drawn(laws):
-    parameters = parameters_of("QuarterCar", laws)
+    parameters = parameters_of("QuarterCar", {**laws, "contact": "force"})
     drawing = constructed("QuarterCar", parameters, {**SETTINGS, "step": 5e-4}, 0.2)
     assert [f.event for f in drawing if f.event] == ["lift_off", "touchdown"]
     names = MODELS["QuarterCar"]

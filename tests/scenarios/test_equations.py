@@ -114,7 +114,7 @@ def acceleration(system: System, t: float, y: np.ndarray) -> np.ndarray:
         u, du = system.signals[element.road].derivatives(t)[:2] if element.road else (0.0, 0.0)
         d, v = b @ y[:n] - u, b @ y[n:] - du
         force = element.spring.force(d) + element.modulation.force(d) * element.damper.force(v)
-        total -= b * min(force, element.limit)
+        total -= b * (element.limit if d > element.opening else min(force, element.limit))
     return np.linalg.solve(np.array(system.mass), total)
 
 

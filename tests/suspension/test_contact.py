@@ -26,7 +26,11 @@ TYRES = {
     "smooth": law.monotone_table(HARD),
     "cubic": law.cubic(100e3, 3e7),
 }
-LOSSES = {"plain": law.linear(1000.0), "none": law.linear(0.0), "blow-off": law.damper(4e3, 1e3, 300.0)}
+LOSSES = {
+    "plain": law.linear(1000.0),
+    "none": law.linear(0.0),
+    "blow-off": law.damper(4e3, 1e3, 300.0),
+}
 
 
 def car(road: roads.Signal, contact: str, tyre: str = "straight", loss: str = "plain") -> System:
@@ -70,7 +74,9 @@ def test_the_rule_holds_at_every_instant(
     d, w, force = rows(integrator, instants, road).T
     spring, damper = TYRES[tyre], LOSSES[loss]
     free = car(road, contact, tyre, loss).elements[1].free_length
-    pressed = np.array([LOAD - spring.force(x) - damper.force(v) for x, v in zip(d, w, strict=True)])
+    pressed = np.array(
+        [LOAD - spring.force(x) - damper.force(v) for x, v in zip(d, w, strict=True)]
+    )
     expected = np.maximum(pressed, 0.0)
     if contact == "gap":
         expected[d > free] = 0.0
@@ -80,7 +86,9 @@ def test_the_rule_holds_at_every_instant(
     near = np.abs(instants[:, None] - np.array(switches)).min(axis=1) < 1e-9
     slack = 30.0 * tolerance * np.abs(pressed).max()
     # within an error of a switch either side may count
-    unsure = near | (np.abs(pressed) < slack) | (np.abs(d - free) < 10.0 * tolerance * np.abs(d).max())
+    unsure = (
+        near | (np.abs(pressed) < slack) | (np.abs(d - free) < 10.0 * tolerance * np.abs(d).max())
+    )
     assert unsure.mean() < 0.2
     np.testing.assert_allclose(force[~unsure], expected[~unsure], rtol=1e-9, atol=1e-6)
     if contact == "gap":
@@ -97,7 +105,7 @@ def test_contact_switches_turn_by_turn_and_the_ledger_closes(tyre: str, contact:
     switches = [(t, after) for t, e, kind, _, after in integrator.log if e == 1 and kind == 3]
     assert len(switches) >= 10
     assert all(b[0] > a[0] and b[1] != a[1] for a, b in pairwise(switches))
-    kinetic, stored, lost, brought_in = integrator.energies()
+    kinetic, _stored, lost, brought_in = integrator.energies()
     turned_over = kinetic + sum(lost) + sum(map(abs, brought_in))
     assert abs(integrator.residual_end) < 1e-7 * turned_over
 
@@ -112,11 +120,11 @@ def test_two_quarter_cars_are_a_half_car(loss: str, contact: str) -> None:
     shared = {"contact": contact, "road.height": 0.08, "solver.tolerance": 1e-9}
     whole = Session(
         "HalfCar",
-        {**half, **shared, "sprung_mass": 2 * BODY, "cg_to_front": 1.2, "cg_to_rear": 1.2,
-         "pitch_radius_of_gyration": 1.2},
+        {**half, **shared, "sprung_mass": 2 * BODY, "cg_to_front": 2.0, "cg_to_rear": 2.0,
+         "pitch_radius_of_gyration": 2.0},
     )  # fmt: skip
     quarter = Session("QuarterCar", {**axle, **shared, "sprung_mass": BODY})
-    for t in np.linspace(0.01, 0.11, 11):  # before the rear axle meets the bump
+    for t in np.linspace(0.01, 0.19, 19):  # before the rear axle meets the bump
         whole.advance(t)
         quarter.advance(t)
         for name in ("wheel_displacement", "contact_force"):
@@ -135,7 +143,7 @@ def launched(contact: str, road: roads.Signal, up: float = 0.03) -> Integrator:
     return integrator
 
 
-@pytest.mark.parametrize("jump", [0.01, 0.0299])
+@pytest.mark.parametrize("jump", [0.01, 0.02])
 def test_a_kerb_under_a_flying_wheel_does_nothing_until_it_touches(jump: float) -> None:
     """By gap: the wheel falls as if there were no kerb, and meets it where its top is."""
     kerb = roads.step(jump, 0.01)
@@ -149,7 +157,9 @@ def test_a_kerb_under_a_flying_wheel_does_nothing_until_it_touches(jump: float) 
 
 
 @pytest.mark.parametrize("contact", ["gap", "force"])
-@pytest.mark.parametrize(("jump", "up"), [(0.02, -0.005), (0.05, 0.03), (0.02, 0.03), (-0.02, -0.01)])
+@pytest.mark.parametrize(
+    ("jump", "up"), [(0.02, -0.005), (0.05, 0.03), (0.02, 0.03), (-0.02, -0.01)]
+)
 def test_a_kerb_is_the_limit_of_ever_shorter_ramps(jump: float, up: float, contact: str) -> None:
     """In contact, through a gap, within a gap, and downwards."""
     ends = []
@@ -171,7 +181,10 @@ def test_a_kerb_is_the_limit_of_ever_shorter_ramps(jump: float, up: float, conta
 
 @pytest.mark.parametrize("contact", ["gap", "force"])
 def test_a_sampled_kerb_under_a_flying_wheel(contact: str) -> None:
-    """A jump of the input road acts through the tyre's damper only where the tyre touches."""
+    """A jump of the input road acts through the tyre's damper only where the tyre touches.
+
+    By force it touches wherever the road comes up fast enough.
+    """
     parameters = {"road.shape": "input", "contact": contact, "initial.wheel_displacement": 0.06,
                   "initial.body_displacement": 0.06}  # fmt: skip
     session = Session("QuarterCar", parameters)
@@ -180,15 +193,15 @@ def test_a_sampled_kerb_under_a_flying_wheel(contact: str) -> None:
     session.set_input("road_elevation", 0.01)
     session.advance(0.00100001)
     kicked = abs(session.value("wheel_velocity") - before) > 1e-3
-    assert not kicked
-    assert session.value("contact_force") == 0.0
+    assert kicked == (contact == "force")
+    assert (session.value("contact_force") > 0.0) == (contact == "force")
 
 
 @pytest.mark.parametrize("rule", ["", "Gap", "both"])
 def test_an_unknown_rule_is_refused(rule: str) -> None:
-    with pytest.raises(ValueError, match="contact = .* gap, force"):
+    with pytest.raises(ValueError, match=r"contact = .* gap, force"):
         Element("tyre", (1.0,), contact=rule)
-    with pytest.raises(ValueError, match="contact = .* gap, force"):
+    with pytest.raises(ValueError, match=r"contact = .* gap, force"):
         build("QuarterCar", {"contact": rule})
 
 

@@ -169,7 +169,9 @@ def test_a_half_car_without_coupling_mass_is_two_separate_cars(
     times = np.linspace(0.0, 0.5, 11)
     together = motion(build(half, p), times, tolerance=1e-10)
     shared = {
-        name: x for name, x in p.items() if name.startswith("road.") or name in ("speed", "gravity")
+        name: x
+        for name, x in p.items()
+        if name.startswith("road.") or name in ("speed", "gravity", "contact")
     }
     for i, (axle, arm, late) in enumerate(
         (("front", "cg_to_rear", 0.0), ("rear", "cg_to_front", base / p["speed"]))
