@@ -12,7 +12,7 @@ from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
 
-from .energies import energies
+from .. import draw
 
 if TYPE_CHECKING:
     import numpy as np
@@ -68,7 +68,7 @@ def content(
     views = tuple(shown.get("views") or recording.VIEWS)
     rows = recording.thinned(columns, _MOST_ROWS)
     if "energies" in views and model in MODELS and not live:
-        rows = {**rows, **energies(model, parameters, rows["time"])}
+        rows = {**rows, **draw.energies.energies(model, parameters, rows["time"])}
     detail = shown.get("recording")
     pairs = tuple(map(tuple, shown.get("planes") or default_pairs(units)))
     return recording.Content(

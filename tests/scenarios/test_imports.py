@@ -62,7 +62,7 @@ USED: dict[tuple[str, ...], set[str]] = {
     ("run", "ap57", *BARE[:2]): {*RUN, *RECORDED},
     ("run", "van_der_pol", *BARE): {*SCENE, ENGINE, "scipy"},
     ("replay", "ap57", "--figure", "planes.png"): {*SCENE, *PLANES},
-    ("replay", "ap57", "--save", "planes.rrd"): {*SCENE, *RECORDED},
+    ("replay", "ap57", "--save", "planes.rrd"): {*SCENE, ENGINE, *RECORDED},
     ("portrait", "van_der_pol"): PORTRAIT,
     ("portrait", "van_der_pol", "--figure", "portrait.png"): {*PORTRAIT, *DRAWN},
     ("sweep", "speed_bump", "--workers", "1"): SWEEP,

@@ -1,0 +1,1 @@
+from . import energies as energies
