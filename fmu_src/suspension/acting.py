@@ -72,6 +72,7 @@ CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
     "tyre.stiffness": (Without(("tyre.table",)),),
     "tyre.interpolation": (Given(("tyre.table",)),),
     "lift_off": (Given(("gravity",)),),
+    "contact": (Given(("lift_off",)),),
     "road.height": (_shapes(*_HUMPS, "step", "sweep"),),
     "road.length": (_shapes(*_HUMPS),),
     "road.ramp_length": (_shapes(*_WITH_EDGES),),
