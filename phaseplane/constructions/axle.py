@@ -60,6 +60,8 @@ class Axle:
     static_load : what the tyre bears at rest, N
     road : xi(t), m
     lift_off : whether the wheel may leave the road
+    contact : when it touches it: `gap`, nowhere beyond the tyre's free length, or `force`, wherever
+        spring and damper of the tyre together press, across a gap as well (AP57 eq. 28 for U and V)
     place : on the sheet
     prefix : of the names of its readings
     foot : the letter of the foot of the normals in the suspension's plane
@@ -74,6 +76,7 @@ class Axle:
     static_load: float
     road: Signal
     lift_off: bool
+    contact: str
     place: Place
     prefix: str = ""
     foot: str = "D"
@@ -97,6 +100,11 @@ class Axle:
     def static_tyre_deflection(self) -> float:
         """x2st, the bracket in flight, m (AP57 eq. 27)."""
         return self.static_load / self.tyre.rate
+
+    @cached_property
+    def free_length(self) -> float:
+        """Deflection of the tyre when it bears nothing, m: x2st of a linear one."""
+        return self.tyre.spring.argument(self.static_load)
 
     @cached_property
     def lines(self) -> Lines:
@@ -172,10 +180,18 @@ class Axle:
         return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
 
     def jolted(self, flies: bool, states: States, time: float) -> States:
-        """A kerb pushes the wheel through the tyre's damper, which does not pull if it can leave."""
+        """A kerb pushes the wheel through the tyre's damper, which does not pull if it can leave.
+
+        Of a kerb below a gap only that part does which is left when the gap has closed.
+        """
         height, kink = self.jumps.at(time)
-        idle = flies or not height or (self.lift_off and height < 0.0)
-        push = 0.0 if idle else self.tyre.damping_rate(-height) * height / self.unsprung_mass
+        way = height
+        if self.lift_off:
+            way = max(height, 0.0)
+            if self.contact == "gap" and way > 0.0:
+                way = max(0.0, way - max(0.0, self.gap(states[1], time) + height))
+        rate = self.tyre.damping_rate(-height) if way else 0.0
+        push = rate * way / self.unsprung_mass
         one = self.suspension.state(0.0, -push) - self.suspension.state(0.0, 0.0)
         moved = (0.0, push) if self.linear_tyre else (-height, push - kink)
         two = self.wheel.state(*moved) - self.wheel.state(0.0, 0.0)
@@ -229,13 +245,25 @@ class Axle:
 
     # Lift-off U and touchdown V.
 
+    def gap(self, p2: complex, time: float) -> float:
+        """How far the unloaded tyre is above the road, m: x2 - xi - x2st."""
+        deflection = self.wheel.displacement(p2)
+        if self.linear_tyre:
+            deflection -= self.road.value(time)
+        return deflection - self.free_length
+
     def clearance(self, p2: complex, time: float) -> float:
-        """B2Q2 / b - x2st, m: negative in contact, zero at U and V (AP57 eq. 28)."""
+        """What is negative in contact and positive in flight, m.
+
+        B2Q2 / b - x2st (AP57 eq. 28); with contact by gap, the gap where that is larger: contact ends
+        where either becomes positive, and begins where neither is any more.
+        """
         q, _, foot = self.wheel.raised(p2)
         bracket = -self.place.sense * (q - foot).real / self.place.scales[1]
         if self.linear_tyre:
             bracket -= self.excitation(Window(time))
-        return bracket - self.static_tyre_deflection
+        force = bracket - self.static_tyre_deflection
+        return force if self.contact == "force" else max(force, self.gap(p2, time))
 
     # What is read off.
 

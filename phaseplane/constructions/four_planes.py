@@ -34,6 +34,7 @@ from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
     Strut,
+    check_contact,
     check_number,
     check_positive,
 )
@@ -88,7 +89,9 @@ class AxleData:
         if not all(map(isfinite, self.initial)):
             raise ValueError(f"initial = {self.initial}: must be four finite numbers")
 
-    def drawn(self, compliance: float, place: Place, prefix: str, *, lift_off: bool) -> Axle:
+    def drawn(
+        self, compliance: float, place: Place, prefix: str, *, lift_off: bool, contact: str
+    ) -> Axle:
         """The axle with its two planes on the sheet."""
         return Axle(
             strut=Strut(self.spring, self.damper),
@@ -99,6 +102,7 @@ class AxleData:
             static_load=self.static_load,
             road=self.road,
             lift_off=lift_off and self.static_load > 0.0,
+            contact=contact,
             place=place,
             prefix=prefix,
             foot="H",
@@ -114,6 +118,7 @@ class HalfCarPlanes(Construction):
     front_mass, rear_mass, coupling_mass : M1, M2 and M3 of the body, kg; M3 of either sign
     front, rear : the axles
     lift_off : whether wheels may leave the road
+    contact : when their tyres touch it, `gap` or `force`; see `QuarterCarPlanes`
     plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
     plane_distance : l, from one y axis to the next, m of paper
     protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below all planes
@@ -130,6 +135,7 @@ class HalfCarPlanes(Construction):
     front: AxleData
     rear: AxleData
     lift_off: bool = True
+    contact: str = "gap"
     plane_scales: tuple[float, float] = (1.0, 2.5)
     plane_distance: float = 0.25
     protractor_at: complex | None = None
@@ -139,6 +145,7 @@ class HalfCarPlanes(Construction):
     def __post_init__(self) -> None:
         """Check what was given."""
         check_positive(self, ("plane_distance",))
+        check_contact(self.contact)
         for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
             check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
         _ = self.masses, self.axles
@@ -160,7 +167,7 @@ class HalfCarPlanes(Construction):
             ("21", "22"), self.plane_scales, (-l, -2.0 * l), sense=sense, lines=("I2", "II2")
         )
         one, two = (
-            data.drawn(own, place, f"{axle}_", lift_off=self.lift_off)
+            data.drawn(own, place, f"{axle}_", lift_off=self.lift_off, contact=self.contact)
             for data, own, place, axle in zip(
                 (self.front, self.rear), self.masses.compliances, (front, rear), AXLES, strict=True
             )
@@ -238,7 +245,7 @@ class HalfCarPlanes(Construction):
     # Lift-off and touchdown of either wheel.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """Each wheel is in flight where its tyre would have to pull, if it may leave the road."""
+        """Each wheel is in flight where the rule of contact says so, if it may leave the road."""
         front, rear = (
             axle.lift_off and (axle.clearance(p, time) > 0.0 if airborne is None else airborne[i])
             for i, (axle, p) in enumerate(zip(self.axles, states[1::2], strict=True))
@@ -246,7 +253,7 @@ class HalfCarPlanes(Construction):
         return _MODE_OF[front, rear]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """For each axle what the bracket is away from that at rest, on its present side, m."""
+        """For each axle what its clearance is away from zero, on its present side, m."""
         if not self.lift_off:
             return ()
         return tuple(

@@ -9,6 +9,7 @@ from math import inf, isfinite
 
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Segment, Signal, constant
+from phaseplane.suspension.systems import CONTACTS
 
 _ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are none
 
@@ -83,6 +84,17 @@ def check_number(name: str, value: float, least: float = -inf, *, exclusive: boo
     if not isfinite(value) or value < least or (exclusive and value == least):
         relation = "greater than" if exclusive else "at least"
         raise ValueError(f"{name} = {value!r}: must be finite and {relation} {least:g}")
+
+
+def check_contact(rule: str) -> None:
+    """Refuse a rule of contact that is not known.
+
+    Raises
+    ------
+    ValueError : neither `gap` nor `force`.
+    """
+    if rule not in CONTACTS:
+        raise ValueError(f"contact = {rule!r}: must be one of {', '.join(CONTACTS)}")
 
 
 def check_positive(owner: object, names: Sequence[str]) -> None:

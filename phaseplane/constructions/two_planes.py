@@ -29,6 +29,7 @@ from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
     Strut,
+    check_contact,
     check_finite,
     check_number,
     check_positive,
@@ -53,6 +54,8 @@ class QuarterCarPlanes(Construction):
     road : xi(t), m; where it jumps, the tyre's damper pushes the wheel
     gravity : m/s^2
     lift_off : whether the wheel may leave the road; AP57's figure 13 is drawn without
+    contact : when its tyre touches the road: `gap`, nowhere beyond its free length, or `force`, wherever
+        its spring and damper together press (AP57 eq. 28 for U and V)
     plane_scales : paper per displacement in plane 1 and plane 2 (a : 1 and b : 1)
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
     plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
@@ -89,12 +92,14 @@ class QuarterCarPlanes(Construction):
     protractor_at: complex | None = None
     auxiliary_levels: tuple[float, ...] = ()
     tyre: Strut | None = None
+    contact: str = "gap"
 
     title: ClassVar[str] = "Quarter car in two phase planes"
 
     def __post_init__(self) -> None:
         """Check what was given."""
         check_positive(self, ("sprung_mass", "unsprung_mass", "plane_distance"))
+        check_contact(self.contact)
         if self.tyre is None:
             check_positive(self, ("tyre_stiffness",))
         elif self.tyre_stiffness or self.tyre_damping:
@@ -121,6 +126,7 @@ class QuarterCarPlanes(Construction):
             static_load=(self.sprung_mass + self.unsprung_mass) * self.gravity,
             road=self.road,
             lift_off=self.lift_off,
+            contact=self.contact,
             place=Place(
                 ("1", "2"), self.plane_scales, (0.0, -self.plane_distance), self.plane_offset
             ),
@@ -202,14 +208,14 @@ class QuarterCarPlanes(Construction):
     # Lift-off U and touchdown V.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """In flight where the tyre would have to pull, if it may leave the road at all."""
+        """In flight where the rule of contact says so, if the wheel may leave the road at all."""
         if not self.lift_off:
             return CONTACT
         flies = self.axle.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
         return FLIGHT if flies else CONTACT
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """What B2Q2 / b is away from x2st, on the side where the mode goes on, m."""
+        """What the clearance is away from zero, on the side where the mode goes on, m."""
         if not self.lift_off:
             return ()
         clearance = self.axle.clearance(states[1], time)

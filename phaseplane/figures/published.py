@@ -106,7 +106,8 @@ def figure12(
 def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     """Where the wheel leaves the road, U, and where it comes back, V (AP57 figure 9).
 
-    B2Q2 is b x2st long in both points (AP57 eq. 28).
+    B2Q2 is b x2st long in U, and with contact by force in V as well (AP57 eq. 28). With contact by gap
+    V lies where the unloaded tyre meets the road, x2 - xi = x2st.
 
     Raises
     ------
@@ -135,9 +136,15 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     for frame, row in zip(shown, (2.6, 4.6), strict=False):
         p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has come to B0
         sheet.lines("foot", [[p, q]])
+        sheet.dots("foot", [q])
+        if frame.event == TOUCHDOWN and _has_closed(frame, b):
+            road = wheel.displacement.at(frame.readings["road_elevation"])
+            dimensions.below(sheet, road, q, r"$b\,x_{2st}$", row)
+            letters.append((q, typeset("Q2"), sheet.colour("foot")))
+            continue
         sheet.lines("construction", [[p, a], [a, foot]])
         sheet.lines("excitation", [[foot, b]])
-        sheet.dots("foot", [q, a, foot])
+        sheet.dots("foot", [a, foot])
         sheet.dots("excitation", [b])
         dimensions.below(sheet, b, q, r"$b\,x_{2st}$", row)
         for z, label, role in (
@@ -152,6 +159,12 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     )
     sheet.finish(title, f"Off the road from U on and back in V: {times}")
     return sheet.figure
+
+
+def _has_closed(frame: Frame, b0: complex) -> bool:
+    """Whether a flight has ended where the gap has closed, and not where B2 has come to B0."""
+    b2 = frame.points.get("B2")
+    return b2 is not None and abs(b2 - b0) > 1e-9
 
 
 def figure13(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:

@@ -126,6 +126,7 @@ def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> C
         road=system.signals[axle.road],
         gravity=axle.static_load / (body + wheel),
         lift_off=_may_leave(system, axle),
+        contact=_element(system, axle.tyre).contact,
         initial_deflection=q[0] - q[1],
         initial_deflection_rate=v[0] - v[1],
         initial_wheel_displacement=q[1],
@@ -179,6 +180,7 @@ def _half_car(system: System, settings: Mapping[str, Any], start: Start) -> Cons
         front,
         rear,
         lift_off=any(_may_leave(system, axle) for axle in system.axles),
+        contact=_element(system, system.axles[0].tyre).contact,
         **_sheet(settings),
     )
 

@@ -131,4 +131,4 @@ class Construction(Strict):
     plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] | None = None
     """paper over displacement in the planes of struts and of wheels; if left out, its own"""
     shortcut: bool = False
-    """whether AP57's shortcut for touchdown, x2 = x2st, is drawn as well"""
+    """whether AP57's shortcut for touchdown, x2 = x2st, is drawn as well (contact by force)"""

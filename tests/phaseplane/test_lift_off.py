@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
+from phaseplane.suspension.session import Session
 from worked_example import C2, KGF, STEP, M, ap57, by_scipy, column, m
 
 from phaseplane.constructions import (
@@ -23,6 +24,8 @@ from phaseplane.constructions import (
 )
 from phaseplane.constructions.switching import _end_of
 
+BY_FORCE = ap57(contact="force")
+
 
 @pytest.fixture(scope="module")
 def lift_off_and_touchdown() -> tuple[float, float]:
@@ -35,7 +38,7 @@ def test_lift_off_and_touchdown_converge(lift_off_and_touchdown):
     lift_off, touchdown = lift_off_and_touchdown
     assert 1e3 * touchdown == pytest.approx(65.6, abs=0.05)
     for step in (STEP, STEP / 2, STEP / 4, STEP / 8):
-        found = {f.event: f.time for f in frames(ap57(), step=step, duration=0.15) if f.event}
+        found = {f.event: f.time for f in frames(BY_FORCE, step=step, duration=0.15) if f.event}
         assert list(found) == ["lift_off", "touchdown"]
         assert abs(found["lift_off"] - lift_off) < 7.0 * step**2
         assert abs(found["touchdown"] - touchdown) < 7.0 * step**2
@@ -44,7 +47,7 @@ def test_lift_off_and_touchdown_converge(lift_off_and_touchdown):
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_steps_end_on_u_and_v(rule):
     """There B2Q2 = b x2st (AP57 eq. 28), so that B2 and B0 are one point."""
-    car = ap57(plane_scales=(0.7, 3.1), plane_offset=0.03)
+    car = ap57(plane_scales=(0.7, 3.1), plane_offset=0.03, contact="force")
     drawing = march(car, rule, step=STEP, duration=0.15)
     events = [frame for frame in drawing if frame.event]
     assert [f.event for f in events] == ["lift_off", "touchdown"]
@@ -168,14 +171,85 @@ def test_a_spike_of_the_road_within_one_step_is_found():
     assert long == fine
 
 
+# Contact by gap.
+
+
+def test_touchdown_by_gap_is_where_the_unloaded_tyre_meets_the_road():
+    """In the worked example at 71.9526 ms by DOP853; lift-off as by force, where N = 0."""
+    for step in (STEP, STEP / 2, STEP / 4, STEP / 8):
+        found = {f.event: f.time for f in frames(ap57(), step=step, duration=0.15) if f.event}
+        by_force = {f.event: f.time for f in frames(BY_FORCE, step=step, duration=0.15) if f.event}
+        assert found["lift_off"] == by_force["lift_off"]
+        assert abs(found["touchdown"] - 0.0719526) < 7.0 * step**2
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+def test_at_v_the_tyre_has_its_free_length_and_its_damper_presses_at_once(rule):
+    car = ap57()
+    drawing = march(car, rule, step=STEP, duration=0.15)
+    lift_off, touchdown = (frame for frame in drawing if frame.event)
+    assert abs(lift_off.readings["contact_force"]) < 1e-9
+    read = touchdown.readings
+    assert read["wheel_displacement"] == pytest.approx(car.static_tyre_deflection, abs=1e-12)
+    assert read["contact_force"] == pytest.approx(-100.0 * KGF * read["wheel_velocity"], rel=1e-9)
+    assert read["contact_force"] > 1000.0
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+def test_no_force_pulls_and_by_gap_none_acts_across_a_gap(contact):
+    car = ap57(contact=contact, road=roads.sine(0.06, 1.5, 20.0))
+    across = 0.0
+    for frame in march(car, step=STEP / 4, duration=0.6):
+        read, state = frame.readings, frame.points["P2"]
+        gap = car.axle.gap(state, frame.time)
+        assert read["contact_force"] > -1e-9
+        if gap > 1e-9:
+            across = max(across, read["contact_force"])
+    assert (across == 0.0) == (contact == "gap")
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+@pytest.mark.parametrize("height", [0.004, 0.012, 0.03])
+def test_a_kerb_met_in_flight_is_that_of_the_run(contact, height):
+    """By gap the two lower ones, which leave a gap, do nothing; of the highest one the rest acts."""
+    up, at = 0.04, 0.01
+    car = ap57(
+        contact=contact, road=roads.step(height, at), initial_wheel_displacement=up,
+        damper=damper(200.0 * KGF, 50.0 * KGF),
+    )  # fmt: skip
+    drawing = march(car, step=STEP / 8, duration=0.15)
+    before, jolt = next((f, g) for f, g in pairwise(drawing.frames) if g.time == at)
+    gap = car.axle.gap(before.points["P2'"], 0.0)
+    push = (jolt.points["P2"] - before.points["P2'"]).imag
+    assert 0.012 < gap < 0.03
+    assert (push == 0.0) == (contact == "gap" and height < gap)
+    parameters = {
+        "contact": contact, "road.shape": "step", "road.height": height, "road.start": at,
+        "initial.body_displacement": up, "initial.wheel_displacement": up,
+    }  # fmt: skip
+    run = Session("QuarterCar", parameters)
+    run.advance(0.15)
+    ended = drawing.end.readings
+    for name in ("body_displacement", "wheel_displacement"):
+        assert ended[name] == pytest.approx(run.value(name), abs=1e-4)
+    last = [f.time for f in drawing if f.event == "touchdown"]
+    if last:
+        assert last[-1] == pytest.approx(run.value("last_touchdown"), abs=2e-5)
+
+
+def test_an_unknown_rule_of_contact_is_refused():
+    with pytest.raises(ValueError, match="contact = 'touch': must be one of gap, force"):
+        ap57(contact="touch")
+
+
 # AP57's shortcut for touchdown.
 
 
 def test_the_shortcut_ends_the_flight_later():
     """Where x2 = x2st: in the worked example at 71.9526 ms by DOP853; V itself is at 65.6 ms."""
     for step, tolerance in ((STEP, 2e-5), (STEP / 8, 1e-6)):
-        drawing = march(ap57(), step=step, duration=0.15)
-        (flight,) = shortcut_flights(ap57(), drawing.frames, step=step)
+        drawing = march(BY_FORCE, step=step, duration=0.15)
+        (flight,) = shortcut_flights(BY_FORCE, drawing.frames, step=step)
         last = flight[-1]
         assert last.time + last.duration == pytest.approx(0.0719526, abs=tolerance)
         height = ap57().axle.wheel.displacement(last.points["P2'"])
@@ -185,7 +259,7 @@ def test_the_shortcut_ends_the_flight_later():
 
 
 def test_the_shortcut_is_drawn_beside_the_march_and_changes_nothing():
-    car = ap57()
+    car = BY_FORCE
     drawing = march(car, step=STEP, duration=0.15)
     drawn = with_shortcuts(drawing, car)
     assert drawn.frames == drawing.frames
