@@ -1,7 +1,7 @@
 """The command line `phaseplane`.
 
-Each command lies in a module that is imported when the command is called, or its own help is asked
-for; the list of commands is told from the table here.
+Each command is in a module that is imported only when the command or its help is called. The list
+of commands comes from the table below.
 """
 
 from __future__ import annotations
@@ -14,30 +14,20 @@ from .commands.console import Commands, Entry
 
 COMMANDS = {
     "run": Entry("run.run", "Run SCENE: a case (see `list`), a scene file, or any .fmu file."),
-    "sweep": Entry("sweeping.sweep", "Run a scene many times, as SWEEP says."),
-    "replay": Entry(
-        "replay.replay", "Draw the construction of a SCENE, or over the RESULTS of a run."
-    ),
-    "portrait": Entry(
-        "modelling.portrait", "Show the phase portrait of SCENE: equilibria, cycles, sections."
-    ),
-    "list": Entry(
-        "listing.list_cases", "List the scenes and the sweeps that come with the package."
-    ),
-    "new": Entry("new.new", "Write a scene to begin with, its choices explained."),
+    "sweep": Entry("sweeping.sweep", "Run a scene many times, varied as in SWEEP."),
+    "replay": Entry("replay.replay", "Draw the construction of a SCENE or of a run's RESULTS."),
+    "portrait": Entry("modelling.portrait", "Draw the phase portrait of SCENE."),
+    "list": Entry("listing.list_cases", "List the scenes and sweeps in the package."),
+    "new": Entry("new.new", "Write a commented scene to start from."),
     "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),
-    "show": Entry("results.show", "Show what is in RESULTS: the folder of a run, or a table."),
+    "show": Entry("results.show", "Summarise RESULTS: a run's folder or a table."),
     "compare": Entry("results.compare", "Compare the results A and B column by column."),
-    "serve": Entry("viewing.serve", "Show all recordings of a folder on a page, until Ctrl-C."),
-    "build": Entry("build.build", "Pack FMUs: the MODELs named, or all."),
-    "ladder": Entry(
-        "modelling.ladder", "Find the smallest model that serves SCENE, by running them all."
-    ),
-    "accuracy": Entry(
-        "studies.accuracy", "Compare error with run time, on SCENEs or the package's problems."
-    ),
-    "rules": Entry("studies.rules", "Compare the construction's step rules with the exact motion."),
-    "stability": Entry("studies.stability", "Find where steps grow, in theory and in runs."),
+    "serve": Entry("viewing.serve", "Show the recordings in a folder on a web page."),
+    "build": Entry("build.build", "Pack FMUs: the given MODELs, or all."),
+    "ladder": Entry("modelling.ladder", "Find the smallest model that is accurate for SCENE."),
+    "accuracy": Entry("studies.accuracy", "Measure error against run time."),
+    "rules": Entry("studies.rules", "Compare the step rules with the exact motion."),
+    "stability": Entry("studies.stability", "Find unstable steps, in theory and in runs."),
 }
 
 

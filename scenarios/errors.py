@@ -1,4 +1,4 @@
-"""What can go wrong in a way that is told in one line."""
+"""Errors that are reported in one line, and the checks of file names."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class SceneError(InputError):
 
 
 class DrawingError(InputError):
-    """A construction that cannot be drawn as its settings want."""
+    """A construction that cannot be drawn with its settings."""
 
 
 class FolderError(InputError):
@@ -26,18 +26,18 @@ class FolderError(InputError):
 
 
 class RunError(RuntimeError):
-    """A run that could not begin: the FMU was not built, not loaded or not initialised."""
+    """A run that could not start: its FMU could not be built, loaded or initialised."""
 
 
 def one_line(text: object, limit: int = 400) -> str:
-    """A message as one printable line of bounded length."""
+    """Return a message as one printable line of bounded length."""
     words = " ".join(str(text).split())
     line = "".join(c if c.isprintable() else repr(c)[1:-1] for c in words)
     return line if len(line) <= limit else f"{line[: limit - 3]}..."
 
 
 def shown(value: object, limit: int = 80) -> str:
-    """A value as it is quoted in a message."""
+    """Return a value as it is quoted in a message."""
     try:
         text = repr(value)
     except ValueError:  # an integer with too many digits to print
@@ -46,11 +46,11 @@ def shown(value: object, limit: int = 80) -> str:
 
 
 def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
-    """Refuse the name of a picture before anything is computed.
+    """Reject a picture's file name before anything is computed.
 
     Raises
     ------
-    InputError : another ending, or a folder that does not exist.
+    InputError : if its ending is not allowed, or its folder does not exist.
     """
     if path.suffix not in allowed:
         raise InputError(one_line(f"--figure {path}: must end in {', '.join(allowed)}"))
@@ -59,11 +59,11 @@ def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:
 
 
 def check_recording(path: Path | None) -> None:
-    """Refuse the name of a recording before anything is computed.
+    """Reject a recording's file name before anything is computed.
 
     Raises
     ------
-    InputError : it does not end in .rrd, or its folder does not exist.
+    InputError : if it does not end in .rrd, or its folder does not exist.
     """
     if path is None:
         return

@@ -1,1 +1,1 @@
-"""The commands of `phaseplane`, a module for each group; what they do stands elsewhere."""
+"""The commands of `phaseplane`, one module for each group; the work is done in the other folders."""

@@ -1,4 +1,4 @@
-"""`phaseplane build`: FMUs packed."""
+"""`phaseplane build`: pack FMUs."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ from .console import json_option
 @click.option("--ssp", is_flag=True, help="Also pack each vehicle on its road as an SSP system.")
 @json_option
 def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
-    """Pack FMUs: the MODELs named, or all.
+    """Pack FMUs: the given MODELs, or all.
 
-    A reference result is written beside each.
+    Write a reference result beside each FMU.
     """
     files = [str(path) for path in build_models(models, output, ssp)]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
 
 
 def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list[Path]:
-    """Pack the FMUs of the models named, or of all, each with a reference result beside it.
+    """Pack the FMUs of the given models, or of all, each with a reference result beside it.
 
     Parameters
     ----------
-    ssp : whether each vehicle is packed on its road as a system, too
+    ssp : whether to pack each vehicle on its road as an SSP system too
 
     Raises
     ------
-    InputError : no such model, or a folder that cannot be written to.
-    RunError : an FMU could not be packed.
+    InputError : if there is no such model, or the folder cannot be written to.
+    RunError : if an FMU could not be packed.
     """
     try:
         refuse_unknown(models, SCRIPTS, "there is no FMU of")

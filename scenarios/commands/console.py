@@ -1,4 +1,4 @@
-"""What all commands share: how they end, how they complain, their common options and the progress bar."""
+"""Exit statuses, error messages, common options and the progress bar of all commands."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ _GARBAGE = (
 
 
 class _PipeClosedError(Exception):
-    """Nobody reads the output any more."""
+    """The reader of the output has closed the pipe."""
 
 
 class Entry(NamedTuple):
-    """A command as the list of commands shows it.
+    """A command in the list of commands.
 
     Parameters
     ----------
-    place : its module and its name in there
+    place : its module, and its name in that module
     help : the first sentence of its docstring
     """
 
@@ -44,7 +44,7 @@ class Entry(NamedTuple):
 
 
 class _Imported(Mapping[str, click.Command]):
-    """Commands by name, each imported when it is looked up."""
+    """Commands by name, each imported on lookup."""
 
     def __init__(self, entries: Mapping[str, Entry], package: str):
         self._entries = entries
@@ -63,12 +63,12 @@ class _Imported(Mapping[str, click.Command]):
 
 
 class Commands(click.Group):
-    """Commands that end with a status and, if anything is wrong, one line on stderr.
+    """A command group that exits with a status and reports any error in one line on stderr.
 
     Parameters
     ----------
-    entries : the commands by name; each is imported when it is called
-    package : where their modules lie
+    entries : the commands by name; each is imported when called
+    package : the package of their modules
     """
 
     def __init__(self, *args: Any, entries: Mapping[str, Entry], package: str, **extra: Any):
@@ -113,7 +113,7 @@ class Commands(click.Group):
         except (RunError, OSError) as error:
             complain(error)
             status = FAILED
-        except click.Abort as abort:  # made by click of the interrupt, which may say what is kept
+        except click.Abort as abort:  # raised by click from the interrupt, which may carry a text
             complain(f"interrupted {abort.__cause__ or ''}")
             status = INTERRUPTED
         except _PipeClosedError:
@@ -125,7 +125,7 @@ class Commands(click.Group):
             status = super().invoke(ctx)
             sys.stdout.flush()
         except BrokenPipeError:
-            with suppress(OSError, ValueError):  # so that the interpreter's own flush is silent
+            with suppress(OSError, ValueError):  # so that the flush at exit is silent
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise _PipeClosedError from None
         return status
@@ -133,7 +133,7 @@ class Commands(click.Group):
 
 @contextmanager
 def _cleaning_up_when_terminated() -> Iterator[None]:
-    """On SIGTERM leave through everything that cleans up, instead of at once."""
+    """On SIGTERM raise SystemExit, so that all clean-up code runs."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -145,11 +145,12 @@ def _cleaning_up_when_terminated() -> Iterator[None]:
 
 
 def complain(message: object) -> None:
+    """Print a message as one line on stderr."""
     click.echo(f"phaseplane: {one_line(message)}", err=True)
 
 
 def warn(messages: Iterable[str]) -> None:
-    """Say what is not wrong, but hardly meant."""
+    """Print warnings on stderr, one line each."""
     for message in messages:
         complain(f"warning: {message}")
 
@@ -161,18 +162,18 @@ set_option = click.option(
     metavar="KEY=VALUE",
     help="Set a key of the scene or a parameter, e.g. 'road.height=8 cm'. Repeatable.",
 )
-json_option = click.option("--json", "as_data", is_flag=True, help="Print JSON and nothing else.")
+json_option = click.option("--json", "as_data", is_flag=True, help="Print JSON only.")
 output_option = click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of the results, replaced whole. [default: out/SCENE]",
+    help="Folder for the results; replaced as a whole. [default: out/SCENE]",
 )
 
 
 class FiniteRange(click.FloatRange):
-    """A number within a range; neither nan, which every range lets through, nor inf."""
+    """A finite number within a range (click's own ranges accept nan)."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         number = super().convert(value, param, ctx)
@@ -182,7 +183,7 @@ class FiniteRange(click.FloatRange):
 
 
 def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
-    """`--figure F.png` for a picture of something."""
+    """Return the option `--figure F.png`, for a picture of something."""
     return click.option(
         "--figure",
         type=click.Path(path_type=Path),
@@ -191,12 +192,12 @@ def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
     )
 
 
-dark_option = click.option("--dark", is_flag=True, help="Draw on a dark ground.")
+dark_option = click.option("--dark", is_flag=True, help="Use a dark background.")
 
 
 @contextmanager
 def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
-    """A bar on a terminal, for what takes over a second; while no part is told, the time it has taken."""
+    """Show a progress bar on a terminal after the first second; until it is called, the time taken."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -205,7 +206,7 @@ def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
     ended = threading.Event()
 
     def clear() -> None:
-        """End the clock, and its line."""
+        """Stop the clock and clear its line."""
         ended.set()
         clock.join()
         if monotonic() - started > _SHOW_BAR_AFTER:

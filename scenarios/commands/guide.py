@@ -1,4 +1,4 @@
-"""What a scene may say, told from the definitions that it is checked by."""
+"""The keys of scenes and sweeps, explained from the definitions they are checked against."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from ..scene.sections import Construction, Show
 from ..sweeps.plan import Range, SweepFile
 
 _TOP = {
-    "extends": ("", "another case or scene file, over which this one is laid"),
-    "title": ("", "what the run is called"),
-    "source": ("", "where its figures come from"),
+    "extends": ("", "another case or scene file that this one is based on"),
+    "title": ("", "name of the run in reports and pictures"),
+    "source": ("", "source of its numbers"),
     "fmu": ("", f"{', '.join(MODELS)}, or the path of an .fmu file"),
-    "duration": ("s", "how long it runs"),
+    "duration": ("s", "time to simulate"),
 }
 _SECTIONS: dict[str, tuple[str, type[BaseModel]]] = {
-    "show": ("what is shown; nothing else is computed, read or written", Show),
-    "construction": ("how the graphical construction is made", Construction),
-    "[expect.during]": ("what an output must keep to within a time; repeatable", During),
-    "expect.reference": ("a file to which the run must come close", Reference),
+    "show": ("what to compute, read and write; nothing else is", Show),
+    "construction": ("settings of the graphical construction", Construction),
+    "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
+    "expect.reference": ("a table of results that the run must agree with", Reference),
 }
 _EXAMPLE = "speed_bump"  # a sweep that comes with the package
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -35,36 +35,36 @@ _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
 
 
 def guide(model: str | None) -> str:
-    """All keys of a scene, for a terminal; of a model also parameters, outputs and measures.
+    """Return the keys of a scene, or the parameters, outputs and measures of a model, as text.
 
     Raises
     ------
-    InputError : no such model.
+    InputError : if there is no such model.
     """
     return "\n".join(_of_scenes() if model is None else _of_model(model))
 
 
 def sweep_guide() -> str:
-    """All keys of a sweep file, for a terminal."""
+    """Return the keys of a sweep file, as text."""
     return "\n".join(_of_sweeps())
 
 
 def sweep_schema() -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a sweep file."""
+    """Return the JSON Schema (2020-12) of a sweep file."""
     schema = SweepFile.model_json_schema()
     return {"$schema": _DIALECT, **schema, "title": "A sweep over a scene"}
 
 
 def json_schema(model: str | None) -> dict[str, Any]:
-    """The JSON Schema (2020-12) of a scene file, with the parameters and measures of a model.
+    """Return the JSON Schema (2020-12) of a scene file for a model.
 
     Parameters
     ----------
-    model : QuarterCar if left out; the model that most scenes name
+    model : the model whose parameters and measures it includes; QuarterCar if None
 
     Raises
     ------
-    InputError : no such model.
+    InputError : if there is no such model.
     """
     fmu = fmu_named(model or "QuarterCar")
     known = catalogue(fmu.outputs())
@@ -99,8 +99,8 @@ def _of_scenes() -> Iterator[str]:
     yield ""
     yield from (_key(key, unit, about) for key, (unit, about) in _TOP.items())
     yield ""
-    yield "[parameters]  what differs from the FMU's defaults, by name"
-    yield '  a table may stand in a CSV file with a heading: road.table = { file = "road.csv",'
+    yield "[parameters]  parameters that differ from the FMU's defaults, by name"
+    yield '  a table may be read from a CSV file with a header line: road.table = { file = "road.csv",'
     yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
     for name, (about, kind) in _SECTIONS.items():
         yield ""
@@ -109,8 +109,8 @@ def _of_scenes() -> Iterator[str]:
     yield ""
     yield "[expect]  bounds on measures: name = { min = ..., max = ... }"
     yield ""
-    yield f"phaseplane schema MODEL tells the parameters and measures of {', '.join(MODELS)};"
-    yield "phaseplane schema --sweep tells what a sweep file may say."
+    yield f"phaseplane schema MODEL lists the variables and measures of {', '.join(MODELS)};"
+    yield "phaseplane schema --sweep explains the keys of a sweep file."
 
 
 def _of_sweeps() -> Iterator[str]:
@@ -118,7 +118,7 @@ def _of_sweeps() -> Iterator[str]:
     yield ""
     yield from _keys(SweepFile)
     yield ""
-    yield "A range, within vary"
+    yield "A range in [vary]"
     yield from _keys(Range)
     yield ""
     yield "For example:"
@@ -127,7 +127,7 @@ def _of_sweeps() -> Iterator[str]:
 
 
 def _keys(kind: type[BaseModel]) -> Iterator[str]:
-    """The keys of a table, as its definition explains them."""
+    """Explain the keys of a table, from its definition."""
     for key, said in kind.model_json_schema()["properties"].items():
         kinds = [said, *said.get("anyOf", ())]
         unit = next((kind["unit"] for kind in kinds if "unit" in kind), "")
@@ -149,8 +149,8 @@ def _of_model(name: str) -> Iterator[str]:
             yield _key(v.name, v.unit, words)
         yield ""
     yield f"{fmu.model}: measures"
-    yield _key("peak.X", "", "value of largest magnitude, with its sign, of any output X in time")
-    yield _key("rms.X", "", "root of the time mean of the square of any output X in time")
+    yield _key("peak.X", "", "signed value of largest magnitude of any output X over the run")
+    yield _key("rms.X", "", "root mean square of any output X over the run")
     yield _key("amplitude.X", "", "half the range of any output X over the second half of the run")
     for measure in catalogue(outputs).values():
         if not measure.name.startswith(("peak.", "rms.", "amplitude.")):
@@ -164,7 +164,7 @@ def _key(name: str, unit: str, words: str) -> str:
 
 
 def _default(value: object) -> str:
-    """What holds if nothing is said, in brackets; nothing where that goes without saying."""
+    """Return the default in brackets, or "" where it is empty."""
     return "" if value in (None, "", [], ()) else f" (default {_text(value)})"
 
 
@@ -180,7 +180,7 @@ def _schema_of(variable: Variable) -> Mapping[str, Any]:
     kind = _TYPES[type(variable.start)]
     said: dict[str, Any] = {"description": variable.description, "default": variable.start}
     said["type"] = ["number", "string"] if kind == "number" and variable.unit else kind
-    if variable.name.endswith("table"):  # which may stand in a file
+    if variable.name.endswith("table"):  # may be read from a file
         said["type"] = ["string", "object"]
     if variable.unit:
         said["unit"] = variable.unit

@@ -1,4 +1,4 @@
-"""`phaseplane list`: the scenes and sweeps that come along."""
+"""`phaseplane list`: the scenes and sweeps in the package."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .console import json_option
 @click.command("list")
 @json_option
 def list_cases(as_data: bool) -> None:
-    """List the scenes and the sweeps that come with the package."""
+    """List the scenes and sweeps in the package."""
     titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
     if as_data:
         click.echo(as_json(titles))

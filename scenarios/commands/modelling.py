@@ -1,4 +1,4 @@
-"""Which model a scene needs, and what its phase portrait looks like."""
+"""`phaseplane ladder` and `phaseplane portrait`: the model a scene needs, and its phase portrait."""
 
 from __future__ import annotations
 
@@ -27,7 +27,10 @@ from .console import FiniteRange, dark_option, figure_option, json_option, set_o
 )
 @json_option
 def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bool) -> None:
-    """Find the smallest model that serves SCENE, by running them all."""
+    """Find the smallest model that is accurate for SCENE.
+
+    Run SCENE with every model that has its outputs and compare the results.
+    """
     loaded = load_scene(scene, overrides, expect=False)
     warn(loaded.warnings)
     told = climb(loaded, tolerance)
@@ -42,26 +45,26 @@ def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bo
     "--coordinate",
     default="",
     metavar="NAME",
-    help="Which one moves while the others rest, e.g. wheel_displacement. [default: the first]",
+    help="Coordinate that moves while the others rest, e.g. wheel_displacement. [default: the first]",
 )
 @click.option(
     "--window",
     type=FiniteRange(),
     nargs=4,
     metavar="L R B T",
-    help="Left, right, bottom and top of what is looked at. [default: chosen]",
+    help="Left, right, bottom and top of the plane. [default: automatic]",
 )
 @click.option(
     "--period",
     type=FiniteRange(min=0.0, min_open=True),
     metavar="TIME",
-    help="Period of an equation's drive, s, for its Poincare section. [default: found in the equation]",
+    help="Forcing period of an equation, s, for its Poincare section. [default: from the equation]",
 )
 @click.option(
     "--frozen",
     type=FiniteRange(),
     metavar="TIME",
-    help="Draw a driven system as if nothing changed from this instant on, s; else its section is shown.",
+    help="Draw a forced system with its forcing frozen at this time, s. [default: draw its section]",
 )
 @dark_option
 @json_option
@@ -77,7 +80,10 @@ def portrait(
     dark: bool,
     as_data: bool,
 ) -> None:
-    """Show the phase portrait of SCENE: equilibria, cycles, sections."""
+    """Draw the phase portrait of SCENE.
+
+    List its equilibria and limit cycles, or draw the Poincare section of a forced system.
+    """
     told = make(
         scene, overrides, figure,
         coordinate=coordinate, window=window or (), period=period or 0.0, frozen=frozen,

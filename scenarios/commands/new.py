@@ -1,4 +1,4 @@
-"""`phaseplane new`: a scene to begin with."""
+"""`phaseplane new`: write a scene to start from."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ from .template import write_template
 @click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
 @click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
 def new(path: Path, model: str) -> None:
-    """Write a scene to begin with, its choices explained."""
+    """Write a commented scene to start from."""
     write_template(path, model)
     click.echo(f"{path}: run it with 'phaseplane run {path}'")

@@ -1,4 +1,4 @@
-"""`phaseplane replay`: the construction of a scene, or of a run, drawn again."""
+"""`phaseplane replay`: draw the construction of a scene, or of a run."""
 
 from __future__ import annotations
 
@@ -42,18 +42,20 @@ from .viewing import page, save_option, until_interrupted, viewer_options
     "--over",
     type=click.Path(path_type=Path),
     metavar="TABLE",
-    help="Lay the construction of SCENE over the motion in a table, e.g. motion.csv.",
+    help="Lay the construction of SCENE over the motion in this table, e.g. motion.csv.",
 )
-@click.option("--construction", "rule", metavar="RULE", help="How a step is made, e.g. delta.")
+@click.option(
+    "--construction", "rule", metavar="RULE", help="Rule of the construction step, e.g. delta."
+)
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option
-@figure_option("the phase planes, or of another --kind", ", moving as .gif or .mp4")
+@figure_option("the phase planes, or of another --kind", "; animated: .gif or .mp4")
 @click.option(
     "--kind",
     default="phase_planes",
     show_default=True,
     metavar="NAME",
-    help="Which figure: phase_planes, construction_sheet, or one of AP57's: figure4a, figure4b, "
+    help="Figure to draw: phase_planes, construction_sheet, or one of AP57: figure4a, figure4b, "
     "figure7 to figure10, figure12 to figure16.",
 )
 @dark_option
@@ -75,7 +77,7 @@ def replay(
     address: str,
     as_data: bool,
 ) -> None:
-    """Draw the construction of a SCENE, or over the RESULTS of a run."""
+    """Draw the construction of a SCENE or of a run's RESULTS."""
     if save is None and figure is None and not viewer and not served:
         raise InputError(
             "replay: nothing to do; give one or more of --save F.rrd, --figure F.png, --connect URL "
@@ -115,22 +117,22 @@ def replay_construction(
     kind: str = "phase_planes",
     dark: bool = False,
 ) -> dict[str, Any]:
-    """Make the construction of a scene, or lay it over the results of a run, and write it down.
+    """Construct a scene, or lay the construction over the results of a run, and write files.
 
     Parameters
     ----------
     what : a scene, a results folder, or the table in one
     over : a table with the motion that the construction of the scene is laid over
     overrides : `key=value` texts; for results only those of `construction`
-    recording, figure : files to be written
-    viewer : address of a running viewer that is to show it
-    kind : name of the figure; the rule that it shows is taken where overrides name none
-    dark : whether the figure has a dark ground
+    recording, figure : files to write
+    viewer : address of a running viewer to show it in
+    kind : name of the figure; its rule is used unless overrides give one
+    dark : whether the figure has a dark background
 
     Raises
     ------
-    InputError : a scene, folder or file name that is not fit.
-    RunError : the construction leaves every sheet; the viewer does not take the recording.
+    InputError : if the scene, the folder or a file name is not valid.
+    RunError : if the construction diverges, or the viewer refuses the recording.
     """
     check_recording(recording)
     if figure is not None:
@@ -186,25 +188,25 @@ def replay_construction(
     if figure is not None:
         try:
             draw(kind, figure, drawing, title=title, dark=dark)
-        except ValueError as error:  # it has not got what the figure shows
+        except ValueError as error:  # the drawing lacks what the figure shows
             raise InputError(f"--kind {kind}: {one_line(error)}") from None
     files = [str(path) for path in (recording, figure) if path is not None]
     return {**told_of(drawing, perf_counter() - started), "files": files}
 
 
 def _results_folder(path: Path) -> Path | None:
-    """The results folder at this path, or that in which the table at this path lies."""
+    """Return the results folder at this path, or the one that contains the table at this path."""
     if path.is_dir():
         return path
     return path.parent if path.is_file() and read_summary(path.parent) is not None else None
 
 
 def _scene_or_folder(what: str) -> str:
-    """The reference of a scene; refuses what is neither that nor a folder."""
+    """Return the reference of a scene, after checking that it exists."""
     if Path(what).suffix in (".csv", ".parquet", ".h5"):
         raise InputError(
             one_line(
-                f"{what} does not say what moved; lay it over a scene: replay SCENE --over {what}"
+                f"{what} is a table without a model; give its scene too: replay SCENE --over {what}"
             )
         )
     try:

@@ -1,4 +1,4 @@
-"""Files of results shown and compared."""
+"""`phaseplane show` and `phaseplane compare`: files of results."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..scene.names import meant
 from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
 
 _columns = click.option(
-    "--column", "columns", multiple=True, metavar="NAME", help="Only this column. Repeatable."
+    "--column", "columns", multiple=True, metavar="NAME", help="Use only this column. Repeatable."
 )
 
 
@@ -29,7 +29,7 @@ _columns = click.option(
 @figure_option("the columns over time")
 @json_option
 def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
-    """Show what is in RESULTS: the folder of a run, or a table."""
+    """Summarise RESULTS: a run's folder or a table."""
     _check_there(what)
     told = contents(what, columns, figure)
     click.echo(as_json(told) if as_data else contents_in_words(told, what))
@@ -43,13 +43,13 @@ def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: boo
     type=FiniteRange(min=0.0),
     default=1e-6,
     show_default=True,
-    help="Largest difference, over the peak of the column, that counts as equal.",
+    help="Largest difference, relative to the column's peak, that counts as equal.",
 )
 @_columns
 @click.option(
     "--common",
     is_flag=True,
-    help="Compare only the rows, time and columns that both have; others are no difference then.",
+    help="Compare only the rows, times and columns that both have.",
 )
 @figure_option("the columns that differ most")
 @json_option
@@ -65,7 +65,7 @@ def compare(
 ) -> int:
     """Compare the results A and B column by column.
 
-    Rows, times and columns that only one of them has count as a difference, too. Exit status 1 if they
+    Rows, times and columns that only one of them has also count as differences. Exit status 1 if they
     differ.
     """
     _check_there(ours, other)
@@ -78,11 +78,11 @@ def compare(
 
 
 def _check_there(*paths: Path) -> None:
-    """Refuse results that do not exist, with what may be meant by the name.
+    """Reject results that do not exist, suggesting similar names.
 
     Raises
     ------
-    InputError
+    InputError : if one of the paths does not exist.
     """
     for path in paths:
         if not path.exists():

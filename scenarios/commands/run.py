@@ -1,4 +1,4 @@
-"""`phaseplane run`: a scene run into its folder."""
+"""`phaseplane run`: run a scene and write its folder."""
 
 from __future__ import annotations
 
@@ -58,15 +58,15 @@ def _silent(_label: str) -> AbstractContextManager[None]:
 @click.argument("scene")
 @set_option
 @click.option(
-    "--no-expect", is_flag=True, help="Do not check what SCENE expects; only what --set expects."
+    "--no-expect", is_flag=True, help="Skip the expectations of SCENE; check only those of --set."
 )
 @output_option
 @viewer_options
 @save_option
-@click.option("--realtime", is_flag=True, help="Let the run wait for the clock.")
+@click.option("--realtime", is_flag=True, help="Run in real time.")
 @click.option(
     "--plane", "planes", multiple=True, metavar="A,B",
-    help="Show the phase plane of two outputs, displacement and rate. Repeatable.",
+    help="Show the phase plane of two outputs, a displacement and its rate. Repeatable.",
 )  # fmt: skip
 @json_option
 def run(
@@ -85,7 +85,7 @@ def run(
 ) -> int:
     """Run SCENE: a case (see `list`), a scene file, or any .fmu file.
 
-    With --connect, --serve or --save it is shown or recorded while it goes on.
+    --connect, --serve and --save show or record the run while it is under way.
     """
     shown = (
         [Setting("show.planes", list(planes), "--plane"), Setting("show.recording", "stages")]
@@ -124,32 +124,32 @@ def run_scene(
     realtime: bool = False,
     expect: bool = True,
 ) -> tuple[dict[str, Any], Path]:
-    """Run a scene and leave results, pictures and recording in a folder, which is replaced whole.
+    """Run a scene and write results, pictures and recording to a folder, replaced as a whole.
 
-    Results are there before anything is drawn; pictures are added one by one.
+    The results are written first; then pictures are added one by one.
 
     Parameters
     ----------
     reference : name of a case, or path of a scene file
     overrides : `key=value` texts
-    folder : None for `out/<scene>`
-    progress : given a label, a context for what takes time; it may give a function that is told the
-        part done, 0 to 1
-    viewer : address of a running viewer that shows the run while it goes on; whatever becomes of
-        it, the run does not notice
-    save : a recording (.rrd) that is written while the run goes on, and whole at its end
-    realtime : whether the run waits for the clock
-    expect : whether what the scene expects is checked; what overrides expect is in any case
+    folder : folder to write to; `out/<scene>` if None
+    progress : makes a context for a slow task from its label; the context may yield a function to call
+        with the fraction done, 0 to 1
+    viewer : address of a running viewer that shows the run while it is under way; a failing viewer
+        does not disturb the run
+    save : a recording (.rrd) that is written during the run and completed at its end
+    realtime : whether to run in real time
+    expect : whether to check the scene's expectations; those of `overrides` are always checked
 
     Returns
     -------
-    The summary as it was written, and the folder.
+    The summary as written, and the folder.
 
     Raises
     ------
-    InputError : a scene that cannot be read or drawn, a folder that must not be replaced.
-    RunError : the run could not begin.
-    KeyboardInterrupt, SystemExit : Ctrl-C or SIGTERM; what was computed and drawn until then has been
+    InputError : if the scene cannot be read or drawn, or the folder must not be replaced.
+    RunError : if the run could not start.
+    KeyboardInterrupt, SystemExit : on Ctrl-C or SIGTERM; results and pictures until then have been
         written.
     """
     check_recording(save)
@@ -176,7 +176,7 @@ def run_scene(
         except InputError:
             if scene.show.figures_construction:
                 raise
-            # a recording alone does without, as of any model that has no construction
+            # a recording is complete without it, as for models that have no construction
     with shown_live(scene, drawing, viewer, save) as live:
         watch = live.watch if live is not None else None
         try:
@@ -207,7 +207,7 @@ def run_scene(
 def _written(
     results: Results, pictures: Iterable[str], told: Mapping[str, Any], place: Place
 ) -> Standing:
-    """Write results before anything of them is drawn."""
+    """Write the results, before their pictures are drawn."""
     told = {"origin": place.origin, **told, "undrawn": list(pictures)}
     with replaced_whole(place) as draft:
         write_results(Results(results.columns, {**results.summary, **told}), draft)
@@ -217,7 +217,7 @@ def _written(
 def _drawn(
     pictures: Mapping[str, Callable[[Path], None]], standing: Standing, progress: Progress
 ) -> Iterator[str]:
-    """Add the pictures to the results; yields a line for what could not be drawn."""
+    """Add the pictures to the results; yield a line for each that could not be drawn."""
     for name, draw in pictures.items():
         try:
             with progress(f"drawing {name}"), standing.added(name) as path:
@@ -228,7 +228,7 @@ def _drawn(
             yield f"{name} was not drawn: {one_line(error)}"
         except KeyboardInterrupt:
             raise KeyboardInterrupt(
-                f"while drawing {name}; results and what was drawn before are in {standing.folder}"
+                f"while drawing {name}; the results and earlier pictures are in {standing.folder}"
             ) from None
 
 
@@ -239,4 +239,4 @@ def _kept_words(results: Results, place: Place) -> str:
         if stopped
         else "at its end"
     )
-    return f"{until}; what was computed until then is in {place.folder}"
+    return f"{until}; the results until then are in {place.folder}"

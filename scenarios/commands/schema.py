@@ -1,4 +1,4 @@
-"""`phaseplane schema`: the keys of scenes and sweeps."""
+"""`phaseplane schema`: explain the keys of scenes and sweeps."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from .guide import guide, json_schema, sweep_guide, sweep_schema
 
 @click.command()
 @click.argument("model", required=False)
-@click.option("--sweep", is_flag=True, help="Tell what a sweep file may say.")
+@click.option("--sweep", is_flag=True, help="Explain the keys of a sweep file instead.")
 @json_option
 def schema(model: str | None, sweep: bool, as_data: bool) -> None:
     """Explain the keys of a scene, or the variables of MODEL.
 
-    The variables are its parameters, outputs and measures. As JSON it is a JSON Schema, by which
-    editors can check scene files.
+    The variables are its parameters, outputs and measures. With --json, print a JSON Schema that
+    editors can check scene files against.
     """
     if sweep and model:
         raise InputError("schema: give a MODEL or --sweep, not both")

@@ -1,4 +1,4 @@
-"""How good the integrator is, and the constructions."""
+"""`phaseplane accuracy`, `rules` and `stability`: studies of the integrator and the constructions."""
 
 from __future__ import annotations
 
@@ -16,26 +16,29 @@ from .console import json_option, progress_bar, set_option, warn
 
 @click.command()
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--peers", is_flag=True, help="Compare with other integrators, where installed.")
+@click.option("--peers", is_flag=True, help="Compare with other installed integrators too.")
 @click.option(
     "--repeats",
     type=click.IntRange(1, 1000),
     default=7,
     show_default=True,
-    help="How often each run is timed.",
+    help="Number of timings of each run.",
 )
 @click.option(
     "-o",
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of data, tables and picture, replaced whole. [default: out/accuracy]",
+    help="Folder for data, tables and picture; replaced as a whole. [default: out/accuracy]",
 )
 @json_option
 def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
 ) -> None:
-    """Compare error with run time, on SCENEs or the package's problems."""
+    """Measure error against run time.
+
+    The runs are those of SCENEs, or the test problems of the package.
+    """
     with progress_bar("accuracy") as progress:
         data, tables, folder = study_accuracy(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")
@@ -46,10 +49,10 @@ def accuracy(
 @set_option
 @json_option
 def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
-    """Compare the construction's step rules with the exact motion.
+    """Compare the step rules with the exact motion.
 
-    The integrator is compared, too. [default of SCENE: ap57_figure13, the 60 points of the worked
-    example]
+    The rules are those of the graphical construction; the integrator is compared too. [default of
+    SCENE: ap57_figure13, the 60 points of the worked example]
     """
     loaded = load_scene(scene, overrides, expect=False)
     warn(loaded.warnings)
@@ -66,14 +69,14 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of data, tables and picture, replaced whole. [default: out/stability]",
+    help="Folder for data, tables and picture; replaced as a whole. [default: out/stability]",
 )
 @json_option
 def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> None:
-    """Find where steps grow, in theory and in runs.
+    """Find unstable steps, in theory and in runs.
 
-    The runs are those of SCENEs, or of the problems that come with the package. Also runs a table of
-    extreme cases; exit status 1 if one of them went wrong.
+    The runs are those of SCENEs, or the test problems of the package. Also run a table of extreme
+    cases; exit status 1 if one of them fails.
     """
     with progress_bar("stability") as progress:
         data, table, folder = study_stability(scenes, output, progress)

@@ -1,4 +1,4 @@
-"""Sweeps over parameters and scene keys."""
+"""`phaseplane sweep`: vary parameters and scene keys."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from .console import DONE, FAILED, complain, json_option, progress_bar, warn
     "--output",
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of the results, replaced whole. [default: out/sweeps/SWEEP]",
+    help="Folder for the results; replaced as a whole. [default: out/sweeps/SWEEP]",
 )
 @click.option(
     "--through",
     type=click.Choice(["process", "fmu"]),
     default="process",
     show_default=True,
-    help="Run the model in the process, or through its FMU.",
+    help="Run the model in-process, or through its FMU.",
 )
 @click.option(
-    "--workers", type=click.IntRange(min=1), help="Processes. [default: one on each core]"
+    "--workers", type=click.IntRange(min=1), help="Number of processes. [default: one per core]"
 )
-@click.option("--dask", metavar="ADDRESS", default="", help="Let a Dask cluster do the work.")
+@click.option("--dask", metavar="ADDRESS", default="", help="Run on this Dask cluster.")
 @click.option("--table", default="runs.csv", show_default=True, help="Name of the table of runs.")
 @json_option
 def sweep(
@@ -44,11 +44,10 @@ def sweep(
     table: str,
     as_data: bool,
 ) -> int:
-    """Run a scene many times, as SWEEP says.
+    """Run a scene many times, varied as in SWEEP.
 
-    SWEEP is the name of a sweep that comes along (see `list`), or a file that gives a grid, a list, or a
-    sample of parameters: see `schema --sweep`. An interrupted sweep goes on where it stopped when it
-    is started again.
+    SWEEP is a sweep of the package (see `list`) or a file that gives a grid, a list or a random
+    sample of parameters (see `schema --sweep`). Start an interrupted sweep again to continue it.
     """
     with progress_bar(Path(file).stem) as progress:
         plan, summary, folder = run_sweep(

@@ -1,4 +1,4 @@
-"""A scene to begin with."""
+"""The scene that `phaseplane new` writes."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ _USUAL = ("sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", 
 
 
 def write_template(path: Path, model: str) -> None:
-    """Write a scene that runs as it stands, its choices explained.
+    """Write a commented scene that runs as it is.
 
     Parameters
     ----------
-    path : of the new file; what is there already is left alone
-    model : of this project, or the path of an `.fmu` file
+    path : the new file; an existing file is not overwritten
+    model : a model of this package, or the path of an `.fmu` file
 
     Raises
     ------
-    InputError : no such model, or a file that is there already or cannot be written.
+    InputError : if there is no such model, or the file exists or cannot be written.
     """
     try:
         text = "\n".join(_lines(model)) + "\n"
         with path.open("x", encoding="utf-8") as file:
             file.write(text)
     except FileExistsError:
-        raise InputError(one_line(f"{path} is there already; give another name")) from None
+        raise InputError(one_line(f"{path} already exists; give another name")) from None
     except OSError as error:
         raise InputError(one_line(f"cannot write {path}: {error.strerror or error}")) from None
 
@@ -42,20 +42,20 @@ def _lines(model: str) -> Iterator[str]:
     fmu = fmu_named(model)
     parameters = fmu.parameters()
     outputs = list(fmu.outputs())
-    yield "# A scene: what is run, what is shown, what must hold. All keys: phaseplane schema"
+    yield "# A scene: what to run, what to show, what to expect. All keys: phaseplane schema"
     yield f"# All parameters, outputs and measures: phaseplane schema {model}"
-    yield 'title = "A scene of my own"'
+    yield 'title = "My scene"'
     yield f'fmu = "{model}"'
     yield 'duration = "1 s"  # values are in SI, or texts with a unit'
     yield ""
-    yield "# What differs from the FMU's defaults, which are shown here."
+    yield "# Parameters that differ from the FMU's defaults, which are shown here."
     yield "[parameters]"
     usual = [
         v for name, v in parameters.items() if name.split(".", 1)[-1] in _USUAL or name in _USUAL
     ]
     yield from (f"# {v.name} = {_value(v)}{_comment(v)}" for v in usual or parameters.values())
     yield ""
-    yield "# Nothing else is computed, read or written."
+    yield "# Only this is computed, read and written."
     yield "[show]"
     yield 'output_interval = "1 ms"'
     yield f"# outputs = {outputs[:3]!r}".replace("'", '"')
@@ -63,7 +63,7 @@ def _lines(model: str) -> Iterator[str]:
         yield f'figures = ["{FIGURES[0]}"]  # or any of: {", ".join(FIGURES)}'
     yield "# recording = true  # for the rerun viewer"
     yield ""
-    yield "# What must hold; otherwise the run ends with status 1."
+    yield "# If one of these does not hold, the exit status is 1."
     yield "[expect]"
     if "energy_residual" in outputs:
         yield 'energy_residual = { min = "-1 J", max = "1 J" }'

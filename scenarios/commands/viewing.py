@@ -1,4 +1,4 @@
-"""Recordings shown in a viewer or on a page."""
+"""`phaseplane serve`, and the options that show recordings in a viewer or on a web page."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _LOOPBACK = "127.0.0.1"
 _OPTIONS = (
     click.option(
         "--connect", "viewer", default="", metavar="URL",
-        help="Show it in a running viewer, e.g. rerun+http://127.0.0.1:9876/proxy.",
+        help="Show it in this running viewer, e.g. rerun+http://127.0.0.1:9876/proxy.",
     ),
-    click.option("--serve", "served", is_flag=True, help="Show it on a page, until Ctrl-C."),
+    click.option("--serve", "served", is_flag=True, help="Show it on a web page, until Ctrl-C."),
     click.option(
         "--address", default=_LOOPBACK, show_default=True, metavar="ADDRESS",
-        help="Where the page is served; any but the loopback address opens it to other machines.",
+        help="Address to serve the page on; any but a loopback address opens it to other machines.",
     ),
 )  # fmt: skip
 
@@ -33,7 +33,7 @@ save_option = click.option(
 
 
 def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """`--connect`, `--serve` and `--address`."""
+    """Add the options `--connect`, `--serve` and `--address`."""
     for option in reversed(_OPTIONS):
         command = option(command)
     return command
@@ -43,14 +43,17 @@ def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @click.argument("folder", type=click.Path(path_type=Path), metavar="DIR")
 @_OPTIONS[-1]
 def serve(folder: Path, address: str) -> None:
-    """Show all recordings of a folder on a page, until Ctrl-C."""
+    """Show the recordings in a folder on a web page.
+
+    The page is served until Ctrl-C.
+    """
     with page(True, address, recordings_in(folder)) as shown:
         until_interrupted(shown)
 
 
 @contextmanager
 def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any]:
-    """A page that shows recordings, if it is wanted; its address is said first."""
+    """Serve a page that shows recordings, if `wanted`, and print its address."""
     if not wanted:
         yield None
         return
@@ -66,7 +69,7 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
 
 
 def until_interrupted(shown: Any) -> None:
-    """Keep a page, if there is one."""
+    """Serve a page until Ctrl-C, if there is one."""
     if shown:
         with suppress(KeyboardInterrupt):
             shown.wait()

@@ -1,4 +1,4 @@
-"""From scenes and results to constructions, pictures, portraits and recordings."""
+"""Constructions, pictures, portraits and recordings of scenes and results."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""From scenes and results to graphical constructions."""
+"""Graphical constructions of scenes and results."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ if TYPE_CHECKING:
 def constructed(
     model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any], duration: float
 ) -> Drawing:
-    """The graphical construction marching by itself.
+    """Return the graphical construction, stepped from its initial state.
 
     Parameters
     ----------
-    parameters : of the model, all of them, SI
+    parameters : all parameters of the model, SI
     settings : rule, step (s), plane_distance (m), plane_scales, shortcut
-    duration : s
+    duration : time to construct, s
 
     Raises
     ------
-    DrawingError : settings with which it cannot be drawn, such as a step too long.
-    InputError : a model without a construction.
-    ArithmeticError : the construction leaves every sheet.
+    DrawingError : if it cannot be drawn with these settings, e.g. if the step is too long.
+    InputError : if the model has no construction.
+    ArithmeticError : if the construction diverges.
     """
     planes = planes_of(model, parameters, settings)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
@@ -59,26 +59,27 @@ def laid_over(
     parameters: Mapping[str, Value],
     settings: Mapping[str, Any],
 ) -> Drawing:
-    """The graphical construction with the state points of a motion that is known.
+    """Return the graphical construction with the state points of a known motion.
 
     Parameters
     ----------
-    columns : `time` (s) and what the planes show with its rates, SI; `airborne` if there is lift-off
-    model, parameters : what moved
-    settings : as for `constructed`, and duration (s); where `step` is longer than the rows are apart,
-        rows are skipped, but never those where a wheel leaves the road or returns
+    columns : `time` (s), the displacements of the planes and their rates, SI; `airborne` if there is
+        lift-off
+    model, parameters : the model of the motion, and its parameters in SI
+    settings : as for `constructed`, and duration (s); rows closer than `step` are skipped, except at
+        lift-off and touchdown
 
     Raises
     ------
-    InputError : a model without a construction, columns that are missing, or settings with which it
-        cannot be drawn.
+    InputError : if the model has no construction, a column is missing, or it cannot be drawn with these
+        settings.
     """
     planes = planes_of(model, parameters, settings)
     shown = [name for plane in planes.planes for name in (plane.name, rate_of(plane.name))]
     missing = [name for name in ("time", *shown) if name not in columns]
     if missing:
         raise InputError(
-            f"no column {missing[0]}; put it into show.outputs and run, or into the table; "
+            f"no column {missing[0]}; add it to show.outputs and run again, or to the table; "
             f"the construction needs time, {', '.join(shown)}"
         )
     flying = [name for name in columns if name.endswith("airborne")]
@@ -97,13 +98,13 @@ def laid_over(
 
 
 def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
-    """A construction by itself with how far it has drifted from a run, where the run tells enough.
+    """Return a construction with its drift from a run, if the run has the columns and the time.
 
     Parameters
     ----------
     drawing : the construction
-    columns : of the run
-    read_at : gives outputs of the run at the instants of the construction
+    columns : columns of the run
+    read_at : returns outputs of the run at the times of the construction
     """
     shown = [name for plane in drawing.planes for name in (plane.name, rate_of(plane.name))]
     if not set(shown) <= columns.keys() or columns["time"][-1] < drawing.frames[-1].time:
@@ -114,19 +115,19 @@ def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
 
 
 def rate_of(displacement: str) -> str:
-    """The name of the rate of a displacement, as FMUs and constructions have it."""
+    """Return the name of the rate of a displacement, in FMUs and constructions."""
     stem = displacement.removesuffix("displacement")
     return f"{stem}velocity" if stem != displacement else f"{displacement}_rate"
 
 
 def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
-    """What there is to be said of a construction, as plain data.
+    """Return the summary of a construction, as plain data.
 
     Returns
     -------
-    steps and events; `control`: how far the motions of bodies by AP57 eqs. 24 and 25 are apart at
-    most; `drift`: how far from a given motion a construction by itself gets, or a step that is laid
-    over it ends, at most; both in m
+    Steps and events; `control`: largest difference of the body motions by AP57 eqs. 24 and 25;
+    `drift`: largest difference from a given motion, of the construction, or of each step if it is laid
+    over the motion. Both in m.
     """
     readings = drawing.frames[-1].readings
     controls = [name.removeprefix("control_") for name in readings if name.startswith("control_")]
@@ -156,7 +157,7 @@ def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
 def _rows(
     columns: Columns, flying: list[str], step: float, duration: float | None
 ) -> Iterator[int]:
-    """The rows that lie a step apart, and those where the mode changes."""
+    """Yield the rows that are a step apart, and those where the mode changes."""
     time = columns["time"]
     end = inf if duration is None else float(time[0]) + duration * (1.0 + 1e-9)
     last = int((time <= end).sum()) - 1

@@ -1,8 +1,8 @@
-"""Where the energy of a run is: moving, stored, dissipated, brought in (L2 eqs. 21, 26).
+"""The energies of a run: kinetic, stored, dissipated and supplied.
 
-T + U + D = W + the energy at the start. The account is the ledger of the integrator, road by road and
-load by load. A model of this project takes the same internal steps here as in its FMU; at each row its
-state is taken aside, led on to that instant, and read.
+T + U + D = W + the energy at the start. The entries are those of the integrator's ledger, for each road
+and each load. A model takes the same internal steps here as in its FMU; at each row a copy of its state
+is stepped to that time and read.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ Reals = npt.NDArray[np.float64]
 
 
 class _Entries(NamedTuple):
-    """What the ledger says at one instant, J.
+    """The entries of the ledger at one time, J.
 
     Parameters
     ----------
-    kinetic, stored : of all masses, of all elements
-    supplied : by each road and load so far
-    residual : what the balance lacks
+    kinetic, stored : energy of all masses, and of all elements
+    supplied : work of each road and load so far
+    residual : error of the balance
     """
 
     kinetic: float
@@ -36,24 +36,24 @@ class _Entries(NamedTuple):
 
     @property
     def held(self) -> float:
-        """What moves and what is stored."""
+        """The kinetic and stored energy."""
         return self.kinetic + self.stored
 
 
 def energies(
     model: str, parameters: Mapping[str, Value], times: Sequence[float] | Reals
 ) -> dict[str, Reals]:
-    """Columns of energy at the instants of a run, J, by name; not numbers once the run has failed.
+    """Return the energies at the times of a run by name, J; NaN once the run has failed.
 
-    What is dissipated is the works of all dampers, of friction and of flow, and what a damped tyre
-    loses or gains where its contact ends or begins. Where more than one road or load brings energy in,
-    each has a column of its own besides.
+    The dissipated energy includes the work of all dampers, of friction and of plastic flow, and what a
+    damped tyre loses or gains at lift-off and touchdown. If more than one road or load supplies energy,
+    each also has a column.
 
     Parameters
     ----------
     model : key of `suspension.variables.MODELS`
     parameters : its public parameters, SI
-    times : s, ascending; the run starts at the first one
+    times : s, ascending; the run starts at the first time
     """
     session = Session(model, parameters, float(times[0]))
     names = session.sources
@@ -62,7 +62,7 @@ def energies(
         (
             now.kinetic,
             now.stored,
-            # the balance: with it, all that any element took up and no other entry has
+            # from the balance: all work on the elements that no other entry has
             start.held - now.held + sum(now.supplied) + now.residual,
             sum(now.supplied),
             *now.supplied,
@@ -86,7 +86,7 @@ def energies(
 
 
 def _at(integrator: Any, times: Sequence[float]) -> Iterator[_Entries]:
-    """The entries at ascending instants, as far as the integrator comes, step by step of its own."""
+    """Yield the entries at ascending times, until the integrator fails; it takes its own steps."""
     before = integrator.snapshot()
     for t in times:
         while integrator.time < t:

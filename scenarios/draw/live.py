@@ -1,4 +1,4 @@
-"""A run shown in a viewer while it goes on."""
+"""Showing a run in a viewer while it is under way."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class LiveRun:
-    """What a viewer is told of a run."""
+    """A run and the viewer that shows it."""
 
     scene: Scene
     drawing: Drawing | None
     live: Live
 
     def watch(self, recorder: Recorder) -> None:
-        """Say after a step what FMPy has recorded so far."""
+        """Show the rows that FMPy has recorded so far."""
         self.live.watch([known(name) for name, *_ in recorder.cols], recorder.rows)
 
     def complete(self, results: Results) -> tuple[list[str], list[str]]:
@@ -42,8 +42,7 @@ class LiveRun:
 
         Returns
         -------
-        a line if its file could not be written, and one if it could not be shown, which costs the
-        drawing only
+        Problems (the file could not be written) and warnings (the run could not be shown), a line each.
         """
         self.live.complete(of_results(results, self.drawing, self.scene.show.model_dump()))
         if not self.live.problem:
@@ -58,11 +57,11 @@ class LiveRun:
 def shown_live(
     scene: Scene, drawing: Drawing | None, viewer: str, path: Path | None = None
 ) -> Iterator[LiveRun | None]:
-    """Show a run in the viewer at this address, in a file, or both; without either, nothing.
+    """Show a run in the viewer at this address, in a file, or both; yield None without either.
 
     Raises
     ------
-    InputError : not the address of a viewer.
+    InputError : if this is not the address of a viewer.
     """
     if not viewer and path is None:
         yield None
@@ -93,8 +92,8 @@ def show_in(shown: Content, viewer: str) -> None:
 
     Raises
     ------
-    InputError : not the address of a viewer.
-    RunError : the viewer is not there, or does not take the recording.
+    InputError : if this is not the address of a viewer.
+    RunError : if the viewer cannot be reached, or refuses the recording.
     """
     try:
         live = recording.Live(shown, viewer)
@@ -117,7 +116,7 @@ def page(files: Sequence[Path], address: str) -> Iterator[Server]:
 
     Raises
     ------
-    RunError : nothing can be served at this address.
+    RunError : if nothing can be served at this address.
     """
     try:
         with recording.serving(files, address) as server:
@@ -127,11 +126,11 @@ def page(files: Sequence[Path], address: str) -> Iterator[Server]:
 
 
 def recordings_in(folder: Path) -> list[Path]:
-    """All recordings in a folder and in those in it.
+    """Return all recordings in a folder and its subfolders.
 
     Raises
     ------
-    InputError : no such folder, or none in it.
+    InputError : if there is no such folder, or no recording in it.
     """
     if not folder.is_dir():
         raise InputError(one_line(f"serve: no folder {folder}"))

@@ -1,6 +1,6 @@
-"""From results and constructions to pictures and recordings.
+"""Pictures and recordings of results and constructions.
 
-Only what is asked for is imported and made.
+Drawing libraries are imported only when they are needed.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ if TYPE_CHECKING:
 
 RECORDING = "construction.rrd"
 RULES_SHOWN = {"figure4a": "mean_normal", "figure4b": "osculating_circle", "figure8": "tangent"}
-"""The step rule that a figure shows, where it shows a single one."""
+"""The step rule of each figure that shows a single rule."""
 
 
 def pictures_of(
     scene: Scene, results: Results, drawing: Drawing | None
 ) -> dict[str, Callable[[Path], None]]:
-    """What draws or records each picture that a scene shows, by the name of its file.
+    """Return a function for each picture or recording of a scene, by file name, that writes it.
 
     Parameters
     ----------
-    drawing : the construction; without one, the pictures that need it are left out
+    drawing : the construction; if None, the pictures that need it are left out
     """
     title, dark = scene.title or scene.name, scene.show.dark
     pictures: dict[str, Callable[[Path], None]] = {
@@ -62,15 +62,15 @@ def draw(
 ) -> None:
     """Draw one picture: `time_histories` from results, the others from a construction.
 
-    The phase planes are moving where the file is a .gif or an .mp4.
+    The phase planes are animated if the file is a .gif or an .mp4.
 
     Raises
     ------
-    ValueError : a construction that has not got what the picture shows.
+    ValueError : if the construction lacks what the picture shows.
     """
     if path.suffix in MOVING:
         if name != "phase_planes":
-            raise ValueError(f"only phase_planes is moving; write it as {', '.join(PICTURES)}")
+            raise ValueError(f"only phase_planes can be animated; write {', '.join(PICTURES)}")
         assert drawing is not None
         figures.animation(drawing, path, title=title, dark=dark)
         return
@@ -88,7 +88,7 @@ def record(shown: Content, path: Path) -> None:
 
 
 def histories(results: Results) -> dict[str, npt.NDArray[np.float64]]:
-    """The columns under the names that pictures and recordings know."""
+    """Return the columns under their names in pictures and recordings."""
     renamed = {"ground_elevation": "road_elevation", "ground_velocity": "road_velocity"}
     columns = {renamed.get(name, name): column for name, column in results.columns.items()}
     if {"body_acceleration", "wheel_acceleration"} <= columns.keys():

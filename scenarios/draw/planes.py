@@ -1,4 +1,4 @@
-"""The phase planes of a model, or of any system: which construction it has, with its numbers."""
+"""The phase planes of a model or of any system: its construction, with its numbers."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     Start = tuple[list[float], list[float]]
 
 CONSTRUCTED = (*MODELS, EQUATION)
-"""The models whose construction is known."""
+"""The models that have a construction."""
 
 
 def planes_of(
     model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any]
 ) -> Construction:
-    """The phase planes of a model.
+    """Return the phase planes of a model.
 
     Raises
     ------
-    InputError : a model without a construction, or one whose elements cannot be drawn.
+    InputError : if the model has no construction, or its elements cannot be drawn.
     """
     if model not in CONSTRUCTED:
-        raise InputError(f"no construction is known for {model}; only for {', '.join(CONSTRUCTED)}")
+        raise InputError(f"{model} has no construction; allowed: {', '.join(CONSTRUCTED)}")
     try:
         if model == EQUATION:
             return _of_equation(parameters, settings)
@@ -50,7 +50,7 @@ def planes_of(
 
 
 def _start(system: System, parameters: Mapping[str, Value]) -> Start:
-    """Displacements and velocities of the coordinates at time 0, as a run has them."""
+    """Return the displacements and velocities of the coordinates at the start of a run."""
     levels = {axle.road: system.signals[axle.road].before(0.0) for axle in system.axles}
     q, v = (
         [
@@ -67,16 +67,16 @@ def _start(system: System, parameters: Mapping[str, Value]) -> Start:
 def of_system(
     system: System, settings: Mapping[str, Any], start: Start | None = None
 ) -> Construction:
-    """The phase planes of a system: one, two or four of them, by its axles and tyres.
+    """Return the phase planes of a system: one, two or four, depending on its axles and tyres.
 
     Parameters
     ----------
-    settings : plane_distance, m, and plane_scales; both may be left out
-    start : displacements and velocities of the coordinates at time 0; at rest if left out
+    settings : plane_distance (m) and plane_scales, both optional
+    start : displacements and velocities of the coordinates at time 0; zero if None
 
     Raises
     ------
-    ValueError : a system of another kind, or with dry friction, which sticks and cannot be drawn.
+    ValueError : if the system is of another kind, or has dry friction, whose sticking cannot be drawn.
     """
     sticking = [element.name for element in system.elements if element.friction]
     if sticking:
@@ -90,7 +90,7 @@ def of_system(
         (2, 2): _half_car,
     }.get((len(system.axles), tyres))
     if make is None:
-        raise ValueError(f"{len(system.axles)} axles, {tyres} of them with tyres: none is known")
+        raise ValueError(f"there is none for {len(system.axles)} axles, {tyres} of them with tyres")
     rest = [0.0] * len(system.coordinates)
     given = {name: value for name, value in settings.items() if value is not None}
     return make(system, given, start or (rest, rest))
@@ -190,7 +190,7 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
     loads = [system.signals[load.signal] for load in system.loads]
     acting = [load for load in loads if load.joints or load.value(0.0)] or loads[:1]
     if len(system.coordinates) != 1 or len(yielding) != 1 or len(acting) != 1:
-        raise ValueError("no construction is known for a system without axles, but that of H83")
+        raise ValueError("without axles, only the oscillator of H83 has a construction")
     (spring,) = yielding
     damping = sum(element.damper.force(1.0) for element in system.elements)
     return constructions.ElastoplasticPlane(
@@ -223,7 +223,7 @@ def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -
 
 
 def _laws(system: System, axle: Axle) -> tuple[Characteristic, Damper]:
-    """Spring and damper of an axle; what acts side by side in it is added."""
+    """Return the spring and damper of an axle; elements in parallel are added."""
     between = [
         element
         for element in system.elements
@@ -238,7 +238,7 @@ def _laws(system: System, axle: Axle) -> tuple[Characteristic, Damper]:
 
 
 def _tyre(system: System, axle: Axle) -> dict[str, Any]:
-    """The tyre as stiffness and damping where it is linear, else as it is."""
+    """Return the tyre as stiffness and damping if it is linear, else by its laws."""
     tyre = _element(system, axle.tyre)
     if _is_linear(tyre.spring) and _is_linear(tyre.damper):
         return {
@@ -264,7 +264,7 @@ def _element(system: System, name: str) -> Element:
 
 
 def _sheet(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """What is said of the sheet."""
+    """Return the settings of the sheet."""
     return {
         name: tuple(settings[name]) if name == "plane_scales" else settings[name]
         for name in ("plane_distance", "plane_scales")

@@ -30,21 +30,21 @@ if TYPE_CHECKING:
 
 _OF_EQUATION = ("displacement", "x")
 _REACH = 3.0  # of an equation, unless it starts farther out
-_PART = 0.1  # m, that of a vehicle
+_PART = 0.1  # m, of a vehicle
 _PERIODS = 100
 
 
 @dataclass(frozen=True, slots=True)
 class _Subject:
-    """What a portrait is made of.
+    """The subject of a portrait.
 
     Parameters
     ----------
-    system : the system, under its periodic excitation if there is one
-    labels : of the axes
-    reach : how far the window reaches at least, in the coordinate's unit
-    start : displacement and rate from which the section of that begins
-    held : words for the coordinates that rest while one moves
+    system : the system, with its periodic forcing if there is one
+    labels : labels of the axes
+    reach : least half-width of the window, in the coordinate's unit
+    start : initial displacement and rate of the Poincare section
+    held : names of the coordinates that rest while one moves
     """
 
     system: PhaseSystem
@@ -65,24 +65,24 @@ def portrait(
     frozen: float | None = None,
     dark: bool = False,
 ) -> dict[str, Any]:
-    """Compute the phase portrait of a scene, and draw it if wanted.
+    """Compute the phase portrait of a scene, and draw it if `figure` is given.
 
     Parameters
     ----------
     reference, overrides : the scene
-    figure : picture to be written
-    coordinate : which one moves while the others rest at zero; the first if left out
-    window : left, right, bottom, top; chosen if left out
-    period : of an equation's excitation, s; found in the equation if left out
-    frozen : an instant, s: a driven system is then drawn as if f changed no more from there on
+    figure : picture to write
+    coordinate : the coordinate that moves while the others rest at zero; the first if empty
+    window : left, right, bottom, top; automatic if empty
+    period : forcing period of an equation, s; found in the equation if 0
+    frozen : draw a forced system with its forcing frozen at this time, s; if None, draw its section
 
     Returns
     -------
-    the window, equilibria, limit cycles, and what the section ends in, as plain data
+    The window, equilibria, limit cycles and attractors of the section, as plain data.
 
     Raises
     ------
-    InputError : a scene without a portrait, no such coordinate, a window that is none.
+    InputError : if the scene has no portrait, or the coordinate or the window is not valid.
     """
     if figure is not None:
         check_picture(figure)
@@ -91,7 +91,7 @@ def portrait(
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
         shown = computed.Window(*window) if window else computed.good_window(system, subject.reach)
-        with np.errstate(all="ignore"):  # motions that leave every window
+        with np.errstate(all="ignore"):  # motions that diverge
             made = computed.whole_portrait(
                 system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
             )
@@ -107,7 +107,7 @@ def portrait(
     if made.frozen is not None and system.driven:
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:
-        title = f"{title}: section, once in each period of the drive"
+        title = f"{title}: Poincare section, once per forcing period"
     if figure is not None:
         figures.save(figures.portrait(made, labels=subject.labels, title=title, dark=dark), figure)
     return {
@@ -119,7 +119,7 @@ def portrait(
 
 
 def _told(made: Portrait) -> dict[str, Any]:
-    """A portrait in numbers."""
+    """Return a portrait as plain data."""
     window = made.window
     return {
         "window": [window.left, window.right, window.bottom, window.top],
@@ -145,7 +145,7 @@ def _told(made: Portrait) -> dict[str, Any]:
 
 
 def portrait_in_words(told: Mapping[str, Any]) -> str:
-    """The same for a terminal."""
+    """Return the portrait as text for a terminal."""
     left, right, bottom, top = told["window"]
     lines = [
         told["title"],
@@ -167,14 +167,14 @@ def _place(at: Mapping[str, Any]) -> str:
 
 
 def _section_in_words(told: Mapping[str, Any]) -> list[str]:
-    """What a driven system ends in, if it ends in anything that repeats itself."""
+    """Return the section of a forced system and its periodic attractors, in lines."""
     kept = f"{told['periods']} states of each motion"
     after = f" after {told['transient']} periods" if told["transient"] else ""
-    lines = [f"section      once in {told['period']:.6g} s, the drive's period: {kept}{after}"]
+    lines = [f"section      once per forcing period, {told['period']:.6g} s: {kept}{after}"]
     for states in told["attractors"]:
         x, v = states[-1]
         m = len(states)
-        every = "the drive's period" if m == 1 else f"{m} periods"
+        every = "the forcing period" if m == 1 else f"{m} forcing periods"
         lines.append(f"attracts     a motion of {every}, at {x:.6g}, {v:.6g}")
     return lines
 
@@ -183,10 +183,10 @@ def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
     parameters = scene.all_parameters
     if scene.fmu.model == EQUATION:
         if coordinate not in ("", *_OF_EQUATION):
-            raise ValueError(f"coordinate {coordinate!r}: an equation has none but displacement")
+            raise ValueError(f"coordinate {coordinate!r}: an equation has only displacement")
         return _of_equation(parameters, period)
     if period:
-        raise ValueError("--period is for equations; a vehicle's is that of its road")
+        raise ValueError("--period is for equations only; a vehicle takes the period of its road")
     if scene.fmu.model not in MODELS:
         raise ValueError(f"there is no portrait of {scene.fmu.model}")
     return _of_model(build(scene.fmu.model, parameters), parameters, coordinate)
@@ -197,7 +197,7 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     found = period or drive_period(text)
     if found is None:
         raise ValueError(
-            "the equation depends on t in no period that could be found: give the drive's by --period"
+            "no forcing period was found in the equation; give it with --period, or give --frozen TIME"
         )
     system = computed.PhaseSystem(
         function_of(text)[0], period=found, on_arrays=function_of_arrays(text)
@@ -207,7 +207,7 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
 
 
 def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) -> _Subject:
-    """A section in which one coordinate moves; one degree of freedom is driven by a sinusoidal road."""
+    """Return a subject with one moving coordinate; a sine road forces one degree of freedom."""
     names = list(system.coordinates)
     name = (coordinate or names[0]).removesuffix("_displacement")
     if name not in names:
@@ -226,7 +226,7 @@ def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) 
 
 
 def _on_waves(still: PhaseSystem, wave: Segment) -> PhaseSystem:
-    """The same on a sinusoidal road, y'' + f = -xi'', from the road's start on."""
+    """Return the system on a sinusoidal road, y'' + f = -xi'', from the road's start on."""
     (phase, speed, _), size = wave.phase, wave.amplitude
 
     def function(v: float, x: float, t: float) -> float:

@@ -1,4 +1,4 @@
-"""What a recording of a scene or of a run holds."""
+"""The content of a recording of a scene or of a run."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
-# The displacements whose phase planes are drawn where nobody says which, the first that exist.
+# The displacements whose phase planes are drawn by default: the first group that exists.
 _PLANES = (
     ("suspension_deflection", "wheel_displacement"),
     ("front_suspension_deflection", "front_wheel_displacement",
@@ -52,16 +52,16 @@ def content(
     shown: Mapping[str, Any],
     live: bool = False,
 ) -> Content:
-    """All that a recording shows.
+    """Return the content of a recording.
 
     Parameters
     ----------
-    title : of the scene
-    model, parameters : what was run, parameters in SI
+    title : title of the scene
+    model, parameters : the model and its parameters, SI
     drawing : its construction, if there is one
-    columns : of the run, by the names of its outputs; of no rows before it begins
+    columns : columns of the run by the names of its outputs; without rows before it starts
     units : SI units of the outputs
-    duration : of the run, s
+    duration : duration of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs)
     live : whether the run is yet to come
     """
@@ -85,7 +85,7 @@ def content(
 
 
 def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
-    """Columns of what a construction has read off its sheet, but for its own phase planes."""
+    """Return the readings of a construction as columns, except those of its phase planes."""
     names = [
         name
         for name in drawing.frames[0].readings
@@ -98,7 +98,7 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
 
 
 def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
-    """Displacements and their rates whose phase planes tell most."""
+    """Return the displacements and rates of the phase planes to draw by default."""
     names = set(names)
     for displacements in _PLANES:
         pairs = [(y, rate) for y in displacements if {y, rate := recording.rate_of(y)} <= names]
@@ -108,11 +108,11 @@ def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
 
 
 def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Vehicle | None:
-    """The vehicle of a model as it is seen from the side; none for a model without a road.
+    """Return the side view of a model's vehicle; None for a model without a road.
 
     Parameters
     ----------
-    duration : for which it travels, s
+    duration : time it travels, s
     """
     if model not in MODELS:
         return None
@@ -151,23 +151,23 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
 
 
 def _static_tyre_deflection(system: System, axle: Axle) -> float:
-    """How far the weight compresses a tyre, m: as far as it must extend to be free of force."""
+    """Return the static deflection of a tyre, m: how far it extends until it carries no force."""
     number = system.element(axle.tyre)
     if number is None:
         return 0.0
     free = system.elements[number].spring.argument(axle.static_load)
-    return free if isfinite(free) else 0.0  # a table that never lets go
+    return free if isfinite(free) else 0.0  # a table that never reaches zero force
 
 
 def _profile(road: Signal, duration: float) -> Iterator[tuple[float, float]]:
-    """Points of a road, close together, as far as it is met."""
+    """Yield closely spaced points of the road, as far as the vehicle travels."""
     for i in range(_ROAD_POINTS + 1):
         instant = duration * i / _ROAD_POINTS
         yield instant, road.value(instant)
 
 
 def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, Any]) -> Content:
-    """The recording of a run."""
+    """Return the content of the recording of a run."""
     summary = results.summary
     return content(
         title=summary["title"] or summary["scene"],
@@ -182,5 +182,5 @@ def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, An
 
 
 def known(name: str) -> str:
-    """The name under which a recording knows a column."""
+    """Return the name of a column in a recording."""
     return name.replace("ground_", "road_")

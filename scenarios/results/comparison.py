@@ -1,4 +1,4 @@
-"""Two runs compared column by column, and what only one of them has."""
+"""The comparison of two runs, column by column."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ if TYPE_CHECKING:
     Column = npt.NDArray[np.float64]
     Columns = Mapping[str, Column]
 
-_ROUNDING = 1e-6  # of the longer run, within which two instants are the same
+_ROUNDING = 1e-6  # of the longer run's duration: instants this close are the same
 _MOST_NAMED = 3
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How far one column lies from the same one of another run.
+    """The largest difference between a column and the same column of another run.
 
     Parameters
     ----------
-    name : of the column
+    name : name of the column
     largest : magnitude of the largest difference, in the column's unit
-    peak : largest magnitude of either column where both are known
-    time : the instant of the largest difference, s
+    peak : largest magnitude of either column over their common time
+    time : time of the largest difference, s
     """
 
     name: str
@@ -38,7 +38,7 @@ class Difference:
 
     @property
     def relative(self) -> float:
-        """The largest difference over the peak; 0 where both columns vanish."""
+        """The largest difference over the peak; 0 if both columns are zero."""
         if not isfinite(self.largest):
             return inf
         return self.largest / self.peak if self.peak > 0.0 else 0.0
@@ -46,7 +46,7 @@ class Difference:
 
 @dataclass(frozen=True, slots=True)
 class Extent:
-    """The rows of a run: how many, and from when to when, s."""
+    """The number of rows of a run, and its first and last time, s."""
 
     rows: int
     start: float
@@ -59,14 +59,14 @@ class Extent:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Two runs compared where both have values.
+    """The comparison of two runs over their common time.
 
     Parameters
     ----------
-    differences : of the columns compared, largest relative one first
-    ours, other : rows of the two
-    common : our rows that lie within the other's time, which are compared
-    only_ours, only_other : names of columns that the other one lacks
+    differences : one for each column compared, the largest relative difference first
+    ours, other : rows of the two runs
+    common : rows of the first run within the time of the other, which are compared
+    only_ours, only_other : names of columns that the other run lacks
     """
 
     differences: tuple[Difference, ...]
@@ -77,7 +77,7 @@ class Comparison:
     only_other: tuple[str, ...]
 
     def unshared(self, ours: str, other: str) -> list[str]:
-        """What only one of the two has, a phrase each, with the names they go by."""
+        """Return what only one of the two runs has, in words; `ours` and `other` name the runs."""
         told = []
         near = _ROUNDING * max(e.end - e.start for e in (self.ours, self.other))
         if (
@@ -94,7 +94,7 @@ class Comparison:
         return told
 
     def as_data(self) -> dict[str, Any]:
-        """What was compared, as plain data."""
+        """Return the columns, rows and time compared, as plain data."""
         return {
             "columns": [difference.name for difference in self.differences],
             "rows": self.common.rows,
@@ -104,7 +104,7 @@ class Comparison:
 
 
 def extent_words(compared: Mapping[str, Any]) -> str:
-    """What was compared, as `Comparison.as_data` gives it, in words."""
+    """Return the columns, rows and time of `Comparison.as_data` in words."""
     columns = len(compared["columns"])
     extent = Extent(compared["rows"], compared["from"], compared["to"])
     return f"{columns} {'column' if columns == 1 else 'columns'}, {extent}"
@@ -119,17 +119,16 @@ def _listed(names: tuple[str, ...]) -> str:
 def compared(ours: Columns, other: Columns, names: Iterable[str] | None = None) -> Comparison:
     """Compare two runs.
 
-    The other run is read at our instants, between its own by straight lines, over the time that both
-    have in common.
+    The other run is interpolated linearly at the times of the first, over their common time.
 
     Parameters
     ----------
     ours, other : `time` (s) and columns of the same length, in the same units
-    names : only these columns, which both must have; all if left out
+    names : columns to compare, which both must have; all if None
 
     Raises
     ------
-    ValueError : no column or no time in common, or times that cannot be compared.
+    ValueError : if no column or no time is common, or a time is not finite or goes back.
     """
     wanted = None if names is None else tuple(names)
     shared = [name for name in ours if name in other and name != "time"]
@@ -164,7 +163,7 @@ def _difference(
 ) -> Difference:  # fmt: skip
     a = ours[both].astype(float)
     b = np.interp(time[both], then, other.astype(float))
-    with np.errstate(invalid="ignore"):  # infinity less infinity
+    with np.errstate(invalid="ignore"):  # infinity minus infinity
         gap = abs(a - b)
     gap[(np.isnan(a) & np.isnan(b)) | (a == b)] = 0.0
     gap[np.isnan(gap)] = np.inf
@@ -174,11 +173,11 @@ def _difference(
 
 
 def check_ascending(time: Column) -> None:
-    """Refuse instants that are not finite or go back.
+    """Reject times that are not finite or go back.
 
     Raises
     ------
-    ValueError : names the row.
+    ValueError : if there is one; the message names the row.
     """
     for row in np.flatnonzero(~np.isfinite(time)):
         raise ValueError(f"time is {time[row]:g} in row {row + 1}; it must be a finite number")
@@ -189,11 +188,11 @@ def check_ascending(time: Column) -> None:
 
 
 def check_comparable(columns: Columns, names: Iterable[str]) -> None:
-    """Refuse what nothing can be compared with: times that go back, and what is not a number.
+    """Reject columns that cannot be a reference: times that go back, or values that are not finite.
 
     Raises
     ------
-    ValueError : names column and row.
+    ValueError : if there is one; the message names column and row.
     """
     check_ascending(columns["time"].astype(float))
     for name in names:

@@ -1,9 +1,9 @@
-"""The results of a run, and the folder that keeps them.
+"""The results of a run and their folder.
 
-A results folder is replaced whole: everything is written beside it first and moved into its place
-at the end; pictures are added once it stands (see `standing`). It is known by its `summary.json`, which
-lists its files and says where they come from: a folder that holds anything else is never touched, and one
-that holds the results of another file only if it is named.
+A results folder is replaced as a whole: a new folder is written beside it and moved into its place;
+pictures are added afterwards (see `standing`). Its `summary.json` lists its files and their origin. A
+folder with any other file in it is never replaced, and one with results of another scene file only if
+the user names it.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 OUTPUT = Path("out")
-"""Where results go unless a folder is named."""
+"""The folder of results unless the user names one."""
 
 SUMMARY = "summary.json"
 DAMAGED = "the summary is damaged, or is not that of a run"
 TABLE = "results.csv"
-_MARK = "phaseplane_results"  # the first key of our summaries, with the number of their layout
+_MARK = "phaseplane_results"  # the first key of a summary; its value is the layout version
 _LAYOUT = 1
-_PACKAGE = Path(__file__).parents[1]  # holds the cases and sweeps that come with it
+_PACKAGE = Path(__file__).parents[1]  # contains the cases and sweeps of the package
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where results are to go, and what they come from.
+    """The folder to write results to, and the origin of the results.
 
     Parameters
     ----------
-    folder : of the results
-    kind : what makes them: `run`, `sweep` or the name of a study
-    file : the scene or sweep file they come from; None where there is none
-    named : whether the user has named the folder
+    folder : folder of the results
+    kind : the command that makes them: `run`, `sweep` or the name of a study
+    file : the scene or sweep file they come from, or None
+    named : whether the user named the folder
     """
 
     folder: Path
@@ -56,9 +56,9 @@ class Place:
 
     @property
     def origin(self) -> dict[str, str]:
-        """What the results come from, as plain data; the file as it is found from their folder.
+        """The origin of the results, as plain data.
 
-        So it is still the same file when both have been moved together.
+        The file's path is relative to the results folder, so that both can be moved together.
         """
         if self.file is None or self.file.is_relative_to(_PACKAGE):
             return {"kind": self.kind, "file": self.file.stem if self.file else ""}
@@ -72,12 +72,12 @@ class Place:
 
 @dataclass(frozen=True)
 class Results:
-    """What a run gave.
+    """The results of a run.
 
     Parameters
     ----------
     columns : `time` (s) and outputs, each of shape (rows,), in SI
-    summary : plain data: what was run, its measures, and whether it reached its end
+    summary : plain data: the scene, its measures, and whether the run reached its end
     """
 
     columns: Mapping[str, npt.NDArray[np.float64]]
@@ -90,20 +90,20 @@ class Results:
 
     @property
     def stopped(self) -> Mapping[str, Any] | None:
-        """Where (`time`, s) and why (`reason`) the run ended before its time, if it did."""
+        """When (`time`, s) and why (`reason`) the run stopped early, or None."""
         found: Mapping[str, Any] | None = self.summary["stopped"]
         return found
 
 
 def write_results(results: Results, folder: Path) -> None:
-    """Write the table, and the summary of the files that now lie in the folder."""
+    """Write the table, and the summary with the names of the files now in the folder."""
     table = folder / str(results.summary.get("table", TABLE))
     write_table(results.columns, results.summary, table)
     write_summary(results.summary, folder)
 
 
 def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
-    """Write the summary, with the names of the files that now lie in the folder; returns them."""
+    """Write the summary with the names of the files now in the folder, and return these names."""
     files = sorted({SUMMARY, *(path.name for path in folder.iterdir())})
     (folder / SUMMARY).write_text(
         as_json({_MARK: _LAYOUT, **summary, "files": files}) + "\n", encoding="utf-8"
@@ -112,11 +112,11 @@ def write_summary(summary: Mapping[str, Any], folder: Path) -> list[str]:
 
 
 def read_results(path: Path) -> Results:
-    """Read a results folder, or a table by itself, whose summary is what it carries.
+    """Read a results folder, or a single table with the metadata in its file.
 
     Raises
     ------
-    InputError : not a results folder of ours, or one that is damaged; or a file that is no table.
+    InputError : if it is no results folder of this package, is damaged, or is a file but no table.
     """
     if path.is_file():
         return Results(*read_table(path))
@@ -125,7 +125,7 @@ def read_results(path: Path) -> Results:
         if not path.exists():
             raise FolderError(one_line(f"no such file or folder: {path}"))
         raise FolderError(
-            one_line(f"{path} is no results folder: it holds no {SUMMARY} written by a run")
+            one_line(f"{path} is not a results folder: it has no {SUMMARY} written by a run")
         )
     table = path / str(summary.get("table", TABLE))
     columns, _ = read_table(table)
@@ -135,7 +135,7 @@ def read_results(path: Path) -> Results:
 
 
 def read_summary(folder: Path) -> dict[str, Any] | None:
-    """The summary in a folder, or None if none of ours is there."""
+    """Return the summary in a folder, or None if there is none of this package."""
     try:
         summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -149,12 +149,12 @@ def read_summary(folder: Path) -> dict[str, Any] | None:
 
 
 def check_replaceable(place: Place) -> None:
-    """Refuse to replace what is not a results folder, or holds other results.
+    """Refuse to replace anything but a results folder of the same origin.
 
     Raises
     ------
-    FolderError : a file, a folder that was not written by a run, one with other files in it, results of
-        another kind, or those of another file where nobody has named the folder.
+    FolderError : if it is a file, was not written by a run, contains other files or results of another
+        kind, or contains results of another scene file and the user has not named the folder.
     """
     folder = place.folder
     if not folder.exists():
@@ -163,14 +163,14 @@ def check_replaceable(place: Place) -> None:
         raise FolderError(one_line(f"{folder} is a file; give the name of a folder with -o"))
     if folder.resolve() in (Path.cwd(), *Path.cwd().parents):
         raise FolderError(
-            one_line(f"{folder} is the current folder or above it; give another one with -o")
+            one_line(f"{folder} is the current folder or a parent of it; give another with -o")
         )
     found = {path.name for path in folder.iterdir()}
     summary = read_summary(folder)
     if found and summary is None:
         raise FolderError(
             one_line(
-                f"{folder} holds no results of a run, so it is not replaced; "
+                f"{folder} contains no results of a run, so it is not replaced; "
                 "give another folder with -o"
             )
         )
@@ -179,20 +179,20 @@ def check_replaceable(place: Place) -> None:
     if foreign:
         raise FolderError(
             one_line(
-                f"{folder} holds {foreign[0]}, which no run wrote, so it is not replaced; "
-                "move that away or give another folder with -o"
+                f"{folder} contains {foreign[0]}, which no run wrote, so it is not replaced; "
+                "move that file away or give another folder with -o"
             )
         )
     _check_origin(place, (summary or {}).get("origin", place.origin))
 
 
 def _check_origin(place: Place, there: Mapping[str, str]) -> None:
-    """Refuse to replace results of another kind, or of another file in a folder nobody has named."""
+    """Refuse to replace results of another kind, or of another file unless the folder is named."""
     folder, ours = place.folder, place.origin
     if there["kind"] != ours["kind"]:
         raise FolderError(
             one_line(
-                f"{folder} holds the results of 'phaseplane {there['kind']}', which 'phaseplane "
+                f"{folder} contains results of 'phaseplane {there['kind']}', which 'phaseplane "
                 f"{ours['kind']}' does not replace; delete them or give another folder with -o"
             )
         )
@@ -203,7 +203,7 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
         )
         raise FolderError(
             one_line(
-                f"{folder} holds the results of {theirs}, which those of {own} do not replace; "
+                f"{folder} contains the results of {theirs}, which those of {own} do not replace; "
                 f"give another folder with -o, or -o {folder} to replace them"
             )
         )
@@ -211,11 +211,11 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
 
 @contextmanager
 def replaced_whole(place: Place) -> Iterator[Path]:
-    """A new folder to be filled, which takes its place if all goes well.
+    """Yield a new folder to fill, and put it in its place if there is no error.
 
     Raises
     ------
-    FolderError : see `check_replaceable`; or the place cannot be written to.
+    FolderError : see `check_replaceable`; or if the folder cannot be written.
     """
     check_replaceable(place)
     with draft_beside(place.folder) as draft:
@@ -226,11 +226,11 @@ def replaced_whole(place: Place) -> Iterator[Path]:
 
 @contextmanager
 def draft_beside(folder: Path) -> Iterator[Path]:
-    """A hidden folder beside another one, on the same disk, for as long as something is written.
+    """Yield a temporary hidden folder beside another folder, and so on the same disk.
 
     Raises
     ------
-    FolderError : the place cannot be written to.
+    FolderError : if it cannot be written.
     """
     target = folder.resolve()
     draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
@@ -247,7 +247,7 @@ def draft_beside(folder: Path) -> Iterator[Path]:
 
 
 def _exchange(draft: Path, target: Path) -> None:
-    """Put the draft in the target's place; what was there goes only when the new one stands."""
+    """Move the draft to the target; the old folder is deleted only once the new one is there."""
     old = draft.with_name(f"{draft.name}.old")
     with suppress(FileNotFoundError):
         target.rename(old)

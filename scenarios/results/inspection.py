@@ -1,4 +1,4 @@
-"""What is in a file of results, and how two of them differ."""
+"""The content of a results file, and the difference between two of them."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _MOST_DRAWN = 6
 
 
 def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) -> dict[str, Any]:
-    """The summary of results and their columns' extent; drawn over time if asked for.
+    """Return the summary of results and the range of each column; draw them over time if asked.
 
     Parameters
     ----------
-    what : results folder, or a table by itself
-    names : of the columns to be told and drawn; all are told and some drawn if left out
-    figure : picture to be written
+    what : results folder, or a single table
+    names : columns to list and draw; if empty, all are listed and the first few drawn
+    figure : picture to write
 
     Raises
     ------
-    InputError : no results, no such column, or a file name that is not fit.
+    InputError : if there are no results or no such column, or a file name is not valid.
     """
     if figure is not None:
         check_picture(figure)
@@ -58,7 +58,7 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
         time = _time(results, what)
         drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
         if not drawn:
-            raise InputError(one_line(f"--figure: {what} has no column but time to be drawn"))
+            raise InputError(one_line(f"--figure: {what} has no column but time to draw"))
         title = str(results.summary.get("title", what.name))
         figures.save(
             figures.columns({n: columns[n] for n in drawn}, time, units, title=title), figure
@@ -68,7 +68,7 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
 
 
 def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
-    """The same for a terminal."""
+    """Return the contents as text for a terminal."""
     lines = []
     if told["summary"].get("measures"):
         try:
@@ -94,19 +94,20 @@ def difference(
     *,
     common: bool = False,
 ) -> dict[str, Any]:
-    """How far two results lie apart, column by column, and what only one of them has.
+    """Return the differences of two results column by column, and what only one of them has.
 
     Parameters
     ----------
-    ours, other : results folders, or tables by themselves
-    tolerance : largest difference over the peak that is still called equal
-    names : of the columns compared; all if left out
+    ours, other : results folders, or single tables
+    tolerance : largest difference over the peak that counts as equal
+    names : columns to compare; all if empty
     figure : picture of the columns that differ most
-    common : whether rows, time and columns that only one of them has are left out of account
+    common : whether to ignore rows, times and columns that only one of them has
 
     Raises
     ------
-    InputError : no results, nothing in common, no such column, or a file name that is not fit.
+    InputError : if there are no results, nothing in common or no such column, or a file name is not
+        valid.
     """
     if figure is not None:
         check_picture(figure)
@@ -142,7 +143,7 @@ def difference(
 
 
 def difference_in_words(told: Mapping[str, Any]) -> str:
-    """The same for a terminal."""
+    """Return the differences as text for a terminal."""
     heading = ("column", "largest difference", "over its peak", "at")
     rows = [
         (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
@@ -159,7 +160,7 @@ def difference_in_words(told: Mapping[str, Any]) -> str:
 
 
 def first_difference(told: Mapping[str, Any]) -> str:
-    """Why two results are not equal, in one line."""
+    """Return why two results are not equal, in one line."""
     if told["unshared"]:
         return f"{'; '.join(told['unshared'])}; --common compares only what both have"
     worst = told["differences"][0]
@@ -167,7 +168,7 @@ def first_difference(told: Mapping[str, Any]) -> str:
         return f"{worst['name']} is not a number in one of the two at {worst['time']:g} s"
     return (
         f"{told['ours']} and {told['other']} differ: {worst['name']} by {worst['relative']:.3g} of "
-        f"its peak, allowed: {told['tolerance']:g}"
+        f"its peak; allowed: {told['tolerance']:g}"
     )
 
 

@@ -1,4 +1,4 @@
-"""Plain data as text."""
+"""Plain data as JSON."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 
 def as_json(data: object) -> str:
-    """Plain data as JSON text; a number that is not finite becomes null."""
+    """Return plain data as JSON; a number that is not finite becomes null."""
     return json.dumps(_finite(data), indent=1, ensure_ascii=False, allow_nan=False)
 
 

@@ -1,4 +1,4 @@
-"""Numbers as people read them: every measure with its unit and its instant, in one way everywhere."""
+"""The format of numbers in reports: every measure with its unit and its time."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ from collections.abc import Mapping
 from math import floor, inf, log10
 from typing import Any
 
-# SI unit -> unit shown and how many of it make the SI unit.
+# SI unit -> (unit shown, how many of it make one SI unit).
 _SHOWN_IN = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
 _NO_UNITS = ("", "1", "count")
-_DIGITS, _DECIMALS = 4, 3  # significant and decimal ones, at least
+_DIGITS, _DECIMALS = 4, 3  # least significant digits, least decimals
 _LONGEST = 1e9
-_ROUNDING = 1e-10  # what is smaller is left over of forces that cancel
-_LONG = 10.0  # s: instants from here on are told in seconds
+_ROUNDING = 1e-10  # smaller values are rounding errors of forces that cancel
+_LONG = 10.0  # s: times from here on are given in seconds
 
 
 def shown_in(unit: str) -> tuple[str, float]:
-    """The unit in which values in an SI unit are shown, empty for none, and how many make the SI unit."""
+    """Return the unit shown for an SI unit ("" for none), and how many of it make one SI unit."""
     return ("", 1.0) if unit in _NO_UNITS else _SHOWN_IN.get(unit, (unit, 1.0))
 
 
 def number(value: float) -> str:
-    """A number with at least four significant digits and three decimals; rounding errors are 0."""
+    """Return a number with at least four significant digits and three decimals; rounding errors as 0."""
     if isinstance(value, int):
         return str(value)
     size = abs(value)
@@ -36,7 +36,7 @@ def number(value: float) -> str:
 
 
 def quantity(value: object, unit: str) -> str:
-    """A measured value with the unit in which it is shown; several for a measure that lists some."""
+    """Return a value, or a list of values, with the unit shown for an SI unit."""
     shown, factor = shown_in(unit)
     if value is None:
         return "nothing"
@@ -48,7 +48,7 @@ def quantity(value: object, unit: str) -> str:
 
 
 def reading(measured: Mapping[str, Any], width: int = 0) -> str:
-    """A measure of a summary: its value, to the right within a width, its unit and its instant."""
+    """Return a measure of a summary: its value right-aligned in `width`, its unit and its time."""
     number, _, unit = quantity(measured["value"], measured["unit"]).partition(" ")
     if isinstance(measured["value"], list | tuple):
         return f"{number} {unit}".rstrip()

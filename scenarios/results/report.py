@@ -1,4 +1,4 @@
-"""What is said of a run on the terminal."""
+"""The report of a run on the terminal."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ _NAME, _NUMBER = 26, 10  # least widths of the columns of a measure
 
 
 def report(summary: Mapping[str, Any], folder: Path) -> str:
-    """A run in a few aligned lines."""
+    """Return the report of a run, in aligned lines."""
     return "\n".join(_lines(summary, folder))
 
 
 def failures(summary: Mapping[str, Any]) -> list[str]:
-    """What did not go as it should, one line each; none if all is well."""
+    """Return what failed in a run, one line each: an early stop, problems, unmet expectations."""
     stopped = summary["stopped"]
     told = []
     if stopped:
@@ -36,7 +36,7 @@ def failures(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _unmet(expectation: Mapping[str, Any]) -> str:
-    """What is wrong with an expectation that does not hold."""
+    """Return why an expectation does not hold."""
     if expectation.get("reason"):
         return f"{expectation['measure']}: {expectation['reason']}"
     return f"{expectation['measure']} = {_number(expectation['value'])}, expected {_bounds(expectation)}"
@@ -76,12 +76,12 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     for i, failure in enumerate(failures(summary)):
         yield _line("" if i else "FAILED", failure)
     yield ""
-    for i, name in enumerate(summary.get("files", ())):  # a table by itself carries none
+    for i, name in enumerate(summary.get("files", ())):  # a single table has none
         yield _line("" if i else "files", _path(folder / name))
 
 
 def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
-    """Peaks, then contact axle by axle, then everything else that was asked for."""
+    """Yield the peaks, then contact axle by axle, then all other measures."""
     told = {"step_count"}
     peaks = [name for name in measures if name.startswith("peak.")]
     yield from _table({name.removeprefix("peak."): measures[name] for name in peaks})
@@ -97,7 +97,7 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
-    """One line for each measure, and an empty one after them."""
+    """Yield one line for each measure, and an empty line after them."""
     width = max((_NAME, *(len(name) + 1 for name in measures)))
     for name, measured in measures.items():
         yield f"{name.replace('_', ' '):<{width}}{reading(measured, _NUMBER)}"
@@ -114,7 +114,7 @@ _CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "small
 
 
 def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
-    """How one wheel kept to the road."""
+    """Yield the lift-offs, touchdowns and contact force of one wheel."""
     axle = prefix.replace("_", " ")
     values = {what: measures.get(f"{prefix}{what}", {}).get("value") for what in _CONTACT}
     count = values["lift_off_count"]
@@ -129,7 +129,7 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
             listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
             yield _line(f"{axle}{what}", f"{listed} ms{more}")
     if values["lift_offs"] is not None and count > len(values["lift_offs"]):
-        yield _line("", f"{count} lift-offs in all; the others lie between two rows")
+        yield _line("", f"{count} lift-offs in all; the others are between two rows")
     if values["airborne_time"]:  # also of a wheel that starts in flight and never lifts off
         yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")
     if values["smallest_contact_force"] is not None:
@@ -138,24 +138,24 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
-    """The graphical construction, and its control by another way (AP57 section 4)."""
+    """Yield the graphical construction, and its control by a second path (AP57 section 4)."""
     if drawn is None:
         return
     yield _line("construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s")
     for i, words in enumerate(_lengths(drawn, "control")):
-        yield _line("" if i else "control", f"apart by {words} at most (AP57 eqs. 24, 25)")
+        yield _line("" if i else "control", f"differs by at most {words} (AP57 eqs. 24, 25)")
     for i, words in enumerate(_lengths(drawn, "drift")):
-        yield _line("" if i else "drift", f"from the run by {words} at most")
+        yield _line("" if i else "drift", f"from the run by at most {words}")
 
 
 def drift_words(drawn: Mapping[str, Any]) -> str:
-    """How far the steps of a construction end from the motion it is laid over, if it is."""
+    """Return how far construction steps end from the motion they are laid over, or ""."""
     lengths = ", ".join(_lengths(drawn, "drift"))
-    return f"; a step drifts by {lengths} at most" if lengths else ""
+    return f"; a step drifts by at most {lengths}" if lengths else ""
 
 
 def _lengths(drawn: Mapping[str, Any], which: str) -> list[str]:
-    """Some lengths of a construction in words."""
+    """Return the control or drift lengths of a construction in words."""
     factor, unit = (1e3, " mm") if drawn["unit"] == "m" else (1.0, drawn["unit"])
     return [
         f"{factor * value:.2g}{unit} in {name.replace('_', ' ')}"
@@ -177,7 +177,7 @@ def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
 
 
 def road_words(parameters: Mapping[str, Any]) -> str:
-    """The road of a run in words, or nothing if it has none of ours."""
+    """Return the road of a run in words, or "" if the FMU has no road of this package."""
     shape = parameters.get("road.shape")
     if shape is None or shape == "flat":
         return shape or ""
@@ -203,7 +203,7 @@ def road_words(parameters: Mapping[str, Any]) -> str:
             else f"class {parameters['road.class']}"
         )
         length = parameters["road.profile_length"]
-        long = f"{length:.4g} m long with {fade_length(length):.3g} m of fading at both ends"
+        long = f"{length:.4g} m long with a {fade_length(length):.3g} m fade at both ends"
         return f"random, {of}, seed {parameters['road.seed']}, {long}, {speed}"
     if shape == "step":
         return f"step {height} high"
@@ -250,7 +250,7 @@ def _bounds(expectation: Mapping[str, Any]) -> str:
 
 
 def _path(path: Path) -> str:
-    """A path as one would write it from here."""
+    """Return a path relative to the current folder."""
     try:
         return os.path.relpath(path)
     except ValueError:  # on another drive
@@ -258,7 +258,7 @@ def _path(path: Path) -> str:
 
 
 def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
-    """A table as lines: the first column to the left, the others to the right."""
+    """Return a table as lines, the first column left-aligned, the others right-aligned."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return [
         "  ".join(

@@ -1,8 +1,7 @@
-"""A results folder that stands already, to which files are added one by one, each whole.
+"""A finished results folder to which files are added one by one, each as a whole.
 
-So results are safe before pictures are drawn, and pictures that are complete stay whatever becomes of the
-next. The summary lists as `undrawn` what is still to come; a folder in which it never came is as complete
-as it says.
+So the results are safe before pictures are drawn, and a complete picture stays if the next one fails. The
+summary lists the pictures still to come as `undrawn`.
 """
 
 from __future__ import annotations
@@ -19,11 +18,11 @@ from .folder import SUMMARY, as_json, draft_beside
 
 
 class Standing:
-    """A results folder with the files that are added to it.
+    """A results folder to which files are added.
 
     Parameters
     ----------
-    folder : as a run has just written it
+    folder : the folder that a run has just written
     """
 
     def __init__(self, folder: Path) -> None:
@@ -36,11 +35,11 @@ class Standing:
 
     @contextmanager
     def added(self, name: str) -> Iterator[Path]:
-        """The path of a file to be written, which is added to the folder if all goes well.
+        """Yield the path of a file to write, and add the file to the folder if there is no error.
 
         Raises
         ------
-        RunError : the folder holds other results by now, or cannot be written to.
+        RunError : if the folder contains other results by now, or cannot be written.
         """
         with draft_beside(self.folder) as draft:
             yield draft / name
@@ -49,11 +48,11 @@ class Standing:
         self.tell()
 
     def tell(self, **more: Any) -> None:
-        """Write the summary anew, with the files that now lie in the folder and with what is told more.
+        """Write the summary again, with the files now in the folder and with the entries given.
 
         Raises
         ------
-        RunError : the folder holds other results by now.
+        RunError : if the folder contains other results by now.
         """
         self._check()
         summary = json.loads(self._text) | more
@@ -66,10 +65,12 @@ class Standing:
         self._text = text
 
     def _check(self) -> None:
-        """Refuse to add to what another run has put in the place of these results."""
+        """Refuse to add to the results of another run that has replaced these."""
         try:
             same = self._summary.read_text(encoding="utf-8") == self._text
         except OSError:
             same = False
         if not same:
-            raise RunError(one_line(f"{self.folder} holds other results by now; nothing is added"))
+            raise RunError(
+                one_line(f"{self.folder} contains other results by now; nothing is added")
+            )

@@ -1,7 +1,7 @@
-"""Tables of columns in files, in the form that the file's ending names, with what belongs to them.
+"""Tables of columns and their metadata in files; the file's ending sets the format.
 
-Numbers come back to the bit. CSV is FMPy's own form; it has no place for the metadata, which a results
-folder keeps in its summary.
+Numbers are read back to the bit. CSV is in FMPy's format, without metadata, which a results folder has
+in its summary.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     Columns = Mapping[str, npt.NDArray[np.float64]]
     Table = tuple[dict[str, npt.NDArray[np.float64]], dict[str, Any]]
 
-_METADATA = "phaseplane"  # the name under which metadata stands in a file
+_METADATA = "phaseplane"  # the name of the metadata in a file
 
 
 def write_table(columns: Columns, metadata: Mapping[str, Any], path: Path) -> None:
-    """Write columns of equal length and their metadata (plain data; not into a CSV)."""
+    """Write columns of equal length and their metadata (plain data; left out of a CSV)."""
     _FORMS[path.suffix][0](columns, json.dumps(metadata, ensure_ascii=False), path)
 
 
 def read_table(path: Path) -> Table:
-    """Read columns and metadata, which is empty where the file has none.
+    """Read columns and metadata, which is {} if the file has none.
 
     Raises
     ------
-    InputError : an ending that is not known, or a file that cannot be read.
+    InputError : if the ending is not known, or the file cannot be read.
     """
     check_ending(path)
     try:
@@ -51,27 +51,27 @@ def read_table(path: Path) -> Table:
         raise
     except OSError as error:
         raise InputError(one_line(f"cannot read {path}: {error.strerror or error}", 300)) from None
-    except Exception as error:  # whatever a file that is none provokes in its library
+    except Exception as error:  # any error that a damaged file causes in its library
         raise InputError(one_line(f"cannot read {path}: {error}", 300)) from None
     return columns, metadata if isinstance(metadata, dict) else {}
 
 
 def _check_columns(columns: Columns) -> None:
-    """Refuse what is no table of numbers."""
+    """Reject columns that are not numbers, or have different lengths."""
     rows = {len(column) for column in columns.values()}
     for name, column in columns.items():
         if column.ndim != 1 or column.dtype.kind not in "biuf":
-            raise ValueError(f"column {name!r} does not hold numbers")
+            raise ValueError(f"column {name!r} does not contain numbers")
     if len(rows) > 1:
         raise ValueError(f"columns of different lengths: {', '.join(map(str, sorted(rows)))} rows")
 
 
 def check_ending(path: Path) -> None:
-    """Refuse a file whose ending names no form of table, or one that needs what is not installed.
+    """Reject a file ending of no known format, or of one whose library is not installed.
 
     Raises
     ------
-    InputError
+    InputError : if the ending is not known, or its library is missing.
     """
     if path.suffix not in _FORMS:
         raise InputError(
@@ -113,7 +113,7 @@ def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
     except ValueError as error:  # whose hint at numpy's own arguments helps nobody here
         raise ValueError(str(error).partition("; use `usecols`")[0]) from None
     if values.shape[1] != len(names):
-        raise ValueError(f"{len(names)} names over {values.shape[1]} columns")
+        raise ValueError(f"{len(names)} names in the header, but {values.shape[1]} columns")
     return dict(zip(names, values.T.copy(), strict=True)), ""
 
 
@@ -153,7 +153,7 @@ def _read_hdf5(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 def _write_mat(columns: Columns, metadata: str, path: Path) -> None:
     from scipy.io import savemat  # noqa: PLC0415  (heavy)
 
-    # MATLAB's names have letters, digits and underscores, 63 at most; the true ones go along
+    # MATLAB names have at most 63 letters, digits and underscores; the full names are stored too
     names = {re.sub(r"\W|^(?=[\d_])", "x", name)[:63]: name for name in columns}
     if len(names) < len(columns):
         raise InputError(f"{path}: two columns would have the same name in MATLAB")

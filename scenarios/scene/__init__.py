@@ -1,1 +1,1 @@
-"""What a scene says: its files, keys, parameters and expectations, read and checked."""
+"""Scenes: their files, keys, parameters and expectations, read and checked."""

@@ -1,6 +1,6 @@
-"""Equations of second order as scenes: x'' + f(v, x, t) = 0, f written as a formula.
+"""Second-order equations as scenes: x'' + f(v, x, t) = 0 with f given as a formula.
 
-Not an FMU: the equation is solved by scipy, and drawn by Lienard's construction.
+An equation is no FMU: scipy solves it, and Lienard's construction draws it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import Value, Variable
 
 EQUATION = "Equation"
-"""What a scene names in place of an FMU."""
+"""The name a scene gives in place of an FMU."""
 
 _FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs, "max": max, "min": min,
@@ -32,7 +32,7 @@ _CONSTANTS = {"pi": math.pi}
 _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
 _LONGEST = 1000
-_MOST_PERIODS = 100  # of the slowest part of a drive, after which all parts have repeated
+_MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have repeated
 
 VARIABLES = (
     Variable("equation", "f of x'' + f = 0, a formula of v = x', x and t", "parameter", "x"),
@@ -49,7 +49,7 @@ VARIABLES = (
 
 
 def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool]:
-    """The function f(v, x, t) that a formula says, and whether it does not depend on t.
+    """Return the function f(v, x, t) of a formula, and whether it is autonomous (free of t).
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool
 
     Raises
     ------
-    ValueError : what is no such formula; says what is allowed.
+    ValueError : if the text is not such a formula; the message says what is allowed.
     """
     tree = _read(text)
     code = compile(ast.Expression(tree), "equation", "eval")
@@ -67,14 +67,14 @@ def function_of(text: str) -> tuple[Callable[[float, float, float], float], bool
         try:
             value = eval(code, scope, {"v": v, "x": x, "t": t})
             return float(value)
-        except (ValueError, ZeroDivisionError, TypeError):  # outside of where f is a real number
+        except (ValueError, ZeroDivisionError, TypeError):  # outside the domain of f
             return math.nan
 
     return function, not _mentions(tree, "t")
 
 
 def function_of_arrays(text: str) -> Callable[..., npt.NDArray[np.float64]]:
-    """The same f(v, x, t) of numpy's arrays; not a number where f is none.
+    """Return f(v, x, t) for numpy arrays; NaN outside the domain of f.
 
     Raises
     ------
@@ -92,10 +92,10 @@ def function_of_arrays(text: str) -> Callable[..., npt.NDArray[np.float64]]:
 
 
 def drive_period(text: str) -> float | None:
-    """The period in which f repeats itself in time, s; 0 where it does not depend on t.
+    """Return the period of f in t, s; 0 if f does not depend on t, None if no period is found.
 
-    None where none is found: t must stand in sines and cosines alone, a constant times t plus a
-    constant, with frequencies that have a common measure.
+    A period is found if t occurs only in sines and cosines of a constant times t plus a constant,
+    with commensurable frequencies.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def drive_period(text: str) -> float | None:
 
 
 def _frequency(argument: ast.expr) -> float | None:
-    """The factor of t in an argument that is linear in t and depends on nothing else."""
+    """Return the factor of t in an argument a + b t, or None if it is not of that form."""
     if _mentions(argument, "x") or _mentions(argument, "v"):
         return None
     code = compile(ast.Expression(argument), "equation", "eval")
@@ -146,7 +146,7 @@ def _mentions(tree: ast.AST, name: str) -> bool:
 
 
 def _read(text: str) -> ast.expr:
-    """The formula as a tree that holds nothing but what is checked: no attributes, no other calls."""
+    """Parse a formula into a tree of checked nodes only: no attributes, no other calls."""
     if len(text) > _LONGEST:
         raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
     try:
@@ -159,13 +159,15 @@ def _read(text: str) -> ast.expr:
 
 
 def _checked(node: ast.expr, text: str) -> ast.expr:
-    """The node, with whole numbers made real ones so that no power of them grows without end."""
+    """Return the checked node, integers made floats so that their powers cannot grow without end."""
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             try:
                 return ast.Constant(float(value))
             except OverflowError:
-                raise ValueError(f"equation: {text!r} holds a number too large") from None
+                raise ValueError(
+                    f"equation: {text!r} contains a number that is too large"
+                ) from None
         case ast.BinOp(left, operator, right) if isinstance(operator, _BINARY):
             return ast.BinOp(_checked(left, text), operator, _checked(right, text))
         case ast.UnaryOp(operator, operand) if isinstance(operator, _UNARY):
@@ -184,11 +186,11 @@ def _checked(node: ast.expr, text: str) -> ast.expr:
 
 
 def check_equation(parameters: Mapping[str, Value]) -> None:
-    """Refuse an equation that cannot be read, or is not a number at the start.
+    """Reject an equation that cannot be read, or is not finite at the start.
 
     Raises
     ------
-    ValueError : see `function_of`.
+    ValueError : if the equation cannot be read, or f is not finite at the start.
     """
     given = {v.name: v.start for v in VARIABLES} | dict(parameters)
     text = str(given["equation"])
@@ -200,5 +202,5 @@ def check_equation(parameters: Mapping[str, Value]) -> None:
         value = math.inf
     if not math.isfinite(value):
         raise ValueError(
-            f"equation = {text!r}: is {value} at the start, v = {start[0]:g}, x = {start[1]:g}"
+            f"equation = {text!r}: f is {value} at the start, v = {start[0]:g}, x = {start[1]:g}"
         )

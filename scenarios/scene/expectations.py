@@ -1,4 +1,4 @@
-"""What must hold of a run: bounds on measures, bounds within a time, closeness to a reference."""
+"""Expectations of a run: bounds on measures, bounds on outputs, agreement with a reference."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ if TYPE_CHECKING:
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
 _TOLERANCE = 1e-6
-_COMMON = "common = true compares only what both have"
+_COMMON = "set common = true to compare only the rows, times and columns that both have"
 
 
 class Bounds(Strict):
-    """What a measure must keep to, in SI; at least one of the two."""
+    """Bounds on a measure, in SI; at least one of the two."""
 
     min: float | None = None
     max: float | None = None
 
     def hold(self, value: object) -> bool:
-        """Whether a measured value keeps to them; one that could not be measured does not."""
+        """Whether a value is within the bounds; a missing value is not."""
         if not isinstance(value, int | float):
             return False
         return (self.min is None or value >= self.min) and (self.max is None or value <= self.max)
 
 
 class During(Strict):
-    """What an output must keep to from one instant to another, always or sometime.
+    """Bounds on an output within an interval of time, always or sometime.
 
-    It is looked at as closely as measures are: a model of this project also between the rows.
+    Models of this package are checked between the rows too, as for measures.
     """
 
     model_config = ConfigDict(**{**Strict.model_config, "populate_by_name": True})
@@ -49,36 +49,36 @@ class During(Strict):
     output: str
     """name of the output"""
     start: Annotated[Instant, Field(alias="from")] = 0.0
-    """from this instant on; from the beginning if left out"""
+    """start of the interval; the start of the run if left out"""
     end: Annotated[Instant | None, Field(alias="to")] = None
-    """to this instant; to the end if left out"""
+    """end of the interval; the end of the run if left out"""
     min: float | str | None = None
     """lower bound, a number in SI or a text with a unit"""
     max: float | str | None = None
     """upper bound, as min"""
     equals: Annotated[bool | None, Field(alias="is")] = None
-    """true or false, for outputs that are"""
+    """true or false, for boolean outputs"""
     when: Annotated[
         Literal["always", "sometime"],
         BeforeValidator(one_of(("always", "sometime"))),
         choices(("always", "sometime")),
     ] = "always"
-    """whether it must hold at every instant of that time or at some"""
+    """whether it must hold at every instant of the interval or at some instant"""
 
     @model_validator(mode="after")
     def _whole(self) -> During:
         if (self.min is None and self.max is None) == (self.equals is None):
             raise ValueError("needs min and/or max, or is = true or false")
         if self.end is not None and self.end < self.start:
-            raise ValueError("to lies before from")
+            raise ValueError("to is before from")
         return self
 
     def bounds(self, outputs: Mapping[str, Variable]) -> Bounds:
-        """The bounds in SI.
+        """Return the bounds in SI.
 
         Raises
         ------
-        ValueError : no such output, or bounds that do not fit it.
+        ValueError : if there is no such output, or the bounds do not fit it.
         """
         if self.output not in outputs:
             raise ValueError(f"no output {shown(self.output)}{nearest(self.output, outputs)}")
@@ -89,7 +89,7 @@ class During(Strict):
         return bounds_from(given, outputs[self.output].unit or "1")
 
     def judged(self, outputs: Mapping[str, Variable], columns: Columns) -> dict[str, Any]:
-        """Whether it holds, with the value that decides and its instant."""
+        """Return whether it holds, with the deciding value and its time."""
         bounds = self.bounds(outputs)
         time, column = columns["time"], columns[self.output].astype(float)
         end = inf if self.end is None else self.end
@@ -112,26 +112,26 @@ class During(Strict):
 
 
 class Reference(Strict):
-    """Columns of a file to which the run must come close."""
+    """A table of results that the run must agree with."""
 
     file: str
-    """CSV, Parquet, HDF5 or MAT with a column time (s) and outputs by name, in SI"""
+    """CSV, Parquet, HDF5 or MAT file with a column time (s) and outputs by name, in SI"""
     tolerance: Factor = _TOLERANCE
-    """largest difference over the column's peak"""
+    """largest difference, relative to the column's peak"""
     columns: Annotated[tuple[str, ...], BeforeValidator(tuple_from)] | None = None
-    """names of the columns compared; all if left out"""
+    """names of the columns to compare; all if left out"""
     common: bool = False
-    """whether only the rows, time and columns that file and run have in common are compared; if not, \
-those that only one of them has count as a difference"""
+    """whether to compare only the rows, times and columns that file and run share; otherwise those \
+that only one of them has count as differences"""
 
     def judged(self, file: str, reference: Columns, columns: Columns) -> dict[str, Any]:
-        """Whether the worst column is close enough, and file and run have the same rows and columns.
+        """Return whether the worst column is within tolerance, and rows and columns are the same.
 
         Parameters
         ----------
         file : name of the file
         reference : its columns
-        columns : those of the run that are shown, and those that the file has as well
+        columns : the columns the run shows, and its other columns that the file has too
         """
         told = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
         try:
@@ -152,12 +152,17 @@ those that only one of them has count as a difference"""
 
 
 def bounds_from(raw: object, unit: str) -> Bounds:
-    """`{min, max}` in numbers or texts with units; for what is counted also a whole number."""
+    """Return the bounds `{min, max}` in SI; for a count also one integer.
+
+    Raises
+    ------
+    ValueError : if they are not finite numbers, or texts with a unit, or min is above max.
+    """
     if unit == COUNT and isinstance(raw, int) and not isinstance(raw, bool):
         raw = {"min": raw, "max": raw}
     if not isinstance(raw, dict) or not raw:
         raise ValueError(
-            "must be a whole number, or min and/or max"
+            "must be an integer, or min and/or max"
             if unit == COUNT
             else f"must be min and/or max{unit_words(unit)}"
         )
@@ -180,7 +185,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
 def judged_measures(
     expected: Mapping[str, Bounds], readings: Mapping[str, Reading]
 ) -> Iterator[dict[str, Any]]:
-    """Whether the measures keep to their bounds."""
+    """Yield whether each measure is within its bounds."""
     for name, bounds in expected.items():
         yield {
             "measure": name,

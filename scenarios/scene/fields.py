@@ -1,4 +1,4 @@
-"""The kinds of values that a scene's keys take, with messages that say what is allowed."""
+"""The types of the values in a scene, with messages that say what is allowed."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
 
 
 def _described(schema: dict[str, Any], table: type[BaseModel]) -> None:
-    """Give the keys in a table's JSON Schema the docstrings that stand under them in its definition."""
+    """Add the docstrings of a table's keys to its JSON Schema, as their descriptions."""
     (definition,) = ast.parse(dedent(getsource(table))).body
     for key, text in pairwise(getattr(definition, "body", ())):
         match key, text:
@@ -25,7 +25,7 @@ def _described(schema: dict[str, Any], table: type[BaseModel]) -> None:
 
 
 class Strict(BaseModel):
-    """A table of a scene: only the keys it has, only values of their types."""
+    """A table of a scene: unknown keys and values of other types are rejected."""
 
     model_config = ConfigDict(
         extra="forbid",
@@ -37,7 +37,7 @@ class Strict(BaseModel):
 
 
 def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
-    """A positive number in SI (or zero), or a text with a unit."""
+    """Return a validator of a positive number (or zero) in SI, or a text with a unit."""
 
     def read(value: object) -> float:
         if isinstance(value, str):
@@ -57,12 +57,12 @@ def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
 
 
 def unit_words(unit: str) -> str:
-    """How a unit is named in a message."""
+    """Return a unit as it is written in a message."""
     return "" if unit == "1" else f" in {unit}"
 
 
 def one_of(choices: Sequence[str]) -> Callable[[object], str]:
-    """One of some texts."""
+    """Return a validator of one of the given texts."""
 
     def read(value: object) -> str:
         if value not in choices:
@@ -74,7 +74,7 @@ def one_of(choices: Sequence[str]) -> Callable[[object], str]:
 
 
 def list_of(choices: Sequence[str]) -> Callable[[object], tuple[str, ...]]:
-    """A list of some of these texts, each counted once."""
+    """Return a validator of a list of the given texts, without repeats."""
     one = one_of(choices)
 
     def read(value: object) -> tuple[str, ...]:
@@ -86,27 +86,27 @@ def list_of(choices: Sequence[str]) -> Callable[[object], tuple[str, ...]]:
 
 
 def tuple_from(value: object) -> object:
-    """A list as the tuple that is kept of it."""
+    """Return a list as a tuple."""
     if isinstance(value, list | tuple):
         return tuple(value)
     raise ValueError("must be a list")
 
 
 def choices(allowed: Sequence[str], *, many: bool = False) -> WithJsonSchema:
-    """In a JSON Schema: one of some texts, or a list of them."""
+    """Return the JSON Schema of one of the given texts, or of a list of them."""
     one = {"type": "string", "enum": list(allowed)}
     return WithJsonSchema({"type": "array", "items": one} if many else one)
 
 
 def pair(value: object) -> tuple[object, object]:
-    """A list of two values."""
+    """Return a list of two values as a pair."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise ValueError("must be a list of two numbers, one for each plane")
     return value[0], value[1]
 
 
 def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
-    """A list of pairs of names; a pair may also be written as one text with a comma."""
+    """Return a list of pairs of names; a pair may also be one text with a comma."""
     pairs = [
         [part.strip() for part in item.split(",")] if isinstance(item, str) else item
         for item in (value if isinstance(value, list | tuple) else [None])
@@ -119,7 +119,7 @@ def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
 
 
 def _as_quantity(unit: str) -> WithJsonSchema:
-    """In a JSON Schema: a number in SI, or a text with a unit."""
+    """Return the JSON Schema of a number in SI, or a text with a unit."""
     return WithJsonSchema({"type": ["number", "string"], "unit": unit})
 
 

@@ -1,4 +1,4 @@
-"""The FMU a scene names: a model of this project, or an `.fmu` file."""
+"""The FMU of a scene: a model of this package, or an `.fmu` file."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ _KINDS = {
 
 @dataclass(frozen=True, slots=True)
 class Fmu:
-    """What is to be driven.
+    """The model to run.
 
     Parameters
     ----------
     model : name of the model
-    path : of the `.fmu` file; None for a model of this project that has yet to be packed
+    path : the `.fmu` file; None for a model of this package that has yet to be packed
     variables : its public variables
     """
 
@@ -51,13 +51,13 @@ class Fmu:
 
     @property
     def is_ours(self) -> bool:
-        """Whether it is one of this project and version, so that the model itself can check values."""
+        """Whether it is a model of this package and version, which can check its values itself."""
         names = [v.name for v in MODELS.get(self.model, ())]
         return names == [v.name for v in self.variables]
 
     @property
     def content(self) -> str:
-        """A hash of all that the FMU is made of; of an equation, which is none, nothing."""
+        """A hash of the FMU's content; "" for an equation."""
         if self.path is not None:
             return sha256(self.path.read_bytes()).hexdigest()[:24]
         if self.model == EQUATION:
@@ -65,11 +65,11 @@ class Fmu:
         return content_key(self.model)
 
     def parameters(self) -> dict[str, Variable]:
-        """What can be set, by name."""
+        """Return the parameters by name."""
         return {v.name: v for v in self.variables if v.causality == "parameter"}
 
     def outputs(self) -> dict[str, Variable]:
-        """What can be read, by name; texts are left out, as no column holds them."""
+        """Return the outputs by name, except texts, which have no column."""
         return {
             v.name: v
             for v in self.variables
@@ -78,11 +78,11 @@ class Fmu:
 
 
 def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
-    """The FMU by the name of its model, or by the path of an `.fmu` file (relative to `folder`).
+    """Return the FMU of a model name, or of the path of an `.fmu` file (relative to `folder`).
 
     Raises
     ------
-    InputError : no such model or file, or a file that is no FMI 2.0 co-simulation FMU.
+    InputError : if there is no such model or file, or the file is no FMI 2.0 co-simulation FMU.
     """
     if reference in MODELS:
         return Fmu(reference, None, MODELS[reference])
@@ -102,7 +102,7 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
 
 
 def fmu_named(model: str) -> Fmu:
-    """As `find_fmu`, for a name from the command line, which the message repeats."""
+    """Return the FMU as `find_fmu`, for a name from the command line, which the message repeats."""
     try:
         return find_fmu(model)
     except InputError as error:
@@ -110,13 +110,13 @@ def fmu_named(model: str) -> Fmu:
 
 
 def default_duration(path: Path) -> float | None:
-    """How long an FMU says that it should be run, s; nothing if it does not say, or is none."""
+    """Return the stop time of the FMU's default experiment, s, or None."""
     from fmpy import read_model_description  # noqa: PLC0415  (heavy, and rarely needed here)
 
     try:
         experiment = read_model_description(str(path), validate=False).defaultExperiment
         return float(experiment.stopTime)
-    except Exception:  # what is wrong with it is said where it is read
+    except Exception:  # `find_fmu` reports what is wrong with the file
         return None
 
 
@@ -126,7 +126,7 @@ def _described(path: Path) -> Fmu:
     _refuse_other_kinds(path)
     try:
         description = read_model_description(str(path), validate=False)
-    except Exception as error:  # whatever a damaged description provokes
+    except Exception as error:  # any error that a damaged description causes
         raise InputError(f"not an FMU of FMI 2.0: {one_line(error, 160)}") from None
     variables = tuple(
         _variable(scalar)
@@ -136,16 +136,16 @@ def _described(path: Path) -> Fmu:
     fmu = Fmu(description.coSimulation.modelIdentifier, path, variables)
     if not fmu.is_ours:
         return fmu
-    declared = zip(MODELS[fmu.model], variables, strict=True)  # with ranges as they are meant
+    declared = zip(MODELS[fmu.model], variables, strict=True)  # which have the ranges that apply
     return Fmu(fmu.model, path, tuple(replace(ours, start=own.start) for ours, own in declared))
 
 
 def _refuse_other_kinds(path: Path) -> None:
-    """Refuse what is no FMU, or one that cannot be driven here.
+    """Reject a file that is no FMU, or an FMU of another kind.
 
     Raises
     ------
-    InputError : says what it is.
+    InputError : if it is not an FMI 2.0 co-simulation FMU; the message says what it is.
     """
     from xml.etree import ElementTree  # noqa: PLC0415  (rarely needed)
     from zipfile import BadZipFile, ZipFile  # noqa: PLC0415
@@ -156,10 +156,10 @@ def _refuse_other_kinds(path: Path) -> None:
     except BadZipFile:
         raise InputError("not an FMU: it is not a zip archive") from None
     except KeyError:
-        raise InputError(f"not an FMU: it holds no {_DESCRIPTION}") from None
+        raise InputError(f"not an FMU: it contains no {_DESCRIPTION}") from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # whatever a damaged archive provokes
+    except Exception as error:  # any error that a damaged archive causes
         raise InputError(f"not an FMU: {_DESCRIPTION}: {one_line(error, 160)}") from None
     version = root.get("fmiVersion")
     if root.tag != "fmiModelDescription" or not version:
@@ -170,7 +170,7 @@ def _refuse_other_kinds(path: Path) -> None:
     if version != "2.0" or _KINDS["CoSimulation"] not in kinds:
         purpose = f" for {' and '.join(kinds)}" if kinds else ""
         raise InputError(
-            f"an FMU of FMI {version}{purpose}; only FMUs of FMI 2.0 for co-simulation can be run"
+            f"an FMI {version} FMU{purpose}; only FMI 2.0 FMUs for co-simulation can be run"
         )
 
 
@@ -181,7 +181,9 @@ def _variable(scalar: ScalarVariable) -> Variable:
         start = read(scalar.start or {"Real": "0", "Integer": "0"}.get(scalar.type, ""))
     except ValueError:
         start_text = shown(scalar.start)
-        raise InputError(f"{scalar.name} starts at {start_text}: no {scalar.type}") from None
+        raise InputError(
+            f"{scalar.name}: the start value {start_text} is no {scalar.type}"
+        ) from None
     return Variable(
         scalar.name,
         scalar.description or "",

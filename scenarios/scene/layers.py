@@ -1,7 +1,7 @@
-"""Scene files as layers: a scene, what it extends, and what is set from outside.
+"""Scene files as layers: the scenes it extends, the scene itself, and the overrides.
 
 A layer is flat: dotted keys and their values. `[parameters.spring] rate = 1` and
-`parameters."spring.rate" = 1` are the same. Where each value was given is kept for the messages.
+`parameters."spring.rate" = 1` are the same. The origin of each value is stored for the messages.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from .names import CASES, case_names, meant
 
 SECTIONS = ("parameters", "show", "construction", "expect")
 KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
-# A scene that changes one of these over its base makes another motion, and what the base expects
-# does not hold of it; how it is solved must not matter.
+# A scene that changes one of these changes the motion, so its base's expectations no longer apply.
+# Solver settings do not count: they must not change the motion.
 MOTION = ("fmu", "duration", "parameters")
 SOLVER = "parameters.solver."
 SET = "--set"
@@ -32,13 +32,13 @@ _LARGEST_FILE = 10_000_000
 
 @dataclass(frozen=True, slots=True)
 class Setting:
-    """A key of a scene that is set from outside.
+    """A key of a scene that is set by an option.
 
     Parameters
     ----------
     key : dotted, from the top of the scene
-    value : as TOML gives it
-    origin : the option that it was given with, which messages name
+    value : as parsed by TOML
+    origin : the option that set it, for messages
     """
 
     key: str
@@ -47,11 +47,11 @@ class Setting:
 
     @classmethod
     def read(cls, text: str) -> Setting:
-        """What a `key=value` text says: the value as TOML and, where it is none, as a text.
+        """Read a `key=value` text; the value is parsed as TOML, or else is a text.
 
         Raises
         ------
-        SceneError : no `=`, no key, or `extends`.
+        SceneError : if there is no `=` or no key, or the key is `extends`.
         """
         key, equals, value = (part.strip() for part in text.partition("="))
         if not equals or not key:
@@ -61,12 +61,12 @@ class Setting:
                 )
             )
         if key == "extends":
-            raise SceneError(f"{SET} extends: a scene's base can be named in its file only")
+            raise SceneError(f"{SET} extends: only a scene's file can name its base")
         return cls(from_top(key), _value_of(value))
 
 
 def from_top(key: str) -> str:
-    """A key from the top of a scene; one that begins with no key of a scene is a parameter's name."""
+    """Return a key from the top of a scene; any unknown key is taken for a parameter's name."""
     return key if key.split(".", maxsplit=1)[0] in KEYS else f"parameters.{key}"
 
 
@@ -80,7 +80,7 @@ def _value_of(text: str) -> Any:
 
 @dataclass
 class Layers:
-    """The merged content of a scene, and where and how far up each key was given."""
+    """The merged content of a scene, with the origin, folder and layer number of each key."""
 
     content: dict[str, Any] = field(default_factory=dict)
     origins: dict[str, str] = field(default_factory=dict)
@@ -90,14 +90,14 @@ class Layers:
     top: int = 0
 
     def put_scene(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
-        """Lay a scene over its base; where it makes another motion, it expects what it says itself."""
+        """Lay a scene over its base; if it changes the motion, drop the base's expectations."""
         self.top += 1
         if any(key.split(".")[0] in MOTION and not key.startswith(SOLVER) for key in layer):
             self.expect_nothing()
         self.put(layer, origin, folder)
 
     def expect_nothing(self) -> None:
-        """Leave what is expected so far unchecked."""
+        """Drop all expectations so far, and list them as unchecked."""
         outdated = [key for key in self.content if key.split(".")[0] == "expect"]
         measures = (
             re.sub(r"^expect\.|\.(min|max|file|tolerance|columns|common)$", "", key)
@@ -107,7 +107,7 @@ class Layers:
         self._drop(outdated)
 
     def put(self, layer: Mapping[str, Any], origin: str, folder: Path) -> None:
-        """Lay another layer over what is there; paths in it count from `folder`."""
+        """Add a layer on top; its paths are relative to `folder`."""
         tables = {table for key in self.content for table in _parents(key)}
         for key, value in layer.items():
             inner = [k for k in self.content if k.startswith(f"{key}.")] if key in tables else []
@@ -122,7 +122,7 @@ class Layers:
             self.ranks.pop(key, None)
 
     def origin(self, key: str, default: str) -> str:
-        """Where a key, or the first key of that table, was given."""
+        """Return where a key, or the last key of that table, was given."""
         if key in self.origins:
             return self.origins[key]
         return next(
@@ -130,13 +130,13 @@ class Layers:
         )
 
     def rank(self, key: str) -> int:
-        """How far up a key was last given, or any key of that table: bases first; 0 if it was not."""
+        """Return the highest layer that gives a key, or any key of that table; 0 if none does."""
         inner = f"{key}."
         given = (rank for k, rank in self.ranks.items() if k == key or k.startswith(inner))
         return max(given, default=0)
 
     def tables(self) -> dict[str, Any]:
-        """The content with one table for each section."""
+        """Return the content with one table for each section."""
         tables: dict[str, Any] = {}
         for key, value in self.content.items():
             section, _, rest = key.partition(".")
@@ -156,18 +156,18 @@ class Layers:
 
 
 def case_titles() -> dict[str, str]:
-    """Name and title of the scenes that come with the package."""
+    """Return the names and titles of the scenes in the package."""
     names = case_names()
     contents = (read_layers(CASES / f"{n}.toml").content for n in names)
     return {n: str(content.get("title", "")) for n, content in zip(names, contents, strict=True)}
 
 
 def find_scene(reference: str, folder: Path | None = None) -> Path:
-    """The file of a scene: the name of a case, or a path (relative to `folder`).
+    """Return the file of a scene, given the name of a case or a path (relative to `folder`).
 
     Raises
     ------
-    SceneError : no such case or file; names the nearest one.
+    SceneError : if there is no such case or file; the message names the nearest case.
     """
     if reference in case_names():
         return CASES / f"{reference}.toml"
@@ -181,20 +181,20 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     if is_folder:
         raise SceneError(one_line(f"{reference or '.'} is a folder, not a scene file"))
     if reference.endswith(".toml") or "/" in reference:
-        raise SceneError(one_line(f"no scene file {reference}; write the path of a .toml file"))
+        raise SceneError(one_line(f"no scene file {reference}; give the path of a .toml file"))
     hint = meant(reference, "scene") or (
-        f"{nearest(reference, case_names())}; 'phaseplane list' tells them all; or give the path of a "
+        f"{nearest(reference, case_names())}; 'phaseplane list' shows them all; or give the path of a "
         ".toml file"
     )
     raise SceneError(one_line(f"no scene {shown(reference)}{hint}"))
 
 
 def read_layers(path: Path) -> Layers:
-    """A scene file over what it extends.
+    """Read a scene file and the scenes it extends.
 
     Raises
     ------
-    SceneError : a file that is missing, not TOML or extends itself.
+    SceneError : if a file is missing, is not TOML or extends itself.
     """
     layers = Layers()
     for file in reversed(list(_chain(path))):
@@ -203,7 +203,7 @@ def read_layers(path: Path) -> Layers:
 
 
 def fmu_layers(path: Path) -> Layers:
-    """An `.fmu` file as a scene: all outputs, for as long as the FMU's own experiment lasts."""
+    """Return an `.fmu` file as a scene: all outputs, for the duration of its default experiment."""
     layers = Layers()
     content: dict[str, Any] = {"title": path.stem, "fmu": str(path), "show.outputs": "all"}
     duration = default_duration(path)
@@ -214,7 +214,7 @@ def fmu_layers(path: Path) -> Layers:
 
 
 def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
-    """What is set from outside: `key=value` texts, and what other options say.
+    """Return the settings of `key=value` texts and of other options.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 
 
 def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
-    """Lay what is set from outside over a scene.
+    """Lay overrides over a scene.
 
     Raises
     ------
@@ -237,7 +237,7 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
 
 
 def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
-    """The scene and all it extends, nearest first."""
+    """Yield the scene and all scenes it extends, nearest first."""
     seen: list[Path] = []
     while True:
         name = _called(path)
@@ -266,25 +266,29 @@ def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
             raise SceneError(f"{name}: extends: {error}") from None
         if path.resolve() in seen:
             raise SceneError(
-                one_line(f"{name}: extends = {shown(base)}: the scenes extend each other in a ring")
+                one_line(
+                    f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"
+                )
             )
 
 
 def _parents(key: str) -> list[str]:
-    """The tables a dotted key stands in."""
+    """Return the tables that contain a dotted key."""
     parts = key.split(".")
     return [".".join(parts[:i]) for i in range(1, len(parts))]
 
 
 def _called(path: Path) -> str:
-    """How a scene file is named in messages: cases by their file name, others by their path."""
+    """Return a scene file's name for messages: of a case the file name, of others the path."""
     return path.name if path.parent == CASES else str(path)
 
 
 def _read(path: Path, name: str) -> dict[str, Any]:
     try:
         if path.stat().st_size > _LARGEST_FILE:
-            raise SceneError(one_line(f"{name}: larger than {_LARGEST_FILE} bytes: no scene file"))
+            raise SceneError(
+                one_line(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
+            )
         return dict(flattened(tomllib.loads(path.read_text(encoding="utf-8")), name))
     except SceneError:
         raise
@@ -299,7 +303,12 @@ def _read(path: Path, name: str) -> dict[str, Any]:
 
 
 def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
-    """Dotted keys and values of nested tables, each key once."""
+    """Yield the dotted keys and values of nested tables.
+
+    Raises
+    ------
+    SceneError : if a key is given twice.
+    """
     seen: set[str] = set()
 
     def walk(inner: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:

@@ -1,4 +1,4 @@
-"""Scenes read from files: layer by layer, and what is wrong told in one line."""
+"""Scenes read from files, layer by layer; errors are reported in one line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from .layers import (
 from .schema import Scene
 from .sections import Construction, Show
 
-_EXPECTED_APART = ("during", "reference")  # in the file within [expect]
+_EXPECTED_APART = ("during", "reference")  # in the file they are in [expect]
 
 
 def load_scene(
@@ -36,14 +36,14 @@ def load_scene(
 
     Parameters
     ----------
-    reference : name of a case, path of a scene file, or path of an `.fmu` file that is to be run as it
-        is, for as long as it says itself
+    reference : name of a case, path of a scene file, or path of an `.fmu` file to be run with its
+        defaults for the duration of its default experiment
     overrides : `key=value` texts, laid over the file
-    expect : whether what the file expects is checked; what overrides expect is in any case
+    expect : whether to check the file's expectations; those of `overrides` are always checked
 
     Raises
     ------
-    SceneError : one line that names file, key, value and what is allowed.
+    SceneError : if the scene is not valid; one line with file, key, value and what is allowed.
     """
     path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
     layers = fmu_layers(path) if path.suffix == ".fmu" else read_layers(path)
@@ -65,10 +65,10 @@ def load_scene(
 
 
 def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:
-    """Parameters that are given, but have no effect beside what else is.
+    """Yield the parameters that are given but have no effect beside the others.
 
-    Zero and an empty text say that there is none of something, which needs no effect. What a base gave
-    is not held against a scene that has put something else in its place.
+    Zero and an empty text mean "none", which needs no effect. A parameter of the base is not reported
+    if the scene itself has made it ineffective.
     """
     for name, value in scene.parameters.items() if scene.fmu.is_ours else ():
         found = idle(name, scene.all_parameters)
@@ -81,11 +81,11 @@ def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:
 def construction_settings(
     kept: Mapping[str, Any], overrides: Sequence[str | Setting] = ()
 ) -> dict[str, Any]:
-    """The construction settings of a run, with `construction.key=value` texts laid over them.
+    """Return a run's construction settings with `construction.key=value` overrides laid over them.
 
     Raises
     ------
-    SceneError : a key that is none of the construction's, or a value that is not allowed.
+    SceneError : if a key is not one of `construction`, or a value is not allowed.
     """
     layers = Layers()
     layers.put({f"construction.{key}": value for key, value in kept.items()}, "results", Path())
@@ -94,8 +94,8 @@ def construction_settings(
         if not setting.key.startswith("construction."):
             raise SceneError(
                 one_line(
-                    f"{setting.origin} {setting.key.removeprefix('parameters.')}: of results only "
-                    f"construction.* can be set: {', '.join(Construction.model_fields)}"
+                    f"{setting.origin} {setting.key.removeprefix('parameters.')}: for results "
+                    f"only construction.* can be set: {', '.join(Construction.model_fields)}"
                 )
             )
     overlay(layers, settings)
@@ -108,7 +108,7 @@ def construction_settings(
 
 
 def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
-    """A validation error as one line."""
+    """Return a validation error as one line."""
     parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
     if parts[:1] and parts[0] in _EXPECTED_APART:
         parts.insert(0, "expect")
@@ -142,20 +142,20 @@ def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
 
 
 def _is_option(origin: str) -> bool:
-    """Whether a key was set by an option of its own, whose user need not know the key."""
+    """Whether a key was set by an option other than `--set`, whose user need not know the key."""
     return origin.startswith("--") and origin != SET
 
 
 def _unexpected(parts: Sequence[str], where: str, layers: Layers) -> str:
-    """What to do about an expectation of the file that does not fit what was set from outside."""
+    """Return what to do about an expectation of the file that does not fit the overrides."""
     changed = any(origin.startswith("--") for origin in layers.origins.values())
     if parts[:1] == ["expect"] and changed and not where.startswith("--"):
-        return "; --no-expect leaves what the scene expects unchecked"
+        return "; --no-expect skips the expectations of the scene"
     return ""
 
 
 def _fields(sections: Sequence[str]) -> list[str]:
-    """The keys a section of the scene may have."""
+    """Return the keys of a section of the scene."""
     models: dict[str, type[BaseModel]] = {
         "show": Show, "construction": Construction, "expect.during": During,
         "expect.reference": Reference,

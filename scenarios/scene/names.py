@@ -1,4 +1,4 @@
-"""The names that come with the package, and what is meant by one that does not fit where it is given."""
+"""The names of the scenes, sweeps and models in the package, and hints where one is out of place."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ Kind = Literal["scene", "sweep", "model", "results"]
 
 
 def case_names() -> list[str]:
-    """Names of the scenes that come with the package."""
+    """Return the names of the scenes in the package."""
     return sorted(path.stem for path in CASES.glob("*.toml"))
 
 
 def sweep_names() -> list[str]:
-    """Names of the sweeps that come with the package."""
+    """Return the names of the sweeps in the package."""
     return sorted(path.stem for path in SWEEPS.glob("*.toml"))
 
 
 def meant(name: str, wanted: Kind) -> str:
-    """A hint for a name that is known as another kind of thing than is wanted, or nothing."""
+    """Return a hint if the name is known but of another kind than wanted, or ""."""
     return next((f"; {words}" for kind, words in _known(name) if kind != wanted), "")
 
 
 def _known(name: str) -> Iterator[tuple[Kind, str]]:
-    """What goes by a name: its kind, and what can be done with it."""
+    """Yield the kinds of things of that name, and how to use each."""
     if name in case_names():
         yield "scene", f"{name} is a scene: 'phaseplane run {name}' runs it"
     if name in sweep_names():

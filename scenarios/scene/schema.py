@@ -1,4 +1,4 @@
-"""What a scene says: the FMU, its parameters, the duration, what is shown and what must hold."""
+"""The content of a scene: FMU, parameters, duration, what to show and what to expect."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .table_files import with_files
 if TYPE_CHECKING:
     from ..results.tables import Columns
 
-# Shown unless a scene says otherwise: the motion, the road, and what the road does to the wheel.
+# Shown by default: the motion, the road, and the contact with the road.
 _SHOWN = (
     "displacement", "velocity", "acceleration", "deflection", "_deflection_rate", "elevation",
     "contact_force", "airborne",
@@ -48,15 +48,15 @@ class Scene(Strict):
 
     Parameters
     ----------
-    name : of its file
-    file : where it was read
+    name : name of its file
+    file : the file it was read from
     fmu : a model's name, or the path of an `.fmu` file
     duration : s
-    parameters : what differs from the FMU's defaults, in SI
+    parameters : parameters that differ from the FMU's defaults, in SI
     expect : bounds on measures by name
-    during : bounds on outputs within a time; in the file `expect.during`
-    reference : what the run must come close to; in the file `expect.reference`
-    unchecked : measures that a base scene bounds but that no longer hold, the motion being another
+    during : bounds on outputs within an interval of time; in the file `expect.during`
+    reference : results that the run must agree with; in the file `expect.reference`
+    unchecked : expectations of a base scene that no longer apply, as the motion differs
     idle : parameters that are given but have no effect
     """
 
@@ -109,7 +109,7 @@ class Scene(Strict):
             raise _at(
                 "road.table.file",
                 f"road.table.file is given, but road.shape is {shape or 'left at its default'}; "
-                "make it table or spline",
+                "set it to table or spline",
             )
         if fmu.model == EQUATION:
             try:
@@ -181,14 +181,14 @@ class Scene(Strict):
             raise _at(
                 "show.output_interval",
                 f"show.output_interval = {self.show.output_interval:g} s is longer than the duration, "
-                f"{self.duration:g} s; make it that long at most",
+                f"{self.duration:g} s; give at most the duration",
             )
         if self.duration / self.show.output_interval > _MOST_ROWS:
             raise _at(
                 "show.output_interval",
                 f"show.output_interval = {self.show.output_interval:g} s gives "
                 f"{self.duration / self.show.output_interval:.3g} rows over {self.duration:g} s; "
-                f"allowed: {_MOST_ROWS}, so at least {self.duration / _MOST_ROWS:.3g} s",
+                f"at most {_MOST_ROWS} are allowed; give at least {self.duration / _MOST_ROWS:.3g} s",
             )
         if self.show.draws:
             try:
@@ -198,17 +198,17 @@ class Scene(Strict):
         return self
 
     def check_construction(self) -> None:
-        """Refuse a construction of more steps than anybody can wait for.
+        """Reject a construction of too many steps.
 
         Raises
         ------
-        InputError
+        InputError : if there are more than 100 000 steps.
         """
         steps = self.construction_time / self.construction.step
         if steps > _MOST_STEPS:
             raise InputError(
                 f"construction.step = {self.construction.step:g} s gives {steps:.3g} steps over "
-                f"{self.construction_time:g} s; allowed: {_MOST_STEPS}"
+                f"{self.construction_time:g} s; at most {_MOST_STEPS} are allowed"
             )
 
     def _check_reference(self) -> None:
@@ -227,14 +227,14 @@ class Scene(Strict):
             if name not in known:
                 raise _at(
                     "expect.reference",
-                    f"expect.reference.columns: {shown(name)} is not in the file and an output of "
-                    f"{self.fmu.model}{nearest(name, known)}",
+                    f"expect.reference.columns: {shown(name)} is not both a column of the file and an "
+                    f"output of {self.fmu.model}{nearest(name, known)}",
                 )
         if "time" not in columns or not known:
             raise _at(
                 "expect.reference",
-                f"expect.reference.file: {self.reference_path} has no column time, or none that is "
-                f"an output of {self.fmu.model}",
+                f"expect.reference.file: {self.reference_path} has no column time, or no column that "
+                f"is an output of {self.fmu.model}",
             )
         try:
             check_comparable(columns, self.reference.columns or known)
@@ -250,12 +250,12 @@ class Scene(Strict):
 
     @cached_property
     def reference_columns(self) -> Columns:
-        """The columns of the reference's file, read once; none without a reference."""
+        """The columns of the reference file, read once; empty without a reference."""
         return read_table(self.reference_path)[0] if self.reference is not None else {}
 
     @property
     def outputs_expected(self) -> set[str]:
-        """The outputs that `during` and `reference` look at."""
+        """The outputs that `during` and `reference` check."""
         wanted = {during.output for during in self.during}
         if self.reference is not None:
             compared = self.reference.columns or self.reference_columns
@@ -264,32 +264,32 @@ class Scene(Strict):
 
     @property
     def warnings(self) -> list[str]:
-        """What is not wrong, but hardly meant."""
+        """Warnings about settings that are allowed but probably not intended."""
         return [str(found) for found in self.idle]
 
     @property
     def all_parameters(self) -> dict[str, Value]:
-        """The parameters of the scene over the FMU's defaults; a random road is as long as the run."""
+        """The FMU's defaults with the scene's parameters; a random road is as long as the run."""
         return _with_defaults(self.fmu, self.parameters, self.duration)
 
     @property
     def start_values(self) -> dict[str, Value]:
-        """What the FMU is given: the parameters of the scene, and the length of a random road."""
+        """The values set in the FMU: the scene's parameters, and the length of a random road."""
         return self.parameters | self.road_length({}, self.duration)
 
     def road_length(self, varied: Mapping[str, Value], duration: float) -> dict[str, Value]:
-        """The length of the random road, where neither scene nor FMU name it; else nothing.
+        """Return the length of a random road if neither the scene nor the FMU gives it, else {}.
 
         Parameters
         ----------
-        varied : parameters that are others than the scene's
-        duration : of the run, s
+        varied : parameters that replace the scene's
+        duration : duration of the run, s
         """
         return _road_length(self.fmu, {**self.parameters, **varied}, duration)
 
     @property
     def hash(self) -> str:
-        """Of all that decides the motion and what is read of it; equal for equal runs."""
+        """A hash of everything that decides the motion and the columns; equal for equal runs."""
         said = (
             self.fmu.model, self.fmu.path and self.fmu.content, self.duration, self.show.output_interval,
             sorted(self.all_parameters.items()), self.columns,
@@ -298,16 +298,15 @@ class Scene(Strict):
 
     @property
     def construction_time(self) -> float:
-        """How long the construction goes on, s."""
+        """Duration of the construction, s."""
         return min(self.construction.duration or self.duration, self.duration)
 
     @property
     def communication_step(self) -> float:
-        """Time from one row to the next, s: as long as what is wanted of the run allows.
+        """Time from one row to the next, s: as long as the results of the run allow.
 
-        Where the end of the run tells it all, that is the whole duration. The models of this project
-        take the same internal steps whatever the communication step is; of another FMU that is not
-        known.
+        If the end of the run is enough, it is the whole duration. The internal steps of the models of
+        this package do not depend on the communication step; those of other FMUs may.
         """
         wants_rows = (
             self.columns
@@ -322,14 +321,14 @@ class Scene(Strict):
         return self.show.output_interval
 
     def only(self, measures: Sequence[str]) -> Scene:
-        """The same motion, of which nothing but these measures is wanted."""
+        """Return the same scene with only these measures as its results."""
         show = Show(output_interval=self.show.output_interval, outputs=[], measures=tuple(measures))
         nothing: dict[str, Any] = {"expect": {}, "during": (), "reference": None, "unchecked": ()}
         return self.model_copy(update={"show": show, **nothing})
 
     @property
     def outputs(self) -> tuple[str, ...]:
-        """Names of the outputs shown, in the FMU's order: the motion, or all if none is one."""
+        """Names of the outputs shown, in the FMU's order; by default the motion, or else all."""
         wanted, names = self.show.outputs, tuple(self.fmu.outputs())
         if isinstance(wanted, list):
             return tuple(name for name in names if name in wanted)
@@ -338,7 +337,7 @@ class Scene(Strict):
 
     @property
     def measures(self) -> tuple[str, ...]:
-        """Names of the measures taken: those shown, and those bounded."""
+        """Names of the measures: those shown, and those with bounds."""
         wanted = self.show.measures
         if wanted is None:
             wanted = default_measures(catalogue(self.fmu.outputs()), self.outputs)
@@ -346,7 +345,7 @@ class Scene(Strict):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Names of the outputs kept: what is shown, and what is drawn."""
+        """Names of the outputs stored: those shown, and those drawn."""
         wanted = {*self.outputs, *(name for names in self.show.planes for name in names)}
         drawn = (
             name.endswith(_DRAWN) and bool(self.show.figures or self.show.recording)
@@ -365,7 +364,7 @@ def _with_defaults(fmu: Fmu, parameters: Mapping[str, Value], duration: float) -
 
 
 def _road_length(fmu: Fmu, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
-    """The length of a random road for which neither the scene nor the FMU names one."""
+    """Return the length of a random road if neither the scene nor the FMU gives it, else {}."""
     declared = fmu.parameters()
     named = extent.LENGTH in parameters or not (
         fmu.is_ours and extent.LENGTH in declared
@@ -385,5 +384,5 @@ def _table(value: object) -> dict[str, Any]:
 
 
 def _at(key: str, message: str) -> PydanticCustomError:
-    """An error that tells itself which key it is about."""
+    """Return an error that carries the key it is about."""
     return PydanticCustomError("told", "{message}", {"message": message, "key": key})

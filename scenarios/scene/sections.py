@@ -1,4 +1,4 @@
-"""The sections of a scene that say what is shown and how it is constructed."""
+"""The sections of a scene: what to show, and the settings of the construction."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .fields import (
 
 Figure = Literal[
     "time_histories", "phase_planes", "construction_sheet",
-    # those of AP57, drawn anew
+    # the figures of AP57, redrawn
     "figure4a", "figure4b", "figure7", "figure8", "figure9", "figure10", "figure12", "figure13",
     "figure14", "figure15", "figure16",
 ]  # fmt: skip
@@ -40,30 +40,30 @@ VIEWS: tuple[View, ...] = get_args(View)
 
 
 class Show(Strict):
-    """What is shown; nothing else is computed, read or written."""
+    """What to compute, read and write; nothing else is."""
 
     outputs: list[str] | Literal["all"] | None = None
     """names of outputs, or "all"; the motion, the road and the contact force if left out"""
     output_interval: Seconds = 1e-3
-    """time from row to row; measures do not depend on it"""
+    """time between rows; measures do not depend on it"""
     measures: tuple[str, ...] | None = None
-    """names of measures; those one looks at first if left out"""
+    """names of measures; the most common ones if left out"""
     figures: Annotated[
         tuple[str, ...], BeforeValidator(list_of(FIGURES)), choices(FIGURES, many=True)
     ] = ()
-    """which pictures are drawn"""
+    """pictures to draw"""
     dark: bool = False
-    """whether pictures have a dark ground"""
+    """whether pictures have a dark background"""
     recording: Detail | Literal[False] = False
     """detail of the recording, or false for none"""
     views: Annotated[
         tuple[str, ...], BeforeValidator(list_of(VIEWS)), choices(VIEWS, many=True)
     ] = VIEWS
-    """what the recording shows"""
+    """views of the recording"""
     planes: Annotated[tuple[tuple[str, str], ...], BeforeValidator(pairs_of_names)] = ()
-    """pairs of outputs, displacement and rate, whose phase planes the recording shows"""
+    """pairs of outputs, a displacement and its rate, whose phase planes the recording shows"""
     table: str = TABLE
-    """name of the file of the results; its ending says in which form: .csv, .parquet, .h5, .mat"""
+    """name of the results file; its ending sets the format: .csv, .parquet, .h5, .mat"""
 
     @field_validator("table")
     @classmethod
@@ -102,12 +102,12 @@ class Show(Strict):
 
     @property
     def draws(self) -> bool:
-        """Whether anything shown needs the graphical construction, or would show it if there is."""
+        """Whether anything shown needs the graphical construction, or shows it if there is one."""
         return self.records_construction or self.figures_construction
 
     @property
     def records_construction(self) -> bool:
-        """Whether the recording shows the graphical construction, where there is one."""
+        """Whether the recording shows the graphical construction, if there is one."""
         wanted = {"planes", "words"} & set(self.views)
         return bool(self.recording and wanted and not self.planes)
 
@@ -118,17 +118,17 @@ class Show(Strict):
 
 
 class Construction(Strict):
-    """How the graphical construction is made."""
+    """Settings of the graphical construction."""
 
     rule: Annotated[str, BeforeValidator(one_of(RULES)), choices(RULES)] = "delta"
-    """how a step is made"""
+    """rule of a step"""
     step: Seconds = 2.5e-3
-    """time of a step"""
+    """time step"""
     duration: Seconds | None = None
-    """how long it goes on; as long as the scene if left out"""
+    """time to construct; the duration of the scene if left out"""
     plane_distance: Metres = 0.25
-    """distance of the planes' axes on the sheet of paper"""
+    """distance between the planes' axes on paper"""
     plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] | None = None
-    """paper over displacement in the planes of struts and of wheels; if left out, its own"""
+    """scales (paper over displacement) of the strut and wheel planes; automatic if left out"""
     shortcut: bool = False
-    """whether AP57's shortcut for touchdown, x2 = x2st, is drawn as well (contact by force)"""
+    """whether to draw AP57's shortcut for touchdown, x2 = x2st, too (contact by force)"""

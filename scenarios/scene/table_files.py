@@ -1,8 +1,8 @@
-"""Parameters that are tables may stand in CSV files: measured roads, forces and characteristics.
+"""Table parameters read from CSV files: measured roads, forces and characteristics.
 
     road.table = { file = "road.csv", columns = ["distance", "profile"], units = ["m", "mm"] }
 
-The file's points become the text that the FMU takes, so that a packed FMU needs no file.
+The file's points become the text value of the parameter, so that a packed FMU needs no file.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from phaseplane.suspension.units import UnitError, nearest, to_si
 from ..errors import InputError, one_line, shown
 
 KEYS = ("file", "columns", "units", "delimiter")
-# What the two columns of a table are, in SI.
+# The SI units of the two columns of a table.
 _UNITS = {
     "road.table": ("m", "m"),
     "force.table": ("s", "N"),
@@ -32,17 +32,17 @@ _UNITS = {
 def with_files(
     given: Mapping[str, Any], declared: Collection[str], folders: Mapping[str, Path]
 ) -> tuple[dict[str, Any], set[str]]:
-    """The parameters of a scene, their tables read from files; and the names of those tables.
+    """Return the parameters with tables read from their files, and the names of those tables.
 
     Parameters
     ----------
-    given : by name; of a table in a file `NAME.file`, `NAME.columns`, ...
+    given : the scene's parameters by name; for a table in a file `NAME.file`, `NAME.columns`, ...
     declared : names of the FMU's parameters
-    folders : the folder from which paths count, by dotted key of the scene
+    folders : the folder that paths are relative to, by dotted key of the scene
 
     Raises
     ------
-    InputError : as `read_measured`; the message begins with the parameter's name.
+    InputError : if a table cannot be read; the message begins with the parameter's name.
     """
     plain: dict[str, Any] = {}
     files: dict[str, dict[str, Any]] = {}
@@ -61,13 +61,13 @@ def with_files(
 
 
 def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
-    """The text of a table parameter from a file with a heading.
+    """Return the text of a table parameter from a CSV file with a header line.
 
     Parameters
     ----------
-    name : of the parameter, such as `road.table` or `front.spring.table`
-    said : `file`, `columns` (two headings), `units` (two; SI if left out), `delimiter` (a comma)
-    folder : that the file's path counts from
+    name : name of the parameter, such as `road.table` or `front.spring.table`
+    said : `file`, `columns` (two names), `units` (two; default SI), `delimiter` (default comma)
+    folder : the folder that the file's path is relative to
     """
     for key in said:
         if key not in KEYS:
@@ -76,7 +76,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
             )
     kinds = next((units for end, units in _UNITS.items() if f".{name}".endswith(f".{end}")), None)
     if kinds is None:
-        raise InputError(f"only {', '.join(_UNITS)} can stand in a file")
+        raise InputError(f"only {', '.join(_UNITS)} can be read from a file")
     file, columns = said.get("file"), said.get("columns", [])
     if not isinstance(file, str) or not file:
         raise InputError(f"file = {shown(file)}: must be the path of a CSV file")

@@ -1,4 +1,4 @@
-"""A scene simulated: its FMU packed or found, driven by FMPy, or its equation solved."""
+"""Simulation of a scene: pack or find its FMU and drive it with FMPy, or solve its equation."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""What comes out of a run, and how it is followed while it goes on."""
+"""The result of driving an FMU, and the callbacks during a run."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ Columns = dict[str, npt.NDArray[np.float64]]
 Progress = Callable[[float], None]
 Watch = Callable[["Recorder"], None]
 INTERRUPTED = "interrupted"
-"""Why a run ended early, if it was told to."""
+"""The reason of a run that was stopped by a signal."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What came out of the FMU: all columns read, and why it ended early, if it did."""
+    """The result of driving an FMU: the columns read, and why the run stopped early ("" if not)."""
 
     columns: Columns
     run_time: float

@@ -1,4 +1,4 @@
-"""An FMU driven by FMPy through one scene after another."""
+"""Driving an FMU with FMPy through one scene after another."""
 
 from __future__ import annotations
 
@@ -27,27 +27,27 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 
-_LONGEST_SLEEP = 0.1  # s, after which an interrupt is looked for
+_LONGEST_SLEEP = 0.1  # s between two checks for an interrupt
 _DISCARD, _FATAL = 2, 4  # FMI status
 
 
 @dataclass
 class _Log:
-    """What the FMU says while it runs."""
+    """The log messages of an FMU."""
 
     lines: list[tuple[int, str, str]] = field(default_factory=list)
 
     def take(
         self, _environment: object, _name: bytes, status: int, category: bytes, message: bytes
     ) -> None:
-        """The callback handed to the FMU."""
+        """Store a message; the FMU's log callback."""
         texts = (str(part or b"", "utf-8", "replace") for part in (category, message))
         self.lines.append((status, *texts))  # type: ignore[arg-type]
 
     def complaint(self) -> str:
-        """The last thing the FMU complained of, or nothing.
+        """Return the FMU's last error message, or "".
 
-        What is fatal comes from the wrapper around it and says less than the FMU did before.
+        A fatal status is reported by the wrapper and says less than the FMU's own message before it.
         """
         complaints = [
             (status == _FATAL, -number, message)
@@ -58,11 +58,11 @@ class _Log:
 
 
 class OpenFmu:
-    """An FMU unpacked and instantiated, which is reset between runs; made by `opened`.
+    """An FMU, unpacked and instantiated, that is reset between runs; see `opened`.
 
     Parameters
     ----------
-    unpacked : its folder; one of others is unpacked there first
+    unpacked : its folder; an FMU that is not of this package is unpacked there first
     """
 
     def __init__(self, fmu: Fmu, unpacked: Path) -> None:
@@ -72,18 +72,18 @@ class OpenFmu:
         try:
             if fmu.path is not None:
                 extract(fmu.path, self._unpacked)
-                mend_unpacked(unpacked)  # made by others, it may end this process badly
+                mend_unpacked(unpacked)  # FMUs by others may crash this process without it
             self._description = read_model_description(self._unpacked, validate=False)
         except Exception as error:
             raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
 
     def _ready(self) -> Any:
-        """The instance, as new."""
+        """Return the instance in its initial state."""
         self._log.lines.clear()
         if self._instance is not None:
             try:
                 self._instance.reset()
-            except Exception:  # an FMU that cannot be reset is made again
+            except Exception:  # cannot be reset: instantiate again
                 self.close()
             else:
                 return self._instance
@@ -98,7 +98,7 @@ class OpenFmu:
         return self._instance
 
     def close(self, usable: bool = True) -> None:
-        """Give the instance up; one that failed fatally must not be touched again."""
+        """Free the instance; one that failed fatally must not be called again."""
         if self._instance is not None and usable:
             with suppress(Exception):
                 self._instance.freeInstance()
@@ -114,14 +114,14 @@ class OpenFmu:
         watch: Watch | None = None,
         realtime: bool = False,
     ) -> Drive:
-        """Take the FMU through a scene, keeping whatever it gives.
+        """Run the FMU through a scene and keep all rows up to where it stops.
 
         Raises
         ------
-        RunError : the FMU could not be instantiated or initialised.
+        RunError : if the FMU could not be instantiated or initialised.
         """
         instance = self._ready()
-        seen: list[Recorder] = []  # FMPy's own, so that rows survive an exception
+        seen: list[Recorder] = []  # of FMPy, so that rows survive an exception
         reached = 0.0
 
         def step_finished(time: float, recorder: Recorder) -> bool:
@@ -169,12 +169,12 @@ class OpenFmu:
 
 @contextmanager
 def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
-    """An FMU to be driven, unpacked for as long as it is; and how long it took to pack, s.
+    """Yield an FMU, unpacked until the end of the block, and the time it took to pack, s.
 
     Raises
     ------
-    InputError : a temporary folder from which no FMU can run.
-    RunError : it could not be packed or unpacked.
+    InputError : if no FMU can run from the temporary folder.
+    RunError : if the FMU could not be packed or unpacked.
     """
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
         _check_path(folder)
@@ -189,26 +189,26 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
 
 
 def _check_path(folder: str) -> None:
-    """Refuse a folder from which no FMU can be loaded."""
+    """Reject a folder from which no FMU can be loaded."""
     if not is_plain(Path(folder)):
         raise InputError(
-            f"an FMU cannot run from the temporary folder {one_line(folder)}: set TMPDIR to a path "
-            "in plain ASCII without '#' and '%'"
+            f"an FMU cannot run from the temporary folder {one_line(folder)}; set TMPDIR to a path "
+            "in ASCII without '#' and '%'"
         )
 
 
 def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:
-    """Let the clock catch up, unless the run is to end."""
+    """Wait until a time of the clock, or until the run is interrupted."""
     while (left := instant - perf_counter()) > 0.0 and not interrupted():
         sleep(min(left, _LONGEST_SLEEP))
 
 
 def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
-    """The columns of FMPy's table, up to where the FMU was well.
+    """Return the columns of FMPy's table up to the last row that is finite with `ok` true.
 
     Raises
     ------
-    RunError : it was not well from the start.
+    RunError : if there is no such row.
     """
     columns = {name: np.asarray(table[name]) for name in table.dtype.names or ()}
     well = columns.get("ok", np.ones(len(table), bool)).astype(bool)

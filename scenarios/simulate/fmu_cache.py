@@ -1,4 +1,4 @@
-"""FMUs of this project, packed once for each content and kept, unpacked, in the user's cache folder."""
+"""The cache of this package's FMUs, unpacked in the user's cache folder, one for each content."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from phaseplane import vehicle_fmus
 
 from ..errors import RunError, one_line
 
-FOLDER_VARIABLE = "PHASEPLANE_CACHE"  # names another folder than the user's own
+FOLDER_VARIABLE = "PHASEPLANE_CACHE"  # overrides the user's cache folder
 _MOST_KEPT = 16
 
 
 def kept(model: str, spare: Path) -> tuple[Path, float]:
-    """The folder of a model's FMU, unpacked, and how long packing took, s: 0 if it was kept from before.
+    """Return the folder of a model's unpacked FMU, and the time to pack it, s; 0 if it was in the cache.
 
-    Python leaves there what it has compiled of the FMU's modules, so that a later run need not.
+    Python stores the compiled modules of the FMU there too, for later runs.
 
     Parameters
     ----------
-    model : of this project
-    spare : folder for it where nothing can be kept, or nothing that is kept be loaded
+    model : a model of this package
+    spare : folder for the FMU if the cache folder cannot be written, or nothing that is kept be loaded
 
     Raises
     ------
-    RunError : it could not be packed.
+    RunError : if it could not be packed.
     """
     started = perf_counter()
     folder = cache_folder() / content_key(model)
@@ -57,17 +57,17 @@ def kept(model: str, spare: Path) -> tuple[Path, float]:
 
 
 def is_plain(folder: Path) -> bool:
-    """Whether the binary of an FMU can be loaded from there; it crashes where its path is not plain."""
+    """Whether the path of an FMU's binary is plain ASCII; it crashes otherwise."""
     return str(folder).isascii() and not set(str(folder)) & set("#%")
 
 
 def _loadable(folder: Path, spare: Path) -> Path:
-    """The folder, or a copy of it where it cannot be loaded from."""
+    """Return the folder, or a copy of it if the FMU cannot be loaded from there."""
     return folder if is_plain(folder) else Path(shutil.copytree(folder, spare / folder.name))
 
 
 def cache_folder() -> Path:
-    """Where FMUs are kept."""
+    """Return the folder of the cached FMUs."""
     named = os.environ.get(FOLDER_VARIABLE)
     if named:
         return Path(named)
@@ -75,7 +75,7 @@ def cache_folder() -> Path:
 
 
 def _unpacked(model: str, folder: Path) -> Path:
-    """A model's FMU, packed and unpacked in a folder."""
+    """Pack a model's FMU and unpack it in a folder."""
     try:
         with tempfile.TemporaryDirectory(dir=folder) as beside:
             (packed,) = vehicle_fmus.build.build([model], Path(beside))
@@ -87,7 +87,7 @@ def _unpacked(model: str, folder: Path) -> Path:
 
 
 def _forget_the_oldest(folder: Path) -> None:
-    """Keep the few that were used last."""
+    """Delete all but the most recently used FMUs."""
     with suppress(OSError):
         ours = [entry for entry in folder.iterdir() if re.fullmatch("[0-9a-f]{24}", entry.name)]
         ours.sort(key=lambda entry: entry.stat().st_mtime, reverse=True)

@@ -1,4 +1,4 @@
-"""Interrupts that wait until they can be obeyed."""
+"""Interrupts deferred to the end of a step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], int]]:
-    """Remember Ctrl-C and SIGTERM; raised inside the FMU they would be taken for its failure."""
+    """Record Ctrl-C and SIGTERM; raised inside the FMU they would count as its failure."""
     came: list[int] = [0]
     if threading.current_thread() is not threading.main_thread():
         yield lambda: came[-1]

@@ -1,4 +1,4 @@
-"""The measures of a run: of the model's own solution where it is known, else of the rows."""
+"""The measures of a run, from the model's solution where it is known, else from the rows."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ if TYPE_CHECKING:
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
-_AGREES = 1e-6  # of their peaks: rows that lie no further from the solution are rows of it
+_AGREES = 1e-6  # of their peaks: largest difference between rows and solution
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What has been measured of a run.
+    """The measures of a run.
 
     Parameters
     ----------
-    readings : by the names of the measures
-    run : instants and outputs from which most of them are taken
-    interval : from one instant to the next at most, s; 0 if no course over time was wanted
-    agreement : largest difference of the FMU's rows from the model's own solution, over the peaks;
-        None where there is no such solution
-    remarks : what one should know of it
+    readings : readings by the names of the measures
+    run : times and outputs from which most of them are taken
+    interval : largest time between two points, s; 0 if no measure needs the course over time
+    agreement : largest difference between the FMU's rows and the model's solution, over the peaks;
+        None if there is no such solution
+    remarks : remarks for the report
     """
 
     readings: dict[str, Reading]
@@ -50,9 +50,9 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
 
     Parameters
     ----------
-    scene : what was run
-    rows : columns as the FMU has given them
-    own : the solution, where it is known already
+    scene : the scene that was run
+    rows : columns read from the FMU
+    own : the model's solution, if it is known already
     """
     known = catalogue(scene.fmu.outputs())
     model = "" if scene.fmu.path else scene.fmu.model
@@ -67,8 +67,8 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
         own, agreement = _solution(scene, rows, over_time, during)
         if own.failure or agreement > _AGREES:
             why = own.failure or (
-                f"they lie up to {agreement:.2g} of the peaks from the model's own solution, as those "
-                "of another version of it would"
+                f"they differ from this version's solution by up to {agreement:.2g} of the peaks; the "
+                "FMU may be of another version"
             )
             remarks.append(f"measured at the rows: {one_line(why)}")
             own = None
@@ -77,8 +77,8 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
         run = Run(own.columns, parameters, model, own.details)
     elif own is None and not scene.fmu.is_ours:
         remarks.append(
-            f"measured at the communication points, every {1e3 * interval:g} ms: what happens "
-            "between them is not seen"
+            f"measured at the communication points, every {1e3 * interval:g} ms; extremes between "
+            "them are not seen"
         )
     remarks += _too_coarse(over_time, interval)
     taken = take(known, scene.measures, run, Run(rows, parameters, model))
@@ -86,7 +86,7 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
 
 
 def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> Columns:
-    """The model's own solution at some instants, and at the start; nothing where it is not known."""
+    """Return the model's solution at the given times and at the start, or {} if it is not known."""
     time = np.unique([0.0, *instants])
     if scene.fmu.model == EQUATION:
         return simulate.solving.solve(scene.all_parameters, time)[0]
@@ -99,7 +99,7 @@ def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> 
 def _solution(
     scene: Scene, rows: Columns, measures: list[Measure], during: set[str]
 ) -> tuple[Solution, float]:
-    """The model's own solution as far as the rows go, and how far they lie from it."""
+    """Return the model's solution up to the last row, and the difference of the rows from it."""
     reached, interval = float(rows["time"][-1]), scene.communication_step
     time = instants(reached, interval, refinement(scene.duration, interval))
     solution = next(solved(scene.fmu.model, [scene.all_parameters], time, measures, during))
@@ -107,10 +107,10 @@ def _solution(
 
 
 def _too_coarse(measures: list[Measure], interval: float) -> Iterator[str]:
-    """What is said of measures whose instants lie too far apart."""
+    """Yield remarks on the measures whose points are too far apart."""
     for measure in measures:
         if interval > measure.longest_interval * (1.0 + 1e-9):
             yield (
-                f"{measure.name} is taken from points {1e3 * interval:g} ms apart: they should be "
-                f"{1e3 * measure.longest_interval:g} ms apart at most"
+                f"{measure.name} is taken from points {1e3 * interval:g} ms apart; it needs points at "
+                f"most {1e3 * measure.longest_interval:g} ms apart"
             )

@@ -1,4 +1,4 @@
-"""A scene run: its FMU packed, driven by FMPy, its results measured."""
+"""Run a scene: pack its FMU, drive it with FMPy, and take its measures."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ if TYPE_CHECKING:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C or SIGTERM came while a run went on.
+    """A run was interrupted by Ctrl-C or SIGTERM.
 
     Parameters
     ----------
-    results : as far as they go
-    number : of the signal
+    results : the results until then
+    number : number of the signal
     """
 
     def __init__(self, results: Results, number: int) -> None:
@@ -50,16 +50,16 @@ def run(
 
     Parameters
     ----------
-    scene : what is to be run
-    progress : called after every communication step with the part of the duration done, 0 to 1
-    watch : called after every communication step with FMPy's recorder, which keeps all rows
-    realtime : whether the run waits for the clock, one second for each of its own
+    scene : the scene to run
+    progress : called after every communication step with the fraction of the duration done, 0 to 1
+    watch : called after every communication step with FMPy's recorder, which has all rows
+    realtime : whether to run in real time
 
     Raises
     ------
-    RunError : the FMU could not be packed, loaded or initialised. A run that fails midway raises
-        nothing: its results say where it stopped and why.
-    Interrupted : Ctrl-C or SIGTERM, at the end of the step in which it came.
+    RunError : if the FMU could not be packed, loaded or initialised. A run that fails midway raises
+        nothing; its results say when it stopped and why.
+    Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
     if scene.fmu.model == EQUATION:
         return _solved(scene)
@@ -68,7 +68,7 @@ def run(
 
 
 def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how: Any) -> Results:
-    """Run a scene with an FMU that is open already; otherwise as `run`."""
+    """Run a scene as `run`, with an FMU that is already open."""
     with deferred_interrupt() as interrupted:
         drive = fmu.drive(scene, _read_in(scene), interrupted=interrupted, **how)
     results = _results(scene, drive, build_time)
@@ -88,7 +88,7 @@ def _results(
 
 
 def _solved(scene: Scene) -> Results:
-    """An equation, which is solved where we are, as closely as measures need it."""
+    """Solve an equation in this process, at the points that the measures need."""
     known, interval = catalogue(scene.fmu.outputs()), scene.show.output_interval
     measures = [known[name] for name in scene.measures]
     parts = refinement(scene.duration, interval)
@@ -104,7 +104,7 @@ def _solved(scene: Scene) -> Results:
 
 
 def _read_in(scene: Scene) -> list[str]:
-    """The outputs read at every step: what is shown, what is measured, and whether all is well."""
+    """Return the outputs to read at every step: those shown, those for the measures, and `ok`."""
     measured = outputs_needed(catalogue(scene.fmu.outputs()), scene.measures)
     wanted = {*scene.columns, *measured, *scene.outputs_expected, "ok"}
     return [name for name in scene.fmu.outputs() if name in wanted]
@@ -113,7 +113,7 @@ def _read_in(scene: Scene) -> list[str]:
 def _summary(
     scene: Scene, drive: Drive, build_time: float | None, own: Solution | None
 ) -> dict[str, Any]:
-    """All that is to be said of a run, as plain data."""
+    """Return the summary of a run, as plain data."""
     outputs = scene.fmu.outputs()
     known = catalogue(outputs)
     found = measured(scene, drive.columns, own)
@@ -161,19 +161,19 @@ def _summary(
 
 
 def _closely(run: Run, output: str) -> dict[str, Any]:
-    """An output over time, as closely as it is known."""
+    """Return an output over time, at all points where it is known."""
     time, column = run.closely(output)
     return {"time": time, output: column}
 
 
 def _remarks(scene: Scene) -> Iterator[str]:
-    """What one should know of a run, though nothing went wrong."""
+    """Yield remarks on a run in which nothing failed."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
 
 
 def _against_reference(scene: Scene, columns: Columns) -> Iterator[dict[str, Any]]:
-    """How near the run comes to its reference, in what is shown and what the file has as well."""
+    """Yield the comparison with the reference, of the columns shown and those that the file has too."""
     if scene.reference is not None:
         wanted = {"time", *scene.columns, *scene.reference_columns}
         yield scene.reference.judged(

@@ -1,4 +1,4 @@
-"""Equations of second order solved by scipy, in place of an FMU."""
+"""Second-order equations solved by scipy, in place of an FMU."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from scipy.integrate import solve_ivp
 
 from ..scene.equation import function_of
 
-_NO_FURTHER = "no step is short enough: the acceleration is no number there, or grows without bound"
+_NO_FURTHER = "no step is short enough: the acceleration is not a number there, or grows without bound"
 
 
 def solve(
     parameters: Mapping[str, Value], times: npt.NDArray[np.float64]
 ) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
-    """The motion at these instants by scipy's DOP853, to ten digits.
+    """Return the motion at the given times, by scipy's DOP853 to ten digits.
 
     Returns
     -------
-    columns as far as the solution goes, seconds that it took, and why it ended early, if it did
+    The columns up to where the solution ends, the run time in s, and why it ended early ("" if not).
     """
     function, _ = function_of(str(parameters["equation"]))
 
     def acceleration(x: float, v: float, t: float) -> float:
         try:
             return -function(v, x, t)
-        except OverflowError:  # the solver tries a shorter step where there is no number
+        except OverflowError:  # the solver then tries a shorter step
             return math.nan
 
     def slope(t: float, state: npt.NDArray[np.float64]) -> tuple[float, float]:
@@ -40,12 +40,12 @@ def solve(
     started = perf_counter()
     y = np.array([[parameters["displacement_start"]], [parameters["velocity_start"]]], float)
     reached = times[:1]
-    with np.errstate(all="ignore"):  # what has no number ends the run with a complaint
+    with np.errstate(all="ignore"):  # a NaN ends the run with a message
         solution = solve_ivp(
             slope, (times[0], times[-1]), y[:, 0], method="DOP853", t_eval=times, rtol=1e-10,
             atol=1e-12, max_step=(times[-1] - times[0]) / 50.0,
         )  # fmt: skip
-    if len(solution.t):  # else it did not come to any instant but the first
+    if len(solution.t):  # else it reached only the first instant
         reached, y = solution.t, solution.y
     complaint = "" if solution.success else _NO_FURTHER
     accelerations = [acceleration(x, v, t) for x, v, t in zip(*y.tolist(), reached, strict=True)]

@@ -1,4 +1,4 @@
-"""The versions of what takes part in a run."""
+"""The versions of the packages that take part in a run."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from importlib.metadata import PackageNotFoundError, version
 
 @cache
 def versions() -> dict[str, str]:
-    """Name and version of Python and of each package that takes part in a run."""
+    """Return the versions of Python and of each package that takes part in a run, by name."""
     found = {"python": platform.python_version()}
     for name in ("phaseplane", "fmpy", "pythonfmu", "numpy"):
-        with suppress(PackageNotFoundError):  # run from its sources
+        with suppress(PackageNotFoundError):  # run from source
             found[name] = version(name)
     return found

@@ -1,4 +1,4 @@
-"""The sweeps that come with the package."""
+"""The sweeps in the package."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..scene.names import SWEEPS
 
 
 def sweep_titles() -> dict[str, str]:
-    """Name and title of the sweeps that come with the package."""
+    """Return the names and titles of the sweeps in the package."""
     return {
         path.stem: str(tomllib.loads(path.read_text(encoding="utf-8")).get("title", ""))
         for path in sorted(SWEEPS.glob("*.toml"))

@@ -246,7 +246,7 @@ def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.Monkey
     [
         (("nosuch",), "no problem or scene 'nosuch'"),
         (("yielding", "--repeats", "0"), "--repeats"),
-        (("yielding", "-o", "taken"), "holds no results of a run"),
+        (("yielding", "-o", "taken"), "contains no results of a run"),
     ],
 )
 def test_bad_input_is_one_line(arguments: tuple[str, ...], words: str) -> None:

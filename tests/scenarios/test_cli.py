@@ -252,7 +252,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["run", "ap57", "--set", "sprung_mass=-3"], "sprung_mass = -3: must be greater than 0"),
         (["run", "ap57", "--set", "speed=3 kg"], "'kg' does not fit"),
         (["run", "ap57", "--set", "spead=3"], "did you mean 'speed'?"),
-        (["run", "ap57", "-o", "full"], "full holds no results of a run"),
+        (["run", "ap57", "-o", "full"], "full contains no results of a run"),
         (["run", "ap57", "-o", "bad.toml"], "bad.toml is a file"),
         (["run", "ap57", "-o", "."], "current folder"),
         (["build"], "Missing option '-o'"),
@@ -270,7 +270,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure12"], "half_car_rigid_tyres"),
         (["replay", "ap57", "--figure", "no/x.png"], "no folder no"),
         (["replay", "ap75", "--save", "x.rrd"], "or of a results folder"),
-        (["replay", "full", "--save", "x.rrd"], "is no results folder"),
+        (["replay", "full", "--save", "x.rrd"], "is not a results folder"),
         (
             ["replay", "ap57", "--save", "x.rrd", "--construction", "detla"],
             "--construction 'detla': must be one of",
@@ -327,7 +327,7 @@ def test_an_interrupted_run_keeps_what_it_has_computed(
         main, ["run", "ap57"]
     )  # with the pictures and the recording of the scene
     assert result.exit_code == status
-    said = "phaseplane: interrupted at 0.5 s of 1 s; what was computed until then is in out/ap57\n"
+    said = "phaseplane: interrupted at 0.5 s of 1 s; the results until then are in out/ap57\n"
     assert result.stderr.lstrip() == (said if number == signal.SIGINT else "")
     assert sorted(os.listdir("out/ap57")) == ["results.csv", "summary.json"]
     kept = read_results(Path("out/ap57"))

@@ -121,7 +121,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
     [
         (["show", "nowhere"], "no such file or folder: nowhere"),
         (["show", "QuarterCar"], "QuarterCar is a model"),
-        (["show", "."], "is no results folder"),
+        (["show", "."], "is not a results folder"),
         (["show", "no_time.csv", "--figure", "f.png"], "phaseplane: no_time.csv: no column time"),
         (["show", "back.csv", "--figure", "f.png"], "back.csv: time must not go back"),
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
@@ -159,7 +159,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["sweep", "ap57"], "ap57 is a scene"),
         (["sweep", "speed_bunp"], "no sweep 'speed_bunp'; did you mean 'speed_bump'?"),
         (["sweep", "../speed_bump"], "no sweep '../speed_bump'"),
-        (["new", "a.csv"], "is there already"),
+        (["new", "a.csv"], "already exists"),
         (["new", "no/such/folder.toml"], "No such file or directory"),
         (["new", "x.toml", "--model", "Bicycle"], "MODEL 'Bicycle': must be one of OneDof"),
     ],

@@ -181,7 +181,7 @@ def test_a_reference_is_read_once(
             "number 1: no output 'airborn'; did you mean",
         ),
         ('during = [{ output = "airborne" }]', "needs min and/or max, or is"),
-        ('during = [{ output = "airborne", is = true, from = 2, to = 1 }]', "to lies before from"),
+        ('during = [{ output = "airborne", is = true, from = 2, to = 1 }]', "to is before from"),
         ('during = [{ output = "airborne", is = true, when = "never" }]', "always, sometime"),
         ('during = [{ output = "contact_force", min = "3 m" }]', "'m' does not fit"),
         ('during = [{ output = "airborne", is = true, form = 1 }]', "did you mean 'from'?"),
@@ -191,7 +191,7 @@ def test_a_reference_is_read_once(
         ('reference = { file = "scene.csv" }', "no column time"),
         (
             'reference = { file = "scene.csv", columns = ["y"] }',
-            "'y' is not in the file and an output",
+            "'y' is not both a column of the file and an output",
         ),
         ('reference = { file = "scene.csv", colums = ["y"] }', "did you mean 'columns'?"),
     ],

@@ -20,25 +20,25 @@ THREE = """<fmiModelDescription fmiVersion="3.0" modelName="V" instantiationToke
 TWO = """<fmiModelDescription fmiVersion="{version}" modelName="V" guid="1">{kind}
 <ModelVariables><ScalarVariable name="x" valueReference="1" causality="output"><Real/>
 </ScalarVariable></ModelVariables></fmiModelDescription>"""
-ONLY = "; only FMUs of FMI 2.0 for co-simulation can be run"
+ONLY = "; only FMI 2.0 FMUs for co-simulation can be run"
 
 
 @pytest.mark.parametrize(
     ("description", "words"),
     [
-        (THREE.format(kind="CoSimulation"), f"an FMU of FMI 3.0 for co-simulation{ONLY}"),
-        (THREE.format(kind="ModelExchange"), f"an FMU of FMI 3.0 for model exchange{ONLY}"),
-        (THREE.format(kind="ScheduledExecution"), f"of FMI 3.0 for scheduled execution{ONLY}"),
+        (THREE.format(kind="CoSimulation"), f"an FMI 3.0 FMU for co-simulation{ONLY}"),
+        (THREE.format(kind="ModelExchange"), f"an FMI 3.0 FMU for model exchange{ONLY}"),
+        (THREE.format(kind="ScheduledExecution"), f"an FMI 3.0 FMU for scheduled execution{ONLY}"),
         (
             TWO.format(version="2.0", kind='<ModelExchange modelIdentifier="V"/>'),
-            f"an FMU of FMI 2.0 for model exchange{ONLY}",
+            f"an FMI 2.0 FMU for model exchange{ONLY}",
         ),
-        (TWO.format(version="1.0", kind=""), f"an FMU of FMI 1.0{ONLY}"),
-        (TWO.format(version="2.0", kind=""), f"an FMU of FMI 2.0{ONLY}"),
+        (TWO.format(version="1.0", kind=""), f"an FMI 1.0 FMU{ONLY}"),
+        (TWO.format(version="2.0", kind=""), f"an FMI 2.0 FMU{ONLY}"),
         ("<fmiModelDescription/>", "not a model description of any FMI version"),
         ("<html/>", "not a model description of any FMI version"),
         ("<html>", "modelDescription.xml: no element found"),
-        (None, "it holds no modelDescription.xml"),
+        (None, "it contains no modelDescription.xml"),
     ],
 )
 def test_what_another_fmu_is_is_said(tmp_path: Path, description: str | None, words: str) -> None:

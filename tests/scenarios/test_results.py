@@ -123,14 +123,14 @@ def test_files_of_others_are_never_deleted(tmp_path: Path) -> None:
     notes = tmp_path / "notes"
     notes.mkdir()
     (notes / "diary.txt").write_text("dear diary")
-    with pytest.raises(FolderError, match="holds no results of a run"):
+    with pytest.raises(FolderError, match="contains no results of a run"):
         write(notes, [1.0])
     (notes / SUMMARY).write_text('{"some": "other summary"}')
-    with pytest.raises(FolderError, match="holds no results of a run"):
+    with pytest.raises(FolderError, match="contains no results of a run"):
         write(notes, [1.0])
     write(tmp_path / "out", [1.0])
     (tmp_path / "out" / "diary.txt").write_text("dear diary")
-    with pytest.raises(FolderError, match=r"holds diary\.txt, which no run wrote"):
+    with pytest.raises(FolderError, match=r"contains diary\.txt, which no run wrote"):
         write(tmp_path / "out", [1.0])
     assert (notes / "diary.txt").read_text() == "dear diary"
     assert (tmp_path / "out" / "diary.txt").read_text() == "dear diary"
@@ -139,7 +139,7 @@ def test_files_of_others_are_never_deleted(tmp_path: Path) -> None:
 def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with (  # noqa: PT012
-        pytest.raises(FolderError, match=r"holds diary\.txt"),
+        pytest.raises(FolderError, match=r"contains diary\.txt"),
         replaced_whole(Place(folder)) as draft,
     ):
         write_results(results([1.0]), draft)
@@ -154,7 +154,7 @@ def test_no_folder_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         check_replaceable(Place(tmp_path / "file"))
     monkeypatch.chdir(tmp_path)
     for above in (Path(), tmp_path.parent):
-        with pytest.raises(FolderError, match="current folder or above"):
+        with pytest.raises(FolderError, match="current folder or a parent"):
             check_replaceable(Place(above))
     with pytest.raises(FolderError, match="cannot write"):
         write(tmp_path / "file" / "out", [1.0])
@@ -169,7 +169,7 @@ def test_no_folder_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         (None, "No such file"),
         ("", "no rows"),
         ('"time","x"\n', "no rows"),
-        ('"time","x"\n1.0\n', "2 names over 1 columns"),
+        ('"time","x"\n1.0\n', "2 names in the header, but 1 columns"),
         ('"time","x"\n1.0,abc\n', "abc"),
         ('"t","x"\n1.0,2.0\n', "no column time"),
     ],
@@ -186,5 +186,5 @@ def test_damaged_results(tmp_path: Path, table: str | None, words: str) -> None:
 
 
 def test_no_results(tmp_path: Path) -> None:
-    with pytest.raises(FolderError, match=r"holds no summary\.json written by a run"):
+    with pytest.raises(FolderError, match=r"has no summary\.json written by a run"):
         read_results(tmp_path)

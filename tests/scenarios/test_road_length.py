@@ -69,7 +69,7 @@ def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
     assert summary["remarks"] == [said]
     told = report({**summary, "drawn": None, "problems": [], "files": []}, Path("out"))
     assert f"note             {said}" in told
-    assert "200 m long with 20 m of fading at both ends" in told
+    assert "200 m long with a 20 m fade at both ends" in told
 
 
 def test_all_runs_of_a_sweep_go_over_one_road_that_is_long_enough(

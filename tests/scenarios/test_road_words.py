@@ -17,11 +17,11 @@ from phaseplane.suspension.variables import checked_parameters
         ({"shape": "sweep"}, "sweep 50 mm from crest to trough, 0.5 to 20 Hz in 10 s"),
         (
             {"shape": "random"},
-            "random, class C, seed 1, 200 m long with 20 m of fading at both ends, at 20 m/s",
+            "random, class C, seed 1, 200 m long with a 20 m fade at both ends, at 20 m/s",
         ),
         (
             {"shape": "random", "roughness": 1e-4},
-            "random, Gd(n0) = 100 cm3, seed 1, 200 m long with 20 m of fading at both ends, at 20 m/s",
+            "random, Gd(n0) = 100 cm3, seed 1, 200 m long with a 20 m fade at both ends, at 20 m/s",
         ),
         (
             {"shape": "sequence", "sequence": "bump 0.05 1,gap 3, step 0.02"},

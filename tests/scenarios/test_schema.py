@@ -149,7 +149,7 @@ def test_an_expectation_that_another_model_cannot_meet_says_how_to_leave_it(tmp_
     with pytest.raises(SceneError) as caught:
         load_scene(str(file), ["fmu=OneDof"])
     assert "no measure 'lift_off_count'" in str(caught.value)
-    assert str(caught.value).endswith("--no-expect leaves what the scene expects unchecked")
+    assert str(caught.value).endswith("--no-expect skips the expectations of the scene")
     assert load_scene(str(file), ["fmu=OneDof"], expect=False).expect == {}
 
 
@@ -322,7 +322,7 @@ def test_unreadable_file(tmp_path: Path, content: bytes, words: str) -> None:
         ("expect.airborne_time=0.03", ["expect.airborne_time = 0.03", "min and/or max in s"]),
         ("expect.airborne_time={min='1 N'}", ["expect.airborne_time", "'N' does not fit"]),
         ("expect.lift_off_count={min=3, max=1}", ["min is above max"]),
-        ("extends=ap57", ["extends", "in its file only"]),
+        ("extends=ap57", ["extends", "only a scene's file"]),
         ("speed", ["'speed'", "key=value"]),
     ],
 )

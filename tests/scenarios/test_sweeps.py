@@ -534,7 +534,7 @@ def test_files_of_one_name_in_two_folders_do_not_replace_each_others_results() -
         before = Path(folder, "summary.json").read_bytes()
         refused = phaseplane(command, f"b/{file}")
         assert refused.exit_code == 2
-        told = f"{folder} holds the results of a/{file}, which those of b/{file} do not replace"
+        told = f"{folder} contains the results of a/{file}, which those of b/{file} do not replace"
         assert told in refused.stderr
         assert Path(folder, "summary.json").read_bytes() == before
         asked = phaseplane(command, f"b/{file}", "-o", folder)  # who names the folder means it
