@@ -1,6 +1,6 @@
-"""Figures taken from the columns of a run: each has a name, a unit, a definition and a source.
+"""Measures of a run: each has a name, a unit, a definition and a source.
 
-Only those that a scene shows or bounds are taken, and only the outputs they need are read.
+Only the measures that a scene shows or bounds are taken, and only the outputs they need are read.
 """
 
 from .catalogue import at_end, catalogue, default_measures, outputs_needed, take

@@ -1,4 +1,4 @@
-"""What concerns one axle: contact with the road, tyre load, travel, stops, damper."""
+"""The measures of one axle: contact with the road, tyre load, travel, stops, damper."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _MITSCHKE = "M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge, Springer 
 
 
 def of_axles(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """The measures of every axle that the model has; names carry its prefix."""
+    """Yield the measures of every axle of the model; their names begin with its prefix."""
     for deflection in outputs:
         prefix, found, rest = deflection.partition("suspension_deflection")
         if found and not rest:
@@ -41,31 +41,31 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
         )  # fmt: skip
 
     yield measure("lift_off_count", COUNT, ("lift_off_count",), last,
-                  "how often the wheel left the road, counted by the model itself")  # fmt: skip
+                  "number of lift-offs of the wheel, counted by the model")  # fmt: skip
     yield measure("airborne_time", "s", ("airborne_time",), last,
-                  "time the wheel spent off the road, from located instants")  # fmt: skip
+                  "time the wheel spent off the road, from located events")  # fmt: skip
     for what in ("lift_off", "touchdown"):
         yield measure(f"first_{what}", "s", (f"last_{what}",), first_instant,
-                      f"located instant of the first {what}", details="switches")  # fmt: skip
+                      f"time of the first {what}, as located", details="switches")  # fmt: skip
         yield measure(f"{what}s", "s", (f"last_{what}",), instants,
-                      f"located instants of {what}", details="switches")  # fmt: skip
+                      f"times of each {what}, as located", details="switches")  # fmt: skip
     yield measure("smallest_contact_force", "N", ("contact_force",), smallest,
                   "smallest force of the road on the tyre", details="least")  # fmt: skip
     yield measure("dynamic_load_coefficient", "1", ("contact_force", "tyre_force"), _load_coefficient,
-                  "root mean square of the dynamic tyre load, which counts from the static tyre load, "
-                  "over the static tyre load; in the long run the mean load is the static one, and this "
-                  "the standard deviation over the mean", _MITSCHKE, "switches")  # fmt: skip
+                  "root mean square of the dynamic tyre load (the deviation from the static load), over "
+                  "the static tyre load; for long runs the standard deviation of the load over its mean",
+                  _MITSCHKE, "switches")  # fmt: skip
     yield measure("suspension_travel", "m", ("suspension_deflection",), _range,
                   "largest minus smallest suspension deflection", details="range")  # fmt: skip
     for stop in ("bump_stop", "rebound_stop"):
         yield measure(f"{stop}_hits", COUNT, (f"{stop}_force",), _hits,
-                      f"how often the {stop.replace('_', ' ')} was met", details="switches")  # fmt: skip
+                      f"number of hits of the {stop.replace('_', ' ')}", details="switches")  # fmt: skip
     yield measure("mean_height_shift", "m", ("suspension_deflection",), _shift,
-                  "time mean of the suspension deflection over the second half of the run: a damper "
-                  "that is softer in bump than in rebound lowers the body", "AP57 section 1",
+                  "mean of the suspension deflection over the second half of the run; a damper softer "
+                  "in bump than in rebound lowers the body", "AP57 section 1",
                   details="switches")  # fmt: skip
     yield measure("damper_power", "W", ("damper_force", "suspension_deflection_rate"), _power,
-                  "time mean of the power that the damper dissipates, force times rate",
+                  "mean power dissipated by the damper, force times rate",
                   details="switches")  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""All measures that a model's outputs allow, by name; and taking those that are wanted."""
+"""All measures that a model's outputs allow, by name, and how to take them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .reading import COUNT, Measure, Reading, Run
 from .ride import of_ride
 from .road import of_roads
 
-# Taken unless a scene asks for others: cheap, and what one looks at first.
+# The measures taken by default: cheap and of general interest.
 _DEFAULT_PEAKS = ("_displacement", "_deflection", "_acceleration")
 _DEFAULT = (
     "lift_off_count", "airborne_time", "lift_offs", "touchdowns", "smallest_contact_force",
@@ -25,18 +25,18 @@ _DEFAULT = (
 
 
 def catalogue(outputs: Mapping[str, Variable]) -> Mapping[str, Measure]:
-    """Every measure that can be taken of a model.
+    """Return every measure of a model, by name.
 
     Parameters
     ----------
-    outputs : of the model, by name
+    outputs : outputs of the model, by name
     """
     return _measures_of(tuple(outputs.values()))
 
 
 @lru_cache(maxsize=16)
 def _measures_of(variables: tuple[Variable, ...]) -> Mapping[str, Measure]:
-    """The same, made once for each model: every measure named is looked up in it."""
+    """Return the catalogue, made once for each model."""
     outputs = {variable.name: variable for variable in variables}
     measures = [
         *of_motion(outputs), *of_axles(outputs), *of_ride(outputs), *of_roads(outputs),
@@ -46,9 +46,9 @@ def _measures_of(variables: tuple[Variable, ...]) -> Mapping[str, Measure]:
 
 
 def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tuple[str, ...]:
-    """What is taken where a scene does not say: peaks of the motions shown, contact, the solver.
+    """Return the default measures: peaks of the motions shown, contact, the solver.
 
-    Of a model whose outputs are none of these motions, peaks of all that is shown.
+    If none of these motions is shown, peaks of all outputs shown.
     """
     shown = list(shown)
     motions = [name for name in shown if name.endswith(_DEFAULT_PEAKS)]
@@ -57,26 +57,26 @@ def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tupl
 
 
 def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[str]:
-    """The outputs from which the named measures are taken."""
+    """Return the outputs that the named measures need."""
     return {output for name in names for output in known[name].needs}
 
 
 def at_end(known: Mapping[str, Measure], names: Iterable[str]) -> bool:
-    """Whether the last row alone tells the named measures."""
+    """Whether the last row is enough for the named measures."""
     return all(known[name].at_end for name in names)
 
 
 def take(
     known: Mapping[str, Measure], names: Iterable[str], run: Run, rows: Run | None = None
 ) -> dict[str, Reading]:
-    """Take measures of a run; where it lacks the columns, a reading of nothing.
+    """Take measures of a run; a reading is None if the run lacks its columns.
 
     Parameters
     ----------
-    known : of `catalogue`
-    names : of the measures
-    run : the course of outputs over time
-    rows : what is known at the end and at the rows, if it is not in `run`
+    known : the catalogue
+    names : names of the measures
+    run : the outputs over time
+    rows : the outputs at the rows and at the end, if they are not in `run`
     """
     return {
         name: _taken(known[name], run if rows is None or known[name].over_time else rows)
@@ -91,7 +91,7 @@ def _taken(measure: Measure, run: Run) -> Reading:
 
 def _of_the_solver(outputs: Mapping[str, Variable]) -> Iterable[Measure]:
     for name, how, unit, about in (
-        ("energy_residual", largest, "J", "what the energy balance lacks at most, at the rows"),
+        ("energy_residual", largest, "J", "largest error of the energy balance, at the rows"),
         ("step_count", last, COUNT, "internal steps of the integrator"),
     ):
         if name in outputs:

@@ -1,10 +1,9 @@
-"""A system for small motions about rest: natural frequencies, damping ratios, transfer functions.
+"""A system linearised about rest: natural frequencies, damping ratios, transfer functions.
 
     M q'' + B q' + K q = sum b (c u' + k u)
 
-with the tangents at static equilibrium. Where a law has a corner just there (a damper with different
-rates), the mean of both sides is taken, as for a motion that goes to both alike. Dry friction, which
-small motions do not overcome, is left out.
+with the tangents at static equilibrium. At a corner of a law (a damper with different rates) the mean
+of the slopes on both sides is used. Dry friction is left out.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
 
     Matrix = npt.NDArray[np.float64]
 
-_REAL = 1e-9  # of its magnitude: an eigenvalue with a smaller imaginary part does not oscillate
+_REAL = 1e-9  # of its magnitude: an eigenvalue with a smaller imaginary part counts as real
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,8 @@ class Mode:
     Parameters
     ----------
     frequency : natural frequency |s| / 2 pi, Hz
-    damping_ratio : -Re s / |s|; 1 for a motion that creeps
-    shape : complex displacements of the coordinates, the largest 1, shape (n,)
+    damping_ratio : -Re s / |s|; 1 for a real eigenvalue
+    shape : complex displacements of the coordinates, scaled so that the largest is 1, shape (n,)
     """
 
     frequency: float
@@ -45,13 +44,13 @@ class Mode:
 
 @dataclass(frozen=True)
 class Linearised:
-    """A system about rest.
+    """A system linearised about rest.
 
     Parameters
     ----------
-    coordinates : their names
+    coordinates : names of the coordinates
     mass, damping, stiffness : shape (n, n), kg, N s/m, N/m
-    road_damping, road_stiffness : force per road velocity and elevation, by road, shape (n,)
+    road_damping, road_stiffness : force per velocity and per elevation of each road, shape (n,)
     """
 
     coordinates: tuple[str, ...]
@@ -62,7 +61,7 @@ class Linearised:
     road_stiffness: dict[str, Matrix]
 
     def modes(self) -> list[Mode]:
-        """All modes, slowest first; two that creep count separately."""
+        """Return all modes, lowest frequency first; each real eigenvalue is a mode of its own."""
         n = len(self.mass)
         state = np.block(
             [
@@ -86,18 +85,18 @@ class Linearised:
         return sorted(modes, key=lambda mode: mode.frequency)
 
     def transfer(self, road: str, frequencies: Matrix) -> npt.NDArray[np.complex128]:
-        """Displacements of the coordinates for a unit sine of a road's elevation.
+        """Return the displacements of the coordinates for a unit sine of a road's elevation.
 
         (K + i w B - w^2 M) q = sum b (k + i w c)
 
         Parameters
         ----------
-        road : name of the signal
+        road : name of the road's signal
         frequencies : Hz, shape (m,)
 
         Returns
         -------
-        m/m, shape (m, n)
+        Complex amplitudes, m/m, shape (m, n).
         """
         w = 2.0 * pi * np.asarray(frequencies)[:, None, None]
         dynamic = self.stiffness + 1j * w * self.damping - w**2 * self.mass
@@ -106,11 +105,11 @@ class Linearised:
 
 
 def linearised(system: System) -> Linearised:
-    """The system about its static equilibrium.
+    """Linearise a system about its static equilibrium.
 
     Raises
     ------
-    ValueError : a system that has no equilibrium.
+    ValueError : if the system has no equilibrium.
     """
     n = len(system.mass)
     rest = static_equilibrium(system)
@@ -133,5 +132,5 @@ def linearised(system: System) -> Linearised:
 
 
 def _tangent(law: Characteristic, x: float) -> float:
-    """The slope at x; on a corner the mean of both sides."""
+    """Return the slope at x; at a corner the mean of both sides."""
     return 0.5 * (law.tangent(x) + law.tangent(nextafter(x, -inf)))

@@ -1,4 +1,4 @@
-"""The model itself, for small motions about rest."""
+"""Measures of the model's small motions about rest."""
 
 from __future__ import annotations
 
@@ -13,15 +13,13 @@ from .reading import Measure, Reading, Run
 
 
 def of_modes(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """Natural frequencies and damping ratios, slowest mode first."""
-    if "stable_step" in outputs:  # a model of this project
+    """Yield natural frequencies and damping ratios, lowest frequency first."""
+    if "stable_step" in outputs:  # a model of this package
         for name, unit, what in (
             ("natural_frequencies", "Hz", "frequency"),
             ("damping_ratios", "1", "damping_ratio"),
         ):
-            about = (
-                f"{name.replace('_', ' ')} of the model's small motions about rest, slowest first"
-            )
+            about = f"{name.replace('_', ' ')} of small motions about rest, lowest frequency first"
             yield Measure(name, unit, (), partial(_of_run, what), about, at_end=True)
 
 

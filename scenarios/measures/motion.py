@@ -1,4 +1,4 @@
-"""Peaks and root mean squares of any output."""
+"""Peaks, root mean squares and amplitudes of any output."""
 
 from __future__ import annotations
 
@@ -21,59 +21,59 @@ _NOT_MOTION = (
 
 
 def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """`peak.X`, `rms.X` and `amplitude.X` of every output X that is a number in time."""
+    """Yield `peak.X`, `rms.X` and `amplitude.X` of every output X that is a real number."""
     for name, output in outputs.items():
         if type(output.start) is float and not name.endswith(_NOT_MOTION):
             unit = output.unit or "1"
             yield Measure(
                 f"peak.{name}", unit, (name,), partial(peak, name),
-                f"value of largest magnitude of {name}, with its sign", details="peak",
+                f"signed value of largest magnitude of {name}", details="peak",
             )  # fmt: skip
             yield Measure(
                 f"rms.{name}", unit, (name,), partial(root_mean_square, name),
-                f"root of the time mean of the square of {name}", details="switches",
+                f"root mean square of {name}", details="switches",
             )  # fmt: skip
             yield Measure(
                 f"amplitude.{name}", unit, (name,), partial(amplitude, name),
-                f"half of largest minus smallest {name} over the second half of the run: the "
-                "amplitude of a steady vibration, when what the start has set off has died away",
+                f"half the range of {name} over the second half of the run: the amplitude of a "
+                "steady vibration once the transient has died away",
                 details="late range",
             )  # fmt: skip
 
 
 def peak(name: str, run: Run) -> Reading:
-    """The value of largest magnitude, the first of equals, with its sign."""
+    """Return the signed value of largest magnitude, the first of equals."""
     return _reading(run.closely(name), abs)
 
 
 def amplitude(name: str, run: Run) -> Reading:
-    """Half of largest minus smallest value over the second half of the run."""
+    """Return half the range over the second half of the run."""
     _, values = run.closely(name, late(run.time))
     return Reading(0.5 * float(values.max() - values.min()))
 
 
 def smallest(name: str, run: Run) -> Reading:
-    """The smallest value."""
+    """Return the smallest value."""
     return _reading(run.closely(name), neg)
 
 
 def last(name: str, run: Run) -> Reading:
-    """The value at the end of the run."""
+    """Return the value at the end of the run."""
     return Reading(run.columns[name][-1].item())
 
 
 def root_mean_square(name: str, run: Run) -> Reading:
-    """sqrt(1/T integral x^2 dt)."""
+    """Return sqrt(1/T integral x^2 dt)."""
     return Reading(sqrt(run.mean(square, name)))
 
 
 def square(column: Column) -> Column:
-    """x^2."""
+    """Return x^2."""
     return column * column
 
 
 def instants(name: str, run: Run) -> Reading:
-    """The instants that an output held one after the other; -1 stands for none yet."""
+    """Return the successive values of an output that holds times; -1 means none yet."""
     held: Iterable[float] = run.closely(name)[1].tolist()
     found, before = [], -1.0
     for instant in held:
@@ -84,13 +84,13 @@ def instants(name: str, run: Run) -> Reading:
 
 
 def first_instant(name: str, run: Run) -> Reading:
-    """The first of `instants`."""
+    """Return the first of `instants`, or None."""
     found = instants(name, run).value
     return Reading(found[0] if isinstance(found, tuple) and found else None)
 
 
 def _reading(found: tuple[Column, Column], height: Callable[[Column], Column]) -> Reading:
-    """The value that is highest in some sense, and its instant."""
+    """Return the value of largest `height`, and its time."""
     time, values = found
     row = int(height(values).argmax())
     return Reading(float(values[row]), float(time[row]))

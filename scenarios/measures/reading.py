@@ -1,4 +1,4 @@
-"""What a measure is: a name, a unit, the outputs it needs and how it is taken."""
+"""The definition of a measure: a name, a unit, the outputs it needs and how it is taken."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     Column = npt.NDArray[np.float64]
     Columns = Mapping[str, Column]
 
-COUNT = "count"  # in place of a unit
+COUNT = "count"  # the unit of counts
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +25,8 @@ class Reading:
 
     Parameters
     ----------
-    value : in the measure's unit; several for a measure that lists instants; None if the run does
-        not tell
-    time : the instant at which it was read, s, where there is one
+    value : in the measure's unit; several for a measure that lists times; None if unknown
+    time : the time at which it was read, s, if there is one
     """
 
     value: float | int | tuple[float, ...] | None
@@ -36,14 +35,14 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What measures are taken from.
+    """The data that measures are taken from.
 
     Parameters
     ----------
     columns : `time` (s) and outputs, each of shape (rows,), in SI; at least one row
-    parameters : of the model, in SI
-    model : its name, if it is one of this project
-    details : `time` and the same outputs at further instants, ascending, where extremes may hide
+    parameters : parameters of the model, in SI
+    model : its name, if it is a model of this package
+    details : `time` and the same outputs at further ascending times, where extremes may be
     """
 
     columns: Columns
@@ -53,11 +52,11 @@ class Run:
 
     @property
     def time(self) -> Column:
-        """The instants of the rows, s."""
+        """The times of the rows, s."""
         return self.columns["time"]
 
     def closely(self, name: str, since: float = -inf) -> tuple[Column, Column]:
-        """Instants and values of an output, details included, ascending from an instant on."""
+        """Return times and values of an output, including `details`, from the time `since` on."""
         time, values = self.time, self.columns[name]
         if self.details is not None and len(self.details["time"]):
             places = np.searchsorted(time, self.details["time"])
@@ -67,7 +66,7 @@ class Run:
         return time[first:], values[first:]
 
     def mean(self, what: Callable[..., Column], *names: str, since: float = -inf) -> float:
-        """Mean over time of what is calculated from outputs, by the trapezoidal rule."""
+        """Return the time mean of a function of outputs, by the trapezoidal rule."""
         found = [self.closely(name, since) for name in names]
         time, values = found[0][0], what(*(column for _, column in found))
         span = float(time[-1] - time[0])
@@ -76,22 +75,22 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One figure of a run.
+    """A measure of a run.
 
     Parameters
     ----------
-    name : by which a scene asks for it and bounds it
+    name : its name in scenes
     unit : SI, or `COUNT`
     needs : names of the outputs it is taken from
-    take : how
+    take : function that takes it
     about : its definition in one sentence
-    source : where the definition stands, if it is not our own
-    at_end : whether the last row alone tells it
-    at_rows : whether it is taken from the rows of the run, as it tells of the run as it was driven
-    longest_interval : between instants that it is to be taken from, s
-    details : where the first output it needs is to be read more closely: at its `peak` (largest
-        magnitude), where it is `least`, at both ends of its `range`, of its `late range` in the second
-        half of the run, or at `switches` and corners alone, as for the others, too; empty: nowhere
+    source : source of the definition, if it is published
+    at_end : whether the last row is enough
+    at_rows : whether it is taken from the rows of the run as driven
+    longest_interval : largest allowed time between points, s
+    details : where to refine the first output it needs: at its `peak` (largest magnitude), where it is
+        `least`, at both ends of its `range`, or of its `late range` in the second half of the run, or
+        only at `switches` and corners (as all of these are); nowhere if empty
     """
 
     name: str
@@ -107,10 +106,10 @@ class Measure:
 
     @property
     def over_time(self) -> bool:
-        """Whether it is taken from the course of outputs over time, as closely as that is known."""
+        """Whether it is taken from the outputs over time, at all points where they are known."""
         return bool(self.needs) and not (self.at_end or self.at_rows)
 
 
 def late(time: Column) -> float:
-    """Where the second half of the instants begins, s."""
+    """Return the start of the second half of the run, s."""
     return 0.5 * float(time[0] + time[-1])

@@ -2,9 +2,9 @@
 
 The weighting is the product of four analogue filters (ISO 2631-1 annex A): band limits, transition
 from acceleration to velocity, and an upward step. Its partial fractions are integrated exactly for an
-acceleration that goes from instant to instant along the parabola that gives the run's own change of
-velocity; where there is no velocity, along straight lines. What lies between the instants is not seen:
-they should be no more than 2 ms apart. From instants 5 ms apart straight lines lack 2 % at 16 Hz.
+acceleration that is interpolated between points by the parabola with the run's change of velocity, or
+linearly if there is no velocity. The points should be at most 2 ms apart, as nothing between them is
+seen; 5 ms apart, linear interpolation loses 2 % at 16 Hz.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
     from .reading import Column
 
 _SOURCE = "ISO 2631-1:1997"
-LONGEST_INTERVAL = 2e-3  # s, from instant to instant, for what the weighting is to be taken of
+LONGEST_INTERVAL = 2e-3  # s, between points of the weighted acceleration
 _TIME_CONSTANT = 1.0  # s, of the running root mean square
-# Hz and quality factors of Wk (ISO 2631-1 table A.1; band limits are of Butterworth's kind)
+# Hz and quality factors of Wk (ISO 2631-1 table A.1; the band limits are Butterworth filters)
 _F1, _F2, _F3, _F4, _F5, _F6 = 0.4, 100.0, 12.5, 12.5, 2.37, 3.35
 _Q1, _Q4, _Q5, _Q6 = sqrt(0.5), 0.63, 0.91, 0.91
 
 
 def of_ride(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """Weighted acceleration, vibration dose and largest transient of the body's points."""
+    """Yield weighted acceleration, vibration dose and largest transient of the body's points."""
     for acceleration in outputs:
         if acceleration.endswith("body_acceleration"):
             where = acceleration.removesuffix("acceleration")
@@ -41,13 +41,13 @@ def of_ride(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
             needs = (acceleration, velocity) if velocity else (acceleration,)
             for name, unit, take, about in (
                 ("weighted_acceleration", "m/s2", weighted_acceleration,
-                 "root mean square of the acceleration weighted by Wk (6.1)"),
+                 "root mean square of the Wk-weighted acceleration (6.1)"),
                 ("vibration_dose", "m/s1.75", vibration_dose,
-                 "fourth root of the time integral of the fourth power of the acceleration weighted "
-                 "by Wk, VDV (6.3.2)"),
+                 "VDV, fourth root of the time integral of the fourth power of the Wk-weighted "
+                 "acceleration (6.3.2)"),
                 ("largest_transient", "m/s2", largest_transient,
-                 "largest running root mean square, over 1 s and linear, of the acceleration weighted "
-                 "by Wk, MTVV (6.3.1)"),
+                 "MTVV, largest running root mean square of the Wk-weighted acceleration, linear over "
+                 "1 s (6.3.1)"),
             ):  # fmt: skip
                 yield Measure(
                     f"{where}{name}", unit, needs, partial(take, acceleration, velocity), about,
@@ -56,7 +56,7 @@ def of_ride(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
 
 
 def weighted_acceleration(acceleration: str, velocity: str, run: Run) -> Reading:
-    """a_w = sqrt(1/T integral a_w^2 dt)."""
+    """Return a_w = sqrt(1/T integral a_w^2 dt)."""
     time = run.time
     if len(time) < 2:
         return Reading(0.0)
@@ -65,13 +65,13 @@ def weighted_acceleration(acceleration: str, velocity: str, run: Run) -> Reading
 
 
 def vibration_dose(acceleration: str, velocity: str, run: Run) -> Reading:
-    """VDV = (integral a_w^4 dt)^(1/4)."""
+    """Return VDV = (integral a_w^4 dt)^(1/4)."""
     integral = np.trapezoid(_weighted(acceleration, velocity, run) ** 4, run.time)
     return Reading(float(integral) ** 0.25)
 
 
 def largest_transient(acceleration: str, velocity: str, run: Run) -> Reading:
-    """MTVV: the largest of a_w(t0) = sqrt(1/tau integral of a_w^2 from t0 - tau to t0), tau = 1 s."""
+    """Return MTVV, the largest sqrt(1/tau integral of a_w^2 from t0 - tau to t0), tau = 1 s."""
     from scipy.integrate import cumulative_trapezoid  # noqa: PLC0415
 
     time = run.time
@@ -85,7 +85,7 @@ def largest_transient(acceleration: str, velocity: str, run: Run) -> Reading:
 
 
 def response(frequency: Column) -> npt.NDArray[np.complex128]:
-    """The weighting Wk at frequencies in Hz (ISO 2631-1 eqs. A.1 to A.4)."""
+    """Return the weighting Wk at frequencies in Hz (ISO 2631-1 eqs. A.1 to A.4)."""
     numerator, denominator = _weighting()
     p = 2j * pi * np.asarray(frequency)
     return np.polyval(numerator, p) / np.polyval(denominator, p)
@@ -98,16 +98,16 @@ def _weighted(acceleration: str, velocity: str, run: Run) -> Column:
 
 
 def weighted(time: Column, acceleration: Column, velocity: Column | None = None) -> Column:
-    """The acceleration weighted by Wk, from rest.
+    """Return the acceleration weighted by Wk, from rest.
 
-    p^k leaves r / (s - p) of the weighting, that is x' = p x + a, solved from instant to instant for
+    Each partial fraction r / (s - p) of the weighting is x' = p x + a, solved from point to point for
     a = a0 + (a1 - a0) s + 6 b s (1 - s), b = (v1 - v0) / step - (a0 + a1) / 2, s from 0 to 1.
 
     Parameters
     ----------
-    time : s, shape (instants,), ascending; the last step may be of another length
-    acceleration : m/s2, shape (instants,)
-    velocity : m/s, shape (instants,); without it b is 0
+    time : s, shape (points,), ascending in equal steps except the last
+    acceleration : m/s2, shape (points,)
+    velocity : m/s, shape (points,); without it b is 0
     """
     from scipy.signal import lfilter, residue  # noqa: PLC0415
 
@@ -138,7 +138,7 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
 
 
 def _after(p: complex, step: float) -> tuple[complex, complex, complex, complex]:
-    """What x' = p x + a keeps of x over a step, and what a0, a1 and the bulge b add to it."""
+    """Return the factors of x, a0, a1 and the bulge b in x after a step of x' = p x + a."""
     z = p * step
     phi1 = np.expm1(z) / z  # integral of exp(z (1 - s)); with s, and s^2 / 2, phi2 and phi3
     phi2 = (phi1 - 1.0) / z
@@ -150,7 +150,7 @@ def _after(p: complex, step: float) -> tuple[complex, complex, complex, complex]
 
 @cache
 def _weighting() -> tuple[Column, Column]:
-    """Numerator and denominator of Wk in p, highest power first."""
+    """Return the numerator and denominator of Wk in p, highest power first."""
     w1, w2, w3, w4, w5, w6 = (2.0 * pi * f for f in (_F1, _F2, _F3, _F4, _F5, _F6))
     numerator = np.polymul([1.0, 0.0, 0.0], [1.0 / w3, 1.0])
     numerator = np.polymul(numerator, [1.0 / w5**2, 1.0 / (_Q5 * w5), 1.0]) * (w5 / w6) ** 2

@@ -1,11 +1,11 @@
-"""The international roughness index of the road that a run went over.
+"""The international roughness index (IRI) of the road of a run.
 
 A golden car (a linear quarter car of published ratios, tyre always on the road) travels at 80 km/h over
-the profile, whose slope is the mean over the length of a tyre's footprint; the index is the mean of its
-suspension's speed over the speed of travel (M. W. Sayers, Transportation Research Record 1501 (1995)
-1-12). As in his program and that of ASTM E1926, the footprint of 0.25 m is a whole number of samples, so
-that samples more than two thirds of it apart are not averaged; where there are many, they are first read
-anew at even distances that divide it.
+the profile, whose slope is averaged over the length of a tyre's footprint; the index is the mean
+suspension speed over the speed of travel (M. W. Sayers, Transportation Research Record 1501 (1995)
+1-12). As in his program and in ASTM E1926, the footprint of 0.25 m is a whole number of samples, so
+samples more than two thirds of it apart are not averaged. Closely sampled profiles are first resampled
+at even distances that divide the footprint.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ if TYPE_CHECKING:
 
 _SPEED = 80.0 / 3.6  # m/s
 _FOOTPRINT = 0.25  # m
-_FEW = 3  # samples to a footprint, which is then whole samples long instead
+_FEW = 3  # samples in a footprint up to which the profile is not resampled
 # per sprung mass: spring and tyre rate 1/s2, damping 1/s, unsprung mass
 _SPRING, _TYRE, _DAMPING, _UNSPRUNG = 63.3, 653.0, 6.0, 0.15
-_RUN_UP = 11.0  # m over which the profile's first slope is taken (half a second at 80 km/h)
+_RUN_UP = 11.0  # m over which the initial slope of the profile is taken (half a second at 80 km/h)
 
 
 def of_roads(outputs: Mapping[str, Variable]) -> Iterator[Measure]:
-    """`roughness_index` of every road under a wheel."""
+    """Yield `roughness_index` of every road under a wheel."""
     for elevation in outputs:
         if elevation.endswith("ground_elevation"):
             yield Measure(
                 f"{elevation.removesuffix('ground_elevation')}roughness_index", "1", (elevation,),
                 partial(_of_run, elevation),
-                "international roughness index (IRI) of the road travelled, m/m: the golden car's mean "
-                "suspension speed at 80 km/h over its speed of travel",
+                "international roughness index (IRI) of the road travelled, m/m: mean suspension speed "
+                "of the golden car at 80 km/h, over its speed of travel",
                 "M. W. Sayers, Transportation Research Record 1501 (1995) 1-12",
             )  # fmt: skip
 
@@ -52,7 +52,7 @@ def _of_run(elevation: str, run: Run) -> Reading:
 
 
 def roughness_index(position: Column, elevation: Column) -> float:
-    """IRI of a profile, m/m (times 1000: the usual mm/m).
+    """Return the IRI of a profile, m/m (times 1000: the usual mm/m).
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def roughness_index(position: Column, elevation: Column) -> float:
     slope = (z[samples:] - z[:-samples]) / (samples * spacing)
     lead = min(max(1, round(_RUN_UP / spacing)), len(z) - 1)
     start = float(z[lead] - z[0]) / (lead * spacing)
-    # states: slopes of body and wheel over the road's, body's and wheel's velocity (per speed)
+    # states per speed of travel: velocity and acceleration of body and of wheel
     spring, tyre, damping = _SPRING / _UNSPRUNG, _TYRE / _UNSPRUNG, _DAMPING / _UNSPRUNG
     a = np.array([
         [0.0, 1.0, 0.0, 0.0],
@@ -84,7 +84,7 @@ def roughness_index(position: Column, elevation: Column) -> float:
     b = np.array([0.0, 0.0, 0.0, tyre])
     block = np.zeros((5, 5))
     block[:4, :4], block[:4, 4] = a, b
-    exact = expm(block * (spacing / _SPEED))  # for a slope that is constant from point to point
+    exact = expm(block * (spacing / _SPEED))  # for a constant slope between points
     # mode by mode: each is a first-order recurrence
     factors, modes = np.linalg.eig(exact[:4, :4])
     gains = np.linalg.solve(modes, exact[:4, 4])

@@ -1,10 +1,9 @@
-"""A run between its rows: the model's own solution, read as finely as measures need it.
+"""The model's solution between the rows of a run, as fine as measures need it.
 
-A model of this project takes the same internal steps whatever the communication step is, and reads its
-outputs off its interpolant: what an FMU gives at its rows is what the model gives here, to the bit. So
-measures need not make do with the rows. They are taken every millisecond; where an extreme may hide
-between two instants, the solution is read twelve times as finely; at switches, and at corners of the
-road, on both sides.
+The internal steps of a model of this package do not depend on the communication step, and its outputs
+are read off its interpolant. So the rows of its FMU equal this solution to the bit, and measures need not
+rely on the rows. They are taken every millisecond; an interval in which an extreme may be is refined
+twelve times, and switches and corners of the road are read on both sides.
 """
 
 from __future__ import annotations
@@ -24,20 +23,20 @@ from .reading import Measure, late
 Column = npt.NDArray[np.float64]
 Columns = Mapping[str, Column]
 
-INTERVAL = 1e-3  # s, at most from one instant to the next
+INTERVAL = 1e-3  # s, at most between two times
 _MOST_INSTANTS = 2_000_000
-_PARTS = 12  # of an interval in which an extreme may hide
-_MOST_PLACES = 8  # where one extreme may hide
-_MOST_CORNERS = 2_000  # that are read on both sides, wherever they lie
-_SHORT = 3.0  # intervals: switches that follow one another sooner are read between, too
+_PARTS = 12  # parts of an interval in which an extreme may be
+_MOST_PLACES = 8  # intervals for one extreme
+_MOST_CORNERS = 2_000  # up to which all are read on both sides
+_SHORT = 3.0  # intervals: times between closer switches are refined too
 _ROUNDING = 1e-9  # s
-_TOGETHER = 16  # runs that are read more closely in one go
-_RISE = 0.5  # second differences by which an extreme may lie beyond the instants beside it
-_HEIGHTS: Mapping[str, tuple[Callable[[Column], Column], ...]] = {  # what is largest at extremes
+_TOGETHER = 16  # runs refined in one batch
+_RISE = 0.5  # second differences by which an extreme may exceed the values beside it
+_HEIGHTS: Mapping[str, tuple[Callable[[Column], Column], ...]] = {  # largest at the extremes
     "peak": (np.abs,),
     "least": (np.negative,),
     "range": (np.positive, np.negative),
-    "switches": (),  # what happens from switch to switch
+    "switches": (),  # only from switch to switch
 }
 
 
@@ -47,12 +46,12 @@ class Solution:
 
     Parameters
     ----------
-    columns : `time` and outputs at instants that lie `INTERVAL` apart at most
+    columns : `time` and outputs at times at most `INTERVAL` apart
     at_end : outputs at the end
-    failure : why the run ended early, or empty
-    switches : instants at which an element changes its branch, s, ascending
-    joints : instants at which a road or load may have a corner, s, ascending
-    details : `time` and the outputs where they are read more closely
+    failure : why the run stopped early, or empty
+    switches : times at which an element changes its branch, s, ascending
+    joints : times at which a road or load may have a corner, s, ascending
+    details : `time` and the outputs at the refined times
     """
 
     columns: Columns
@@ -63,30 +62,30 @@ class Solution:
     details: Columns | None = None
 
     def ends(self) -> Columns:
-        """`time` and outputs at the end, each as a column of one row."""
+        """Return `time` and outputs at the end, each as a column of one row."""
         last = {name: column[-1:] for name, column in self.columns.items()}
         return {**last, **{name: np.array([x]) for name, x in self.at_end.items()}}
 
     def rows(self, parts: int) -> npt.NDArray[np.intp]:
-        """Which of the instants are those of rows, each of whose intervals has so many parts."""
+        """Return the indices of the rows, if each interval between rows has `parts` parts."""
         count = len(self.columns["time"])
         at = np.arange(0, count, parts)
         return at if at[-1] == count - 1 else np.append(at, count - 1)
 
 
 def refinement(duration: float, interval: float) -> int:
-    """Into how many parts the interval from row to row is cut, so that measures can be taken."""
+    """Return the number of parts of the interval between rows that measures need."""
     most = int(_MOST_INSTANTS * interval / duration)
     return max(1, min(ceil(interval / INTERVAL * (1.0 - 1e-9)), most))
 
 
 def instants(duration: float, interval: float, parts: int = 1) -> Column:
-    """The instants of the rows as FMPy takes them, and those between, s.
+    """Return the times of the rows, as in FMPy, and the refined times between them, s.
 
     Parameters
     ----------
-    duration, interval : of the run, and from row to row, s; the last interval may be shorter
-    parts : into which every interval is cut
+    duration, interval : duration of the run and time between rows, s; the last may be shorter
+    parts : parts of each interval
     """
     step = interval / parts
     k = np.arange(int(duration / step * (1.0 + 1e-12)) + 1)
@@ -101,15 +100,15 @@ def solved(
     measures: Iterable[Measure],
     also: Iterable[str] = (),
 ) -> Iterator[Solution]:
-    """Runs of a model, each with all that measures need.
+    """Yield the runs of a model, each with all data that the measures need.
 
     Parameters
     ----------
-    model : of this project
-    sets : parameters that are not at their defaults, for each run
-    time : s, of `instants`
-    measures : that are to be taken
-    also : outputs that are wanted as closely at both ends of their range
+    model : a model of this package
+    sets : the parameters of each run that are not at their defaults
+    time : times from `instants`, s
+    measures : measures to take
+    also : outputs to refine at both ends of their range too
     """
     measures, also = list(measures), set(also)
     outputs = also.union(*(m.needs for m in measures if not m.at_end))
@@ -125,7 +124,7 @@ def solved(
         every = np.unique(np.concatenate([time[:1], *places]))
         again = simulated(model, sets[k : k + _TOGETHER], every, outputs)
         for one, own, closer in zip(some, places, again, strict=True):
-            # its own alone, so that it does not matter which others are made with it
+            # only its own times, so that the other runs of the batch do not matter
             at = np.searchsorted(every, own)
             details = {name: column[at] for name, column in closer.columns.items()}
             yield one if one.failure else replace(one, details=details)
@@ -137,12 +136,12 @@ def solved_by(
     measures: Iterable[Measure],
     also: Iterable[str] = (),
 ) -> Solution:
-    """One run of something else that can be solved again, with all that measures need.
+    """Return one run by any solver, with all data that the measures need.
 
     Parameters
     ----------
-    solve : gives `time` and outputs at ascending instants, of which the first is the start
-    columns : what it has given at regular instants
+    solve : returns `time` and outputs at ascending times, the first of which is the start
+    columns : its result at regular times
     measures, also : as in `solved`
     """
     found, hidden = Solution(columns), _hidden(measures, also)
@@ -154,7 +153,7 @@ def solved_by(
 
 
 def _hidden(measures: Iterable[Measure], also: Iterable[str]) -> set[tuple[str, str]]:
-    """Outputs, and where they are to be read more closely."""
+    """Return the outputs to refine, each with where."""
     return {(m.needs[0], m.details) for m in measures if m.details} | {(n, "range") for n in also}
 
 
@@ -166,7 +165,7 @@ def simulated(
     ends: Iterable[str] = (),
     corners: bool = False,
 ) -> Iterator[Solution]:
-    """The outputs of every run; where the integrator can give them all it makes it in one call."""
+    """Yield the outputs of every run, in one call of the integrator if it has them all."""
     if not (outputs <= {*outputs_over_time(model)} and {*ends} <= {*outputs_at_end(model)}):
         for given in sets:
             yield stepped(model, given, time, outputs.union(ends))
@@ -185,7 +184,7 @@ def simulated(
 
 
 def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[str]) -> Solution:
-    """A run instant by instant, for outputs that the integrator does not give in one call."""
+    """Return a run stepped from time to time, for outputs that one call does not return."""
     rows: list[list[Value]] = []
     failure, switches = "", []
     try:
@@ -202,12 +201,12 @@ def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[
 
 
 def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:
-    """Instants between those of a solution at which extremes of its outputs may lie, s, ascending.
+    """Return the times between those of a solution at which extremes may be, s, ascending.
 
     Parameters
     ----------
-    solution : with columns at regular instants
-    hidden : names of outputs, and where they are to be read more closely: see `Measure.details`
+    solution : a solution with columns at regular times
+    hidden : names of outputs and where to refine them; see `Measure.details`
     """
     time = solution.columns["time"]
     if len(time) < 3:
@@ -235,14 +234,14 @@ def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Colu
 
 
 def _within(instants: Column, time: Column, cells: Sequence[int]) -> Column:
-    """Those of the instants that lie in these intervals."""
+    """Return the times that are within the given intervals."""
     return instants[np.isin(np.searchsorted(time, instants, side="right") - 1, cells)]
 
 
 def _cells(column: Column, extreme: str, time: Column) -> set[int]:
-    """The intervals in which an extreme may lie.
+    """Return the intervals in which an extreme may be.
 
-    Between two instants a smooth motion rises above both by some eighth of its second difference.
+    Between two points a smooth motion exceeds both by about an eighth of its second difference.
     """
     first = int(np.searchsorted(time, late(time))) if extreme.startswith("late") else 0
     values = np.asarray(column[first:], float)
@@ -262,9 +261,9 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
 
 
 def apart(rows: Columns, solution: Solution) -> float:
-    """How far the rows of an FMU lie from the solution at the same instants, relative to the peaks.
+    """Return the largest difference of an FMU's rows from the solution, over the peaks.
 
-    Rows that lie on a corner are left out: an instant later or earlier by rounding is another one.
+    Rows at a corner are left out, as rounding of the time decides their side.
     """
     time = solution.columns["time"]
     at = np.searchsorted(time, rows["time"] - _ROUNDING)

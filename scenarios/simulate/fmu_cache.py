@@ -30,7 +30,7 @@ def kept(model: str, spare: Path) -> tuple[Path, float]:
     Parameters
     ----------
     model : a model of this package
-    spare : folder for the FMU if the cache folder cannot be written, or nothing that is kept be loaded
+    spare : folder for the FMU if the cache folder cannot be used
 
     Raises
     ------

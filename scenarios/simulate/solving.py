@@ -13,7 +13,9 @@ from scipy.integrate import solve_ivp
 
 from ..scene.equation import function_of
 
-_NO_FURTHER = "no step is short enough: the acceleration is not a number there, or grows without bound"
+_NO_FURTHER = (
+    "no step is short enough: the acceleration is not a number there, or grows without bound"
+)
 
 
 def solve(

@@ -1,1 +1,1 @@
-"""One scene run many times, with other values each time."""
+"""Sweeps: one scene run many times with different values."""

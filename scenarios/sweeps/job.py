@@ -1,4 +1,4 @@
-"""A sweep from its file to its folder."""
+"""Run a sweep file and write its folder."""
 
 from __future__ import annotations
 
@@ -32,23 +32,23 @@ def run_sweep(
     table: str = "runs.csv",
     progress: Callable[[float], None] | None = None,
 ) -> tuple[Plan, dict[str, Any], Path]:
-    """Make the runs of a sweep file and leave rows, picture and summary in a folder.
+    """Make the runs of a sweep file and write table, picture and summary to a folder.
 
     Parameters
     ----------
-    file : the sweep, by its file or the name of one that comes with the package
-    folder : replaced whole; None for `out/sweeps/<file>`
+    file : a sweep file, or the name of a sweep in the package
+    folder : folder to write to, replaced as a whole; `out/sweeps/<file>` if None
     through, workers, dask, progress : see `running.sweep`
-    table : name of the table of rows, ending in .csv or .parquet
+    table : name of the table of runs, ending in .csv or .parquet
 
     Returns
     -------
-    The plan, the summary as it was written, and the folder.
+    The plan, the summary as written, and the folder.
 
     Raises
     ------
-    InputError : a file that cannot be read, or a folder that must not be replaced.
-    RunError : the runs could not begin.
+    InputError : if the file cannot be read, or the folder must not be replaced.
+    RunError : if the runs could not start.
     """
     check_table(table)
     plan = load_plan(file)
@@ -57,7 +57,7 @@ def run_sweep(
     )
     check_replaceable(place)
     folder = place.folder
-    # every sweep, and every way to run it, has a journal of its own: none goes on with another's rows
+    # the journal's name depends on the sweep and on how it is run, so that rows are never mixed
     journal = folder.with_name(f".{folder.name}.{journal_key(plan, through)}.journal")
     rows, told = sweep(
         plan, journal, through=through, workers=workers, dask=dask, progress=progress
@@ -73,7 +73,7 @@ def run_sweep(
 
 
 def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
-    """Draw the sweep; a line for what could not be drawn."""
+    """Draw the sweep; return the problems, a line each."""
     varied = {
         key: (unit, _drawable([plan.points[row.run][k] for row in rows], size))
         for k, (key, (unit, size)) in enumerate(zip(plan.keys, plan.shown, strict=True))
@@ -99,7 +99,7 @@ def _drawn(plan: Plan, rows: list[Row], path: Path) -> list[str]:
 
 
 def _drawable(values: Sequence[Value], size: float) -> list[float] | list[str]:
-    """The values of a key as numbers in the unit shown, or as texts."""
+    """Return the values of a key as numbers in the unit shown, or as texts."""
     if any(isinstance(value, str | bool) for value in values):
         return [str(value).lower() if isinstance(value, bool) else str(value) for value in values]
     return [float(value) / size for value in values]

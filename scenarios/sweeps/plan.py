@@ -1,4 +1,4 @@
-"""What a sweep file says: the scene, what is varied and how, and which measures make a row."""
+"""The plan of a sweep file: its scene, the values of each run, and the measures to take."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ from .shipped import sweep_titles
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
 _OF_RANGE = ("from", "to", "count")
 _NOT_VARIED = {
-    "extends": "a scene's base can be named in its file only",
+    "extends": "only a scene's file can name its base",
     "expect": "a sweep checks no expectations",
 }
-_MEANT = {  # in place of pydantic's words, by the type of the error
+_MEANT = {  # our messages by the type of pydantic's error
     "dict_type": "must be a table",
     "model_type": "must be a list of values, or { from = ..., to = ..., count = ... }",
     "string_type": "must be a text",
@@ -45,21 +45,21 @@ _TIMES = ("duration", "show.output_interval", "construction.step", "construction
 
 
 class Range(Strict):
-    """Values between two ends."""
+    """A range of values."""
 
     start: Annotated[float | str, Field(alias="from")]
     """the first value, or the lower end, a number in SI or a text with a unit"""
     end: Annotated[float | str, Field(alias="to")]
     """the last value, or the upper end"""
     count: Annotated[int, Field(ge=2)] | None = None
-    """how many values, evenly spaced; for a grid"""
+    """number of evenly spaced values; for a grid or a list"""
 
     def ends(self, unit: str) -> tuple[float, float]:
-        """Both ends in SI.
+        """Return both ends in SI.
 
         Raises
         ------
-        ValueError : no numbers, or not in that unit.
+        ValueError : if they are not numbers, or not in that unit.
         """
         first, last = (
             to_si(x, unit) if isinstance(x, str) else float(x) for x in (self.start, self.end)
@@ -71,17 +71,17 @@ class SweepFile(Strict):
     """A sweep file."""
 
     scene: str
-    """the case or scene file that is varied"""
+    """the case or scene file to vary"""
     title: str = ""
-    """what the sweep is called"""
+    """name of the sweep in reports and pictures"""
     method: Annotated[str, BeforeValidator(one_of(METHODS)), choices(METHODS)] = "grid"
-    """every combination, value by value, or a sample of the ranges"""
+    """every combination, value by value, or a random sample of the ranges"""
     runs: Annotated[int, Field(ge=1, le=_MOST_RUNS)] | None = None
-    """how many runs; for latin_hypercube and sobol"""
+    """number of runs; for latin_hypercube and sobol"""
     seed: Annotated[int, Field(ge=0)] = 1
-    """what the sample is drawn from"""
+    """seed of the random sample"""
     measures: Annotated[tuple[str, ...], BeforeValidator(tuple_from)]
-    """names of the measures that make a row"""
+    """names of the measures to take of each run"""
     vary: dict[str, Range | tuple[Any, ...]]
     """values of a parameter or scene key: a list, or { from = ..., to = ..., count = ... }"""
 
@@ -98,11 +98,11 @@ class SweepFile(Strict):
     def _fits(self) -> SweepFile:
         sampled = self.method in ("latin_hypercube", "sobol")
         if not self.vary or not self.measures:
-            raise ValueError("a sweep varies something and takes at least one measure")
+            raise ValueError("a sweep needs at least one key in vary and one measure")
         if sampled != (self.runs is not None):
-            raise ValueError(f"runs belongs to {METHODS[2]} and {METHODS[3]}, and only to them")
+            raise ValueError(f"give runs with the methods {METHODS[2]} and {METHODS[3]} only")
         if self.method == "sobol" and self.runs and not log2(self.runs).is_integer():
-            raise ValueError(f"runs = {self.runs}: a Sobol sample needs a power of two")
+            raise ValueError(f"runs = {self.runs}: must be a power of two for a Sobol sample")
         for key, values in self.vary.items():
             if key.split(".")[0] in _NOT_VARIED:
                 raise ValueError(f"{key}: {_NOT_VARIED[key.split('.')[0]]}")
@@ -113,38 +113,38 @@ class SweepFile(Strict):
                             f"{key}: {shown(value)}: a value must be a number, a text, true or false"
                         )
                 if sampled:
-                    raise ValueError(f"{key}: a sample is drawn from a range, {{ from, to }}")
+                    raise ValueError(f"{key}: a random sample needs a range, {{ from, to }}")
                 if not values:
-                    raise ValueError(f"{key}: an empty list")
+                    raise ValueError(f"{key}: the list is empty; give at least one value")
             elif not sampled and values.count is None:
-                raise ValueError(f"{key}: a range needs count, except in a sample")
+                raise ValueError(f"{key}: a range needs count, except in a random sample")
         lengths = [len(v) if isinstance(v, tuple) else v.count or 1 for v in self.vary.values()]
         if self.method == "list" and len(set(lengths)) > 1:
-            raise ValueError("method list takes the values side by side: all as many")
+            raise ValueError("with method list all keys need the same number of values")
         count = prod(lengths) if self.method == "grid" else max(lengths)
         if count > _MOST_RUNS:
-            raise ValueError(f"{count} runs; allowed: {_MOST_RUNS}")
+            raise ValueError(f"{count} runs; at most {_MOST_RUNS} are allowed")
         return self
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A sweep whose runs are all known.
+    """A sweep with the values of all its runs.
 
     Parameters
     ----------
-    name : of its file
-    file : where it was read
-    title : for people
-    scene : what is varied
-    reference : by which the scene is found
-    keys : what is varied
-    units : of the keys in SI, where they have one
+    name : name of its file
+    file : the sweep file
+    title : title for reports and pictures
+    scene : the scene to vary
+    reference : name or path of the scene
+    keys : the keys that are varied
+    units : SI units of the keys, if they have one
     shown : for each key the unit in which its values were given, and how many SI units that is
-    points : their values in every run, in SI where they are parameters, shape (runs, keys)
-    measures : that make a row
-    road_length : of the random road of all runs, m: as long as the longest way among them; None where
-        there is none, or where its length is named
+    points : the values of the keys in every run, parameters in SI, shape (runs, keys)
+    measures : the measures to take of each run
+    road_length : length of the random road of all runs, m, which is that of the longest run; None if
+        there is no random road or its length is given
     """
 
     name: str
@@ -161,12 +161,12 @@ class Plan:
 
     @property
     def parameters_only(self) -> bool:
-        """Whether nothing but parameters of the model is varied."""
+        """Whether only parameters of the model are varied."""
         return all(key in self.scene.fmu.parameters() for key in self.keys)
 
     @property
     def warnings(self) -> list[str]:
-        """Parameters that are given or varied, but have no effect in any run."""
+        """Warnings about parameters that are given or varied but have no effect in any run."""
         if not self.scene.fmu.is_ours:
             return []
         base = self.scene.all_parameters
@@ -176,7 +176,7 @@ class Plan:
         return [str(found) for name in names if (found := self._idle(name, base)) is not None]
 
     def _idle(self, name: str, base: Mapping[str, Value]) -> Idle | None:
-        """Why a parameter has no effect in any run, or None if it may have one in some."""
+        """Return why a parameter has no effect in any run, or None if it may have one."""
         deciding = decided_by(name, base)
         places = [k for k, key in enumerate(self.keys) if key in deciding]
         found = None
@@ -189,12 +189,12 @@ class Plan:
 
     @property
     def hash(self) -> str:
-        """Of all that the sweep says; equal for equal sweeps."""
+        """A hash of the whole sweep; equal for equal sweeps."""
         said = (self.scene.hash, self.keys, self.points, self.measures)
         return sha256(repr(said).encode()).hexdigest()[:24]
 
     def road_remarks(self) -> list[str]:
-        """What is to be said of the roads of all runs: how many end before their run does."""
+        """Return remarks on the runs whose road ends before the run."""
         if not self.scene.fmu.is_ours:
             return []
         given = self.scene.all_parameters
@@ -208,14 +208,14 @@ class Plan:
             return []
         end, duration, run = min(early)
         return [
-            f"the road ends before the run does in {len(early)} of {len(self.points)} runs, at the "
+            f"the road ends before the run in {len(early)} of {len(self.points)} runs, at the "
             f"earliest at {end:.4g} s of {duration:g} s (run {run})"
         ]
 
     def with_one_road(self) -> Plan:
-        """The same plan, its random road as long for every run as the longest way needs it.
+        """Return the plan with a random road of the same length for all runs.
 
-        Another length would be another road: what is varied would not be all that differs.
+        The random road depends on its length, so that otherwise the runs would differ in it too.
         """
         if "road.shape" not in self.keys and not self.scene.road_length({}, self.scene.duration):
             return self
@@ -228,7 +228,7 @@ class Plan:
         return replace(self, scene=scene, road_length=longest)
 
     def _motions(self) -> Iterator[tuple[dict[str, Value], float]]:
-        """The parameters varied in each run, and how long it lasts, s."""
+        """Yield the parameters varied in each run, and its duration, s."""
         declared = self.scene.fmu.parameters()
         for point in self.points:
             given = dict(zip(self.keys, point, strict=True))
@@ -237,11 +237,11 @@ class Plan:
             yield {key: value for key, value in given.items() if key in declared}, seconds
 
     def scene_of(self, point: tuple[Value, ...]) -> Scene:
-        """The scene of one run.
+        """Return the scene of one run.
 
         Raises
         ------
-        SceneError : values that the scene does not take.
+        SceneError : if the scene does not accept a value.
         """
         settings = [
             Setting(from_top(key), x, "vary") for key, x in zip(self.keys, point, strict=True)
@@ -252,11 +252,11 @@ class Plan:
 
 
 def find_sweep(reference: str) -> Path:
-    """The file of a sweep: the name of one that comes with the package, or a path.
+    """Return the file of a sweep, given the name of a sweep in the package or a path.
 
     Raises
     ------
-    InputError : a name that is none; names the nearest one.
+    InputError : if there is no such sweep; the message names the nearest one.
     """
     path, named = Path(reference), SWEEPS / f"{reference}.toml"
     if named.parent == SWEEPS and named.is_file():
@@ -264,7 +264,7 @@ def find_sweep(reference: str) -> Path:
     if path.suffix != ".toml" and not path.exists():
         known = sweep_titles()
         hint = meant(reference, "sweep") or (
-            f"{nearest(reference, known)}; 'phaseplane list' tells them all; or give the path of a "
+            f"{nearest(reference, known)}; 'phaseplane list' shows them all; or give the path of a "
             ".toml file"
         )
         raise InputError(one_line(f"no sweep {shown(reference)}{hint}"))
@@ -276,11 +276,11 @@ def load_plan(reference: str | Path) -> Plan:
 
     Parameters
     ----------
-    reference : name of a sweep that comes with the package, or path of a sweep file
+    reference : name of a sweep in the package, or path of a sweep file
 
     Raises
     ------
-    InputError : one line that names file, key, value and what is allowed.
+    InputError : if the file is not valid; one line with file, key, value and what is allowed.
     """
     path = find_sweep(str(reference))
     try:
@@ -315,14 +315,14 @@ def load_plan(reference: str | Path) -> Plan:
     ).with_one_road()  # fmt: skip
     if not plan.parameters_only:
         try:
-            plan.scene_of(plan.points[0])  # a key that no scene has is told at once
+            plan.scene_of(plan.points[0])  # reports an unknown scene key before any run
         except SceneError as error:
             raise InputError(one_line(f"{path}: {error}")) from None
     return plan
 
 
 def _flattened(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Dotted keys and what they take of nested tables, down to the ranges."""
+    """Return the dotted keys and values of nested tables; ranges stay tables."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
         nested = isinstance(value, dict) and not any(end in value for end in _OF_RANGE)
@@ -331,7 +331,7 @@ def _flattened(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def _base(path: Path, reference: str) -> str | Path:
-    """The scene as the sweep file names it: a case, or a path from where the file lies."""
+    """Return the scene that the sweep file names: a case, or a path relative to the file."""
     beside = path.parent / reference
     return beside if reference.endswith(".toml") and beside.is_file() else reference
 
@@ -344,12 +344,12 @@ def _scene(path: Path, reference: str) -> Scene:
 
 
 def _unit_of(key: str, declared: Mapping[str, Variable]) -> str:
-    """The SI unit of a key, or nothing."""
+    """Return the SI unit of a key, or ""."""
     return declared[key].unit if key in declared else "s" if key in _TIMES else ""
 
 
 def _shown_in(values: Range | tuple[Any, ...], unit: str) -> tuple[str, float]:
-    """The unit in which all values are given, otherwise the SI unit; and how many SI units it is."""
+    """Return the common unit of all values, or else the SI unit, and how many SI units it is."""
     given = (values.start, values.end) if isinstance(values, Range) else values
     names = {_QUANTITY.sub("", x).strip() if isinstance(x, str) else "" for x in given}
     (name,) = names if len(names) == 1 else ("",)
@@ -359,7 +359,7 @@ def _shown_in(values: Range | tuple[Any, ...], unit: str) -> tuple[str, float]:
 def _values(
     path: Path, key: str, values: Range | tuple[Any, ...], declared: Mapping[str, Variable]
 ) -> list[Value]:
-    """The values of a key in SI, checked where it is a parameter; of a range without count its ends."""
+    """Return the values of a key in SI, parameters checked; a range without count gives its ends."""
     variable = declared.get(key)
     if variable is None and key.split(".", maxsplit=1)[0] not in KEYS:
         near = nearest(key, (*declared, *KEYS))
@@ -380,7 +380,7 @@ def _values(
 
 
 def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, ...]]:
-    """A sample of the box between the ends."""
+    """Return a random sample of the box between the ends."""
     from scipy.stats import qmc  # noqa: PLC0415  (heavy)
 
     sampler = (

@@ -1,4 +1,4 @@
-"""What a sweep leaves: a table of its rows, a picture, and a few lines on the terminal."""
+"""The table, the summary and the report of a sweep."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from .plan import Plan
 from .running import Row
 
 TABLES = (".csv", ".parquet")
-_LONGEST = 36  # characters of a text that was varied
+_LONGEST = 36  # characters of a varied text
 
 
 def check_table(name: str) -> None:
-    """Refuse the name of a table of rows.
+    """Reject the name of the table of runs.
 
     Raises
     ------
-    InputError
+    InputError : if it is not a file name with an allowed ending.
     """
     if Path(name).name != name or Path(name).suffix not in TABLES:
         raise InputError(
-            one_line(f"--table {name}: a file name that ends in {' or '.join(TABLES)}")
+            one_line(f"--table {name}: must be a file name that ends in {' or '.join(TABLES)}")
         )
 
 
 def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
-    """One row per run: its number, the values varied, the measures, whether it went well and why not."""
+    """Write one row per run: its number, the varied values, the measures, `ok` and `reason`."""
     import pyarrow  # noqa: PLC0415  (heavy)
     from pyarrow import csv, parquet  # noqa: PLC0415
 
@@ -52,7 +52,7 @@ def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
 
 
 def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict[str, Any]:
-    """All that is to be said of a sweep, as plain data."""
+    """Return the summary of a sweep, as plain data."""
     known = catalogue(plan.scene.fmu.outputs())
     failures = [row for row in rows if row.reason]
     extent = {}
@@ -82,7 +82,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict
 
 
 def has_sign(measure: str) -> bool:
-    """Whether a measure has a sign that says which way, and is compared by its magnitude."""
+    """Whether a measure has a sign for its direction, and is compared by its magnitude."""
     return measure.startswith("peak.")
 
 
@@ -91,7 +91,7 @@ def _magnitude(found: tuple[float, int]) -> float:
 
 
 def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
-    """A sweep in a few aligned lines."""
+    """Return the report of a sweep, in aligned lines."""
     rows = [("measure", "smallest", "at", "largest", "at")]
     for name, extent in summary["measures"].items():
         rows.append(
@@ -102,7 +102,7 @@ def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
             )
         )  # fmt: skip
     made, seconds = summary["made"], summary["seconds"]
-    rate = f", {made / seconds:.4g} a second" if made and seconds > 0.0 else ""
+    rate = f", {made / seconds:.4g} per second" if made and seconds > 0.0 else ""
     before = summary["runs"] - made
     lines = [
         summary["title"] or summary["sweep"],
@@ -110,7 +110,7 @@ def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         *aligned(rows),
         "",
         f"{summary['runs']} runs of {summary['scene']} in {seconds:.2f} s{rate}"
-        + (f"; {before} kept from before" if before else ""),
+        + (f"; {before} from before the interruption" if before else ""),
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")

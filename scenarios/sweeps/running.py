@@ -1,7 +1,7 @@
-"""The runs of a sweep, side by side in processes, each a row; what is done is never done again.
+"""The runs of a sweep in parallel processes; each run is a row, and no row is computed twice.
 
-Every row goes into a journal beside the results as soon as its chunk is done, so that a sweep that was
-interrupted goes on where it stopped. A run that fails is a row with its reason.
+The rows of a chunk are written to a journal beside the results as soon as the chunk is done, so that an
+interrupted sweep can continue. A failed run is a row with its reason.
 """
 
 from __future__ import annotations
@@ -49,22 +49,22 @@ if TYPE_CHECKING:
     Column = npt.NDArray[np.float64]
 
 _MOST_IN_CHUNK = 200
-_MOTION_IN_CHUNK = 400.0  # s: an interrupt waits for the chunks that are under way
-_PATIENCE = "10s"  # with a scheduler that does not answer
-_STOPPING = Event()  # in a process that makes runs: whether it is to stop after the one under way
-_CHECKED = 3  # runs that are made both ways, where the FMU is driven
+_MOTION_IN_CHUNK = 400.0  # s of simulated time
+_PATIENCE = "10s"  # timeout of the Dask scheduler
+_STOPPING = Event()  # in a worker process: whether to stop after the current run
+_CHECKED = 3  # runs through the FMU that are repeated in-process
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What became of one run.
+    """The result of one run.
 
     Parameters
     ----------
     run : its number in the plan, from 0
-    values : of the measures; None where the run does not tell
+    values : values of the measures; None if unknown
     reason : why it failed, or empty
-    apart : how far the rows of the FMU lay from the model's own solution, over their peaks
+    apart : largest difference of the FMU's rows from the model's solution, over their peaks
     """
 
     run: int
@@ -86,27 +86,27 @@ def sweep(
 
     Parameters
     ----------
-    plan : of `load_plan`
-    journal : file of the rows made so far; it is kept if the sweep is interrupted
-    through : "process", where the model is run in this project's own processes, or "fmu"
-    workers : processes; None for one on each core
-    dask : address of a Dask scheduler that is to do the work instead
-    progress : called with the part done, 0 to 1
+    plan : the plan
+    journal : file of the rows so far; it stays if the sweep is interrupted
+    through : "process" to run the model in-process, or "fmu" to run its FMU
+    workers : number of processes; one per core if None
+    dask : address of a Dask scheduler to use instead
+    progress : called with the fraction done, 0 to 1
 
     Returns
     -------
-    A row for every run, in their order, and how the sweep went: seconds, runs made now, agreement.
+    A row for every run, in order, and plain data: seconds, runs made now, agreement with the FMU.
 
     Raises
     ------
-    InputError : a way of running that does not fit the plan.
-    RunError : no Dask scheduler there, or a process was killed.
-    KeyboardInterrupt : what is done stands in the journal, from which the same sweep goes on.
+    InputError : if `through` does not fit the plan.
+    RunError : if there is no such Dask scheduler, or a process was killed.
+    KeyboardInterrupt : on Ctrl-C; the same sweep continues from the journal.
     """
     if through == "process" and plan.scene.fmu.path is not None:
-        raise InputError("a sweep over an .fmu file goes through the FMU: add --through fmu")
+        raise InputError("a sweep over an .fmu file runs through the FMU: add --through fmu")
     if through == "fmu" and plan.scene.fmu.model == EQUATION:
-        raise InputError("an equation is solved in the process: leave out --through fmu")
+        raise InputError("an equation is solved in-process: leave out --through fmu")
     started = perf_counter()
     key = journal_key(plan, through)
     rows = _kept_rows(key, journal)
@@ -127,7 +127,7 @@ def sweep(
                 progress(len(rows) / len(plan.points))
 
         try:
-            with deferred_interrupt() as came:  # or a chunk would be begun that nobody waits for
+            with deferred_interrupt() as came:  # so that no chunk is submitted unnoticed
                 for chunk in chunks:
                     waiting.add(executor.submit(run_chunk, plan, chunk, through))
             if came():
@@ -138,10 +138,10 @@ def sweep(
             stop()
             begun = [future for future in waiting if not future.cancel()]
             if isinstance(error, KeyboardInterrupt):
-                for future in begun:  # they end with the run that is under way
+                for future in begun:  # they end after their current run
                     if future.exception() is None:
                         take_rows(future)
-            kept = f"after {len(rows)} of {len(plan.points)} runs; start it again to go on"
+            kept = f"after {len(rows)} of {len(plan.points)} runs; start it again to continue"
             if isinstance(error, KeyboardInterrupt):
                 raise KeyboardInterrupt(kept) from None
             if isinstance(error, BrokenExecutor):
@@ -158,7 +158,7 @@ def sweep(
 
 
 def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
-    """Some runs of a plan, one after the other; fewer if the sweep is to stop."""
+    """Return the rows of some runs of a plan; fewer if the sweep is stopped."""
     if through == "fmu" or plan.scene.fmu.model == EQUATION:
         rows = _scene_by_scene(plan, runs)
     elif plan.parameters_only:
@@ -172,7 +172,7 @@ def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
 
 
 def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
-    """The model itself, all runs over the same instants."""
+    """Yield the rows of runs of the model in this process, all at the same times."""
     scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
     measures = [known[name] for name in plan.measures]
     at_rows = {output for measure in measures if measure.at_rows for output in measure.needs}
@@ -198,7 +198,7 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
 
 
 def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
-    """One run whose scene is another one, not only its parameters."""
+    """Yield the row of one run that differs in more than the model's parameters."""
     try:
         scene = plan.scene_of(plan.points[run])
     except InputError as error:
@@ -212,7 +212,7 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
 
 
 def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
-    """Every run as a scene of its own; an FMU stays open from run to run."""
+    """Yield the rows of runs that are each a separate scene; an FMU stays open between runs."""
     with ExitStack() as stack:
         fmus: dict[Fmu, OpenFmu] = {}
         for run in runs:
@@ -243,12 +243,12 @@ def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Ru
 
 
 def _plain(values: tuple[Any, ...]) -> tuple[float | int | None, ...]:
-    """Lists of instants become how many there are."""
+    """Return the values, each list of times replaced by its length."""
     return tuple(len(x) if isinstance(x, tuple | list) else x for x in values)
 
 
 def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
-    """How far the FMU lies from the process: its rows in all runs, the measures in a few, relatively."""
+    """Return the largest relative difference between FMU and process, in all rows and some measures."""
     picked = sorted({round(k * (len(rows) - 1) / max(1, _CHECKED - 1)) for k in range(_CHECKED)})
     worst = max((row.apart for row in rows), default=0.0)
     for ours in run_chunk(plan, picked, "process"):
@@ -265,9 +265,9 @@ def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
 
 @contextmanager
 def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], None]]]:
-    """Processes of this machine, or the workers of a Dask cluster; and what lets them stop early."""
+    """Yield local processes or the workers of a Dask cluster, and a function that stops them early."""
     with ExitStack() as stack:
-        if not dask and count == 1:  # no process is worth its start for a single worker
+        if not dask and count == 1:  # a process is not worth its start for a single worker
             _STOPPING.clear()
             thread = ThreadPoolExecutor(1)
             stack.callback(thread.shutdown, cancel_futures=True)
@@ -294,7 +294,7 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
 
 
 def _begin_worker(told: Connection) -> None:
-    """Leave interrupts to the process that started this one; stop when it says so, end when it ends."""
+    """Ignore Ctrl-C, stop when the parent process asks for it, and exit when it exits."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_follow_parent, args=(told,), daemon=True).start()
 
@@ -302,21 +302,21 @@ def _begin_worker(told: Connection) -> None:
 def _follow_parent(told: Connection) -> None:
     parent = parent_process()
     assert parent is not None
-    wait([told, parent.sentinel])  # it closes its end of the pipe, or has ended
+    wait([told, parent.sentinel])  # it closes its end of the pipe, or has exited
     _STOPPING.set()
     parent.join()
-    os._exit(1)  # the main thread waits for work that nobody will send
+    os._exit(1)  # the main thread would wait for work forever
 
 
 def journal_key(plan: Plan, through: str) -> str:
-    """A hash of all that decides the rows: a sweep that was interrupted goes on where it is equal."""
+    """Return a hash of everything that decides the rows; a sweep continues only if it is equal."""
     said = (plan.hash, through, versions(), plan.scene.fmu.content)
     return sha256(repr(said).encode()).hexdigest()[:24]
 
 
 @contextmanager
 def _kept(key: str, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
-    """The journal, open for further rows."""
+    """Yield a function that adds rows to the journal."""
     journal.parent.mkdir(parents=True, exist_ok=True)
     fresh = not _is_of(key, journal)
     with journal.open("w" if fresh else "a", encoding="utf-8") as file:
@@ -331,7 +331,7 @@ def _kept(key: str, journal: Path) -> Iterator[Callable[[Sequence[Row]], None]]:
 
 
 def _kept_rows(key: str, journal: Path) -> dict[int, Row]:
-    """The rows that an interrupted sweep has left, if it was the same one."""
+    """Return the rows in the journal of an interrupted sweep, if it was the same sweep."""
     if not _is_of(key, journal):
         return {}
     rows = {}
@@ -339,7 +339,7 @@ def _kept_rows(key: str, journal: Path) -> dict[int, Row]:
         try:
             run, values, reason = json.loads(line)
         except ValueError:
-            continue  # the last line may be a torn one
+            continue  # the last line may be incomplete
         rows[run] = Row(run, tuple(values), reason)
     return rows
 

@@ -264,7 +264,7 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["replay", "ap57", "--figure", "x.jpg"], "must end in .png"),
         (
             ["replay", "ap57", "--figure", "x.gif", "--kind", "figure7"],
-            "only phase_planes is moving",
+            "only phase_planes can be animated",
         ),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure77"], "did you mean 'figure7'?"),
         (["replay", "ap57", "--figure", "x.png", "--kind", "figure12"], "half_car_rigid_tyres"),
@@ -437,7 +437,7 @@ def test_replay_needs_the_motion(ap57: tuple[Path, str]) -> None:
     table.write_text(table.read_text().replace('"wheel_velocity"', '"other"'))
     result = phaseplane("replay", "copy", "--save", "x.rrd")
     assert result.exit_code == 2
-    assert "no column wheel_velocity; put it into show.outputs" in result.stderr
+    assert "no column wheel_velocity; add it to show.outputs" in result.stderr
 
 
 def test_help_without_a_command() -> None:

@@ -128,15 +128,15 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
         (["show", "twice.csv"], "cannot read twice.csv: 2 columns are called 'x'"),
         (["show", "ragged.csv"], "number of columns changed from 2 to 1 at row 2\n"),
-        (["show", "time.csv", "--figure", "f.png"], "time.csv has no column but time to be drawn"),
+        (["show", "time.csv", "--figure", "f.png"], "time.csv has no column but time to draw"),
         (
             ["show", "other.parquet"],
             "other.parquet: the summary is damaged, or is not that of a run",
         ),
-        (["show", "words.parquet"], "column 'x' does not hold numbers"),
+        (["show", "words.parquet"], "column 'x' does not contain numbers"),
         (["show", "damaged"], "damaged: the summary is damaged, or is not that of a run"),
         (["replay", "damaged", "--save", "x.rrd"], "damaged: the summary is damaged"),
-        (["run", "ap57", "-o", "no_files"], "no_files holds no results of a run"),
+        (["run", "ap57", "-o", "no_files"], "no_files contains no results of a run"),
         (
             ["replay", "ap57", "--save", "x.rrd", "--step", "1e-9"],
             "--step: construction.step = 1e-09 s gives",

@@ -170,7 +170,7 @@ def test_what_sticks_is_refused():
     )  # fmt: skip
     with pytest.raises(ValueError, match="leaf has dry friction"):
         of_system(dry, {})
-    with pytest.raises(InputError, match="no construction is known for Tractor"):
+    with pytest.raises(InputError, match="Tractor has no construction"):
         planes_of("Tractor", {}, {})
 
 

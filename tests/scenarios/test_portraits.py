@@ -37,15 +37,15 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     told = json.loads(done.stdout)
     assert told["equilibria"] == told["cycles"] == []
     assert told["section"]["period"] == pytest.approx(2.0 * pi / 1.2)
-    assert told["title"].endswith("section, once in each period of the drive")
+    assert told["title"].endswith("Poincare section, once per forcing period")
     assert {len(states) for states in told["section"]["attractors"]} == {1}
     places = sorted(states[0][0] for states in told["section"]["attractors"])
     assert len(places) == 2  # one in each well
     assert -1.3 < places[0] < -0.7 < 0.7 < places[1] < 1.3
     words = of_equation(DUFFING).stdout
-    assert "section      once in 5.23599 s, the drive's period: " in words
+    assert "section      once per forcing period, 5.23599 s: " in words
     assert " states of each motion after " in words
-    assert words.count("attracts     a motion of the drive's period, at ") == 2
+    assert words.count("attracts     a motion of the forcing period, at ") == 2
 
 
 def test_a_driven_equation_is_frozen_on_demand() -> None:
@@ -98,13 +98,13 @@ def test_sections_of_a_vehicle_in_words() -> None:
         (("ap57", "--coordinate", "weel"), "did you mean 'wheel'?"),
         (("ap57", "--period", "1"), "--period is for equations"),
         (("van_der_pol", "--period", "inf"), "'--period': inf must be a finite number"),
-        (("van_der_pol", "--coordinate", "foo"), "an equation has none but displacement"),
+        (("van_der_pol", "--coordinate", "foo"), "an equation has only displacement"),
         (("van_der_pol", "--window", "1", "0", "0", "1"), "left must lie below right"),
         (("h83_example40",), "has a memory"),
         (("van_der_pol", "--figure", "x.gif"), "must end in .png"),
         (("none_such",), "none_such"),
-        (("van_der_pol", "--set", "equation=x + 0.1*t"), "give the drive's by --period"),
-        (("van_der_pol", "--set", "equation=x + sin(t) + sin(pi*t)"), "by --period"),
+        (("van_der_pol", "--set", "equation=x + 0.1*t"), "give it with --period"),
+        (("van_der_pol", "--set", "equation=x + sin(t) + sin(pi*t)"), "with --period"),
     ],
 )
 def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:

@@ -101,7 +101,7 @@ def test_a_sweep_says_how_many_roads_end(car: Path, tmp_path: Path) -> None:
     path = tmp_path / "speeds.toml"
     path.write_text(SWEEP)
     plan = load_plan(path)
-    said = "the road ends before the run does in 1 of 2 runs, at the earliest at 13.5 s of 20 s (run 1)"
+    said = "the road ends before the run in 1 of 2 runs, at the earliest at 13.5 s of 20 s (run 1)"
     assert plan.road_remarks() == [said]
     rows, told = sweep(plan, tmp_path / "journal", workers=1)
     summary = {**summary_of(plan, rows, told), "files": []}

@@ -233,7 +233,7 @@ def test_rows_that_differ_from_the_solution_are_measured_themselves(
     scene = load_scene("ap57", ["show.output_interval=100 ms", "show.figures=[]", "expect={}"])
     summary = run(scene).summary
     assert summary["measured"] == {"interval": 0.1, "agreement": 3e-4}
-    assert "lie up to 0.0003 of the peaks" in summary["remarks"][0]
+    assert "by up to 0.0003 of the peaks" in summary["remarks"][0]
     assert summary["measures"]["smallest_contact_force"]["value"] > 3000.0
 
 
@@ -246,8 +246,8 @@ def test_a_foreign_fmu_is_measured_at_its_communication_points_which_is_said(
     monkeypatch.setattr("phaseplane.scenarios.scene.fmus.Fmu.is_ours", False)
     summary = run(scene).summary
     assert summary["remarks"] == [
-        "measured at the communication points, every 10 ms: what happens between them is not seen",
-        "body_weighted_acceleration is taken from points 10 ms apart: they should be 2 ms apart at most",
+        "measured at the communication points, every 10 ms; extremes between them are not seen",
+        "body_weighted_acceleration is taken from points 10 ms apart; it needs points at most 2 ms apart",
     ]
     row = abs(run(scene).columns["body_acceleration"]).max()
     assert abs(summary["measures"]["peak.body_acceleration"]["value"]) == row

@@ -81,7 +81,7 @@ def test_an_interrupt_while_drawing_keeps_what_is_complete(run: Callable[..., Re
     result = run(draw)
     assert result.exit_code == console.INTERRUPTED
     assert result.stderr.split("\n", 1)[1].splitlines() == [  # click ends the line of ^C
-        "phaseplane: interrupted while drawing phase_planes.png; results and what was drawn before are "
+        "phaseplane: interrupted while drawing phase_planes.png; the results and earlier pictures are "
         f"in {FOLDER}"
     ]
     assert names() == summary()["files"] == sorted([*RESULTS, PICTURES[0]])
@@ -114,7 +114,7 @@ def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Resul
     assert run().exit_code == 0
     result = run(draw, "-o", str(FOLDER))
     assert result.exit_code == console.FAILED
-    assert "holds other results by now" in result.stderr
+    assert "contains other results by now" in result.stderr
     assert names() == RESULTS
     assert summary()["title"] == "other"
 

@@ -118,19 +118,19 @@ def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
         (", to = 20.0", "", "vary.speed.to is missing; a range has from, to, count"),
         ('{ from = "36 km/h", to = 20.0, count = 3 }', "3", "speed: must be a list of values, or"),
         ('["2 cm", 0.05]', "[[1]]", "[1]: a value must be a number, a text, true or false"),
-        ('"road.height"', "extends", "extends: a scene's base can be named in its file only"),
+        ('"road.height"', "extends", "extends: only a scene's file can name its base"),
         ('"road.height"', '"expect.lift_off_count"', "a sweep checks no expectations"),
         ("count = 3", "count = 1", "greater than or equal to 2"),
-        ('["2 cm", 0.05]', "[]", "empty list"),
+        ('["2 cm", 0.05]', "[]", "the list is empty"),
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
         ('"36 km/h"', "-1", "must be greater than 0"),
-        ("[vary]", 'method = "sobol"\n[vary]', "runs belongs to"),
+        ("[vary]", 'method = "sobol"\n[vary]', "give runs with the methods"),
         ("[vary]", 'method = "sobol"\nruns = 5\n[vary]', "power of two"),
-        ("[vary]", 'method = "latin_hypercube"\nruns = 5\n[vary]', "drawn from a range"),
+        ("[vary]", 'method = "latin_hypercube"\nruns = 5\n[vary]', "needs a range"),
         ("[vary]", 'method = "griddle"\n[vary]', "did you mean 'grid'?"),
-        ("[vary]", 'method = "list"\n[vary]', "all as many"),
+        ("[vary]", 'method = "list"\n[vary]', "the same number of values"),
         ("[vary]", "[vary", "not TOML"),
-        ("[vary]", "runs = 4\n[vary]", "runs belongs to"),
+        ("[vary]", "runs = 4\n[vary]", "give runs with the methods"),
     ],
 )
 def test_what_a_sweep_file_may_not_say(old: str, new: str, words: str) -> None:
@@ -431,7 +431,7 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
     sweep_file = written(GRID.replace("count = 3", "count = 60"))
     result = CliRunner().invoke(main, ["sweep", str(sweep_file), "--workers", "1"])
     assert result.exit_code == 130
-    said = "phaseplane: interrupted after 3 of 120 runs; start it again to go on\n"
+    said = "phaseplane: interrupted after 3 of 120 runs; start it again to continue\n"
     assert result.stderr.lstrip() == said
     (journal,) = Path("out/sweeps").glob(".sweep.*.journal")
     assert len(journal.read_text().splitlines()) == 1 + 3
@@ -449,9 +449,7 @@ def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.Monkey
     monkeypatch.setattr(running, "ThreadPoolExecutor", Broken)
     result = phaseplane("sweep", str(written(GRID)), "--workers", "1")
     assert result.exit_code == 1
-    told = (
-        "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to go on\n"
-    )
+    told = "phaseplane: a process of the sweep was killed after 0 of 6 runs; start it again to continue\n"
     assert result.stderr == told
 
 
