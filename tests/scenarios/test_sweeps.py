@@ -114,7 +114,7 @@ def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
         ("speed =", "spead =", "did you mean 'speed'?"),
         ("count = 3", "counts = 3", "did you mean 'count'?"),
         (", count = 3", "", "needs count"),
-        ("count = 3", "count = 600000", "1200000 runs; allowed: 1000000"),
+        ("count = 3", "count = 600000", "1200000 runs; at most 1000000 are allowed"),
         (", to = 20.0", "", "vary.speed.to is missing; a range has from, to, count"),
         ('{ from = "36 km/h", to = 20.0, count = 3 }', "3", "speed: must be a list of values, or"),
         ('["2 cm", 0.05]', "[[1]]", "[1]: a value must be a number, a text, true or false"),
