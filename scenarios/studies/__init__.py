@@ -1,1 +1,1 @@
-"""Studies of the integrator itself: its error against its run time, its stability."""
+"""Studies of the integrator and the constructions: accuracy, run time, stability, model choice."""

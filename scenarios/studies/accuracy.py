@@ -1,8 +1,8 @@
-"""Error against run time: every method of the project, and other integrators, on the same problems.
+"""Error against run time: every method of this package, and other integrators, on the same problems.
 
-Error: the largest difference of any displacement from the truth over all instants, relative to the
-largest displacement. Time: of one whole run called from Python, set-up and compilation outside, the
-least of repeated runs that the solvers take in turn.
+Error: the largest difference of any displacement from the truth over all times, relative to the
+largest displacement. Run time: of one whole run called from Python, without set-up and compilation;
+the least of repeated runs, which the solvers take in turn.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ REPEATS = 7
 _TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 _FRACTIONS = tuple(0.5**k for k in range(8))  # of the output interval, for fixed steps
 _DRAWN_FRACTIONS = tuple(0.5**k for k in range(1, 4))
-_NO_SOLUTION = 0.3  # an error of this part of the largest displacement is none
-_EXACT = 3e-12  # an error as small as that of the truth; what is finer shows nothing more
-_SLOW = 1.5  # s; after a run that took longer, the next finer one is not tried
-_LONG_ENOUGH = 0.3  # s of repeated runs of one solver, after which it is not repeated further
+_NO_SOLUTION = 0.3  # relative error from which a result is not a solution
+_EXACT = 3e-12  # relative error of the truth; finer settings show nothing more
+_SLOW = 1.5  # s; after a longer run no finer setting is tried
+_LONG_ENOUGH = 0.3  # s of repeated runs of one setting, after which it is not repeated further
 _PACKAGES = {
     "numbalsoda": ("numba", "numbalsoda"), "cvode": ("sksundae",), "heyoka": ("heyoka",),
     "rk4": ("numba",),
@@ -48,9 +48,9 @@ class Solver:
 
     Parameters
     ----------
-    knob : what is varied
-    values : tolerances, or steps as parts of the output interval; from coarse to fine
-    prepare : sets a run up for one of them
+    knob : the setting that is varied
+    values : tolerances, or steps as fractions of the output interval; from coarse to fine
+    prepare : sets up a run for one value
     needs : packages that must be installed
     """
 
@@ -63,19 +63,19 @@ class Solver:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Those that are not."""
+        """The packages that are not installed."""
         return tuple(name for name in self.needs if find_spec(name) is None)
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """What one solver came to at one setting.
+    """The result of one solver at one setting.
 
     Parameters
     ----------
     value : the tolerance, or the step in s
-    error, seconds : None where there is none
-    failure : why not, or empty
+    error, seconds : None if there is no result
+    failure : why there is none, or empty
     """
 
     problem: str
@@ -89,7 +89,7 @@ class Point:
 
 
 def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
-    """All solvers that are compared."""
+    """Return all solvers to compare."""
     return (*_own(), *(_peers() if with_peers else ()))
 
 
@@ -136,7 +136,7 @@ def _peers() -> Iterator[Solver]:
 
 @dataclass(slots=True)
 class _Timed:
-    """A run that works, its error, and its least time so far."""
+    """A successful run, its error, and its least time so far."""
 
     point: Callable[[float], Point]
     run: Run
@@ -144,7 +144,7 @@ class _Timed:
     spent: float
 
     def again(self) -> None:
-        """Twice, for the one that ran before has left its own in the processor's caches."""
+        """Repeat the run twice, the first time to refill the processor's caches."""
         for _ in range(2):
             _, took = timed(self.run)
             self.seconds, self.spent = min(self.seconds, took), self.spent + took
@@ -156,17 +156,17 @@ def measure(
     repeats: int = REPEATS,
     progress: Progress | None = None,
 ) -> list[Point]:
-    """Put every solver to one problem.
+    """Run every solver on one problem.
 
     Parameters
     ----------
-    repeats : how often each run is timed
-    progress : called with the part done, 0 to 1
+    repeats : number of timings of each run
+    progress : called with the fraction done, 0 to 1
 
     Returns
     -------
-    A point for each setting, but for those finer than an error of rounding; settings finer than one
-    that was too slow are failures.
+    A point for each setting, up to the first at rounding error; settings finer than one that was too
+    slow are failures.
     """
     with silenced() if any(s.family == "peer" for s in compared) else nullcontext():
         return _measured(problem, compared, repeats, progress)
@@ -195,7 +195,7 @@ def _measured(
 
 
 def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
-    """Each setting run for its error, coarse to fine, until one is too slow or cannot be."""
+    """Run each setting for its error, coarse to fine, until one is too slow or not possible."""
     problem = bench.problem
     interval = problem.duration / problem.intervals
     stop = ""
@@ -215,13 +215,13 @@ def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
             stop = one_line(error)
             yield point(None, None, stop)
             continue
-        except Exception as error:  # whatever a solver does when it fails is a result
+        except Exception as error:  # any failure of a solver is a result
             took = perf_counter() - started
             yield point(None, took, one_line(error) or type(error).__name__)
             continue
         error_found = largest_error(found, bench.true)
         if not error_found < _NO_SOLUTION:
-            yield point(None, seconds, f"no solution: wrong by {error_found:.2g} of the peak")
+            yield point(None, seconds, f"no solution: error of {error_found:.2g} of the peak")
             continue
         if error_found < _EXACT:
             yield _Timed(partial(point, error_found), run, seconds, seconds)
@@ -232,9 +232,9 @@ def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
 
 
 def _run(run: Run, *, again: bool) -> tuple[Any, float]:
-    """The result and its time; of a second run if the first may have compiled something."""
+    """Return the result and its time, of a second run if the first may have compiled something."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # solvers warn of what shows in their error
+        warnings.simplefilter("ignore")  # solvers warn of inaccuracy, which their error shows
         if again:
             run()
         return timed(run)

@@ -1,4 +1,4 @@
-"""The branches of every element of `equations`, kept until a guard says that one is left."""
+"""The branches of the elements of `equations`, which change where a guard passes zero."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
-_ELASTIC = 1  # the middle one of the three pieces of an element that yields
-# Of an element with a limit: in contact; out of it though no longer than its free length; across a gap.
+_ELASTIC = 1  # the middle piece of the three of a yielding element
+# Of an element with a limit: in contact; out of contact up to its free length; across a gap.
 _TOUCHES, _HANGS, _GAP = 0, 1, 2
-_TURNS = 100  # switches at one instant
+_TURNS = 100  # most switches at one time
 
 
 class ChatterError(ArithmeticError):
-    """Switches that follow each other at one instant without end."""
+    """Endless switches at one time."""
 
 
 class Branches:
-    """In which branch every element is, as the numbers p of the equations.
+    """The branch of every element, as the numbers p of the equations.
 
     Parameters
     ----------
-    equations : of the system
-    t, y : s, and the state at the start, shape (2n,)
-    guards : those of the equations, compiled; None to run them as Python
+    equations : equations of the system
+    t, y : time (s) and state at the start, shape (2n,)
+    guards : compiled guards of the equations; None to run them in Python
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class Branches:
         self.settle(t, y)
 
     def copy(self) -> Branches:
-        """Another one in the same branches, to go its own way."""
+        """Return an independent copy in the same branches."""
         other = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, list):
@@ -81,10 +81,10 @@ class Branches:
         other.p, other._g = self.p.copy(), self._g.copy()
         return other
 
-    # -- where things stand ------------------------------------------------------------------------
+    # -- deflections and joints ----------------------------------------------------------------------
 
     def deflection(self, i: int, t: float, y: Vector) -> tuple[float, float]:
-        """Deflection of element i and its rate, m and m/s."""
+        """Return the deflection of element i and its rate, m and m/s."""
         element, n = self.system.elements[i], self.equations.n
         u, du = self._road(element.road, t)
         d = sum(b * y[k] for k, b in enumerate(element.direction)) - u
@@ -98,7 +98,7 @@ class Branches:
         return value, rate
 
     def next_joint(self, t: float) -> float:
-        """The next instant at which a signal changes segment."""
+        """Return the next time at which a signal changes segment, s."""
         starts = (
             course.segments[now + 1].start
             for course, now in zip(self.equations.courses, self.segment, strict=True)
@@ -114,7 +114,7 @@ class Branches:
             self.segment[k] = bisect_right(starts, t)
 
     def pass_joint(self, t: float, y: Vector) -> None:
-        """Signals go on to their next segments; a jump of a road acts through its dampers."""
+        """Enter the next segments of the signals; a jump of a road acts through its dampers."""
         before = {name: self._road(name, t)[0] for name in self.equations.names}
         self._enter_segments(t)
         for i, element in enumerate(self.system.elements):
@@ -128,12 +128,12 @@ class Branches:
     def _impulse(self, i: int, jump: float, t: float, y: Vector) -> None:
         element, n = self.system.elements[i], self.equations.n
         d, _ = self.deflection(i, t, y)
-        if jump > 0.0 and d + jump > element.opening:  # a gap: what is left of the jump acts
+        if jump > 0.0 and d + jump > element.opening:  # a gap: only the rest of the jump acts
             jump = element.opening - d
         elif self.limited[i]:
             return
         if jump > 0.0 or not element.limit < inf:
-            # a ramp without length is passed at a rate without bound
+            # a ramp of zero length is passed at an infinite rate
             slope = element.damper.pieces[0 if jump > 0.0 else -1].coefficients[1]
             way = element.modulation.potential(d + jump) - element.modulation.potential(d)
             for k, push in enumerate(self.equations.spread(element.direction)):
@@ -142,7 +142,7 @@ class Branches:
     # -- branches ----------------------------------------------------------------------------------
 
     def _locate(self, t: float, y: Vector) -> None:
-        """Every branch that follows from the state alone."""
+        """Set every branch that follows from the state alone."""
         for i, element in enumerate(self.system.elements):
             d, w = self.deflection(i, t, y)
             if element.yield_force == inf:
@@ -157,7 +157,7 @@ class Branches:
                 self.slip[i] = int(w > 0.0) - int(w < 0.0)
 
     def _start_yielding(self, i: int, t: float, y: Vector) -> None:
-        """One that stands beyond its elastic range at the start has flowed there."""
+        """Set the permanent set of an element that starts beyond its elastic range."""
         self.spring[i] = _ELASTIC
         d, _ = self.deflection(i, t, y)
         for side in (-1, 1):
@@ -166,7 +166,7 @@ class Branches:
                 self._unload(i, d)
 
     def _flow_corner(self, i: int, side: int) -> float:
-        """Where the elastic line meets that of flow."""
+        """Return the deflection at which the elastic line meets the line of plastic flow."""
         element = self.system.elements[i]
         rate, flow = element.spring.tangent(0.0), element.hardening
         line = element.yield_force * (1.0 - flow / rate)
@@ -187,17 +187,17 @@ class Branches:
         return Piece(-inf, 0.0, (side * line, flow, 0.0, 0.0))
 
     def leave(self, t: float, y: Vector) -> None:
-        """Leave the branch whose guard has just been found at zero, and every other one beyond its."""
+        """Leave the branch whose guard is at zero, and every other branch beyond its guard."""
         self._guards(t, y, self._g, self.p)
         self.switch(self.equations.guards[int(self._g.argmin())], t, y)
         self.settle(t, y)
 
     def settle(self, t: float, y: Vector) -> None:
-        """Leave every branch whose guard is not positive; several may meet at one instant.
+        """Leave every branch whose guard is not positive; several may meet at one time.
 
         Raises
         ------
-        ChatterError : they do not come to an end.
+        ChatterError : if the switches do not end.
         """
         if not len(self._g):
             return
@@ -210,7 +210,7 @@ class Branches:
         raise ChatterError(f"more than {_TURNS} switches at {t:.9g} s")
 
     def switch(self, guard: Guard, t: float, y: Vector) -> None:
-        """The element goes over to the branch beyond the guard; y may change (what sticks stops)."""
+        """Enter the branch beyond the guard; y may change, as a sticking element stops."""
         i, kind, side = guard.element, guard.kind, guard.side
         element = self.system.elements[i]
         if element.yield_force < inf and kind == "damper":
@@ -230,14 +230,14 @@ class Branches:
             self._stop(i, t, y)
         else:
             self.slip[i] = side
-        if kind != "gap" or side < 0:  # a gap that opens changes nothing yet
+        if kind != "gap" or side < 0:  # an opening gap changes no force
             self.events.append((t, element.name, "contact" if kind == "gap" else kind))
         self._write_element(i)
         if kind in ("friction", "multiplier"):
             self._write_sticking()
 
     def _stop(self, i: int, t: float, y: Vector) -> None:
-        """Take the last of its rate from what has begun to stick."""
+        """Remove the remaining rate of an element that begins to stick."""
         n, b = self.equations.n, self.system.elements[i].direction
         spread = self.equations.spread(b)
         rate = self.deflection(i, t, y)[1]
@@ -258,7 +258,7 @@ class Branches:
         self._write_sticking()
 
     def _write_element(self, i: int) -> None:
-        """What p holds of element i: worked out once for every branch that has no memory."""
+        """Write the numbers of element i; they are cached for branches without memory."""
         where = (
             i,
             self.spring[i],
@@ -279,7 +279,7 @@ class Branches:
             self._known[where] = (np.array(at, int), np.array(numbers, float))
 
     def _numbers(self, i: int) -> Iterator[tuple[int, float]]:
-        """Places in p and what stands there while element i is in its present branch."""
+        """Yield the places in p, and the numbers there, of the current branch of element i."""
         equations, element = self.equations, self.system.elements[i]
         for law, now in (
             (equations.springs[i], self.spring[i]),
@@ -300,7 +300,7 @@ class Branches:
             yield from enumerate(self._guard(equations.guards[k]), equations.bounds + 2 * k)
 
     def _guard(self, guard: Guard) -> tuple[float, float]:
-        """side (bound - x), contact and multiplier in parts of their bound; 1 where there is none."""
+        """Return the factor and constant of side (bound - x), relative for forces; 0, 1 for no bound."""
         bound = self._bound(guard)
         if bound is None:
             return 0.0, 1.0
@@ -309,7 +309,7 @@ class Branches:
         return -guard.side / unit, guard.side * bound / unit
 
     def _write_sticking(self) -> None:
-        """The inverse of b' M^-1 b over what sticks, zero elsewhere."""
+        """Write the inverse of b' M^-1 b over the sticking elements, zero elsewhere."""
         equations, rubbing = self.equations, self.equations.rubbing
         stuck = [j for j, i in enumerate(rubbing) if self.slip[i] == 0]
         whole = np.zeros((len(rubbing), len(rubbing)))
@@ -321,7 +321,7 @@ class Branches:
         self.p[at : at + whole.size] = whole.ravel()
 
     def _bound(self, guard: Guard) -> float | None:
-        """Where the present branch ends on that side, a little late; None where it does not."""
+        """Return where the current branch ends on that side, a little late, or None."""
         i, side = guard.element, guard.side
         element = self.system.elements[i]
         yields = element.yield_force < inf
@@ -330,7 +330,7 @@ class Branches:
             return element.limit * (1.0 + side * LATE) if ends else None
         if guard.kind == "gap":
             ends = self.limited[i] == (_HANGS if side > 0 else _GAP)
-            # the force jumps where a gap closes: to rounding; where it opens nothing changes
+            # a closing gap is exact, as the force jumps; an opening one changes no force
             return element.opening + (LATE if side > 0 else 0.0) if ends else None
         if guard.kind == "friction":
             return side * LATE if self.slip[i] == -side else None

@@ -1,12 +1,12 @@
-"""A system as switched first-order equations, for solvers that know nothing of suspensions.
+"""A system as switched first-order equations, for general solvers.
 
     y = (q, q'),   y' = f(t, y, p),   M q'' = sum l F - sum b f(b' q - u, b' q' - u')
 
-The numbers p say in which branch each element is and in which segment each signal; between two
-switches they stay, and f is smooth. Guards g(t, y, p) are positive inside the branches and pass zero
-where one is left. Both are written down as source text from the numbers of the system, so that the same
-equations run in plain Python, compiled by numba, or on the symbols of a Taylor integrator. Nothing of
-the project's own kernel is used.
+The numbers p encode the branch of each element and the segment of each signal; between two switches
+they are constant and f is smooth. Guards g(t, y, p) are positive inside the branches and pass zero at a
+switch. Both are generated as source text from the system, so that the same equations run in plain
+Python, compiled by numba, or on the symbols of a Taylor integrator. The kernel of this package is not
+used.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
-# By which a branch reaches beyond its corner, relative for forces, else in m and m/s: more than the
-# error of locating it, so that no switch repeats; forces being continuous, it costs its square.
+# How far a branch reaches beyond its corner, relative for forces, else in m and m/s: more than the
+# error of locating it, so that no switch repeats. As forces are continuous, the error is its square.
 LATE = 1e-11
 
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """One side of one branch: `kind` of variable of `element` below (-1) or above (+1) its bound."""
+    """One end of a branch: `kind` of variable, `element`, and lower (-1) or upper (+1) bound."""
 
     element: int
     kind: str  # spring, damper, modulation, contact, gap, friction, multiplier
@@ -44,14 +44,14 @@ class Guard:
 
 
 class Equations:
-    """The source text of f and of the guards of one system, and what stands where in p.
+    """The source text of f and of the guards of one system, and the layout of p.
 
     Attributes
     ----------
     source : `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard
-    choosing_source : `rhs(t, y, dy, p)` whose elements choose their branches by themselves; empty
-        where an element has a memory
-    memory : why there is none, or empty
+    choosing_source : `rhs(t, y, dy, p)` in which the elements choose their branches from the state;
+        empty if an element has memory
+    memory : why it is empty, or ""
     """
 
     def __init__(self, system: System) -> None:
@@ -73,10 +73,10 @@ class Equations:
         self.bounds = self._take(2 * len(self.guards))  # factor and constant of each guard
         self.source = self._written(choosing=False)
         memory = [e.name for e in system.elements if e.yield_force < inf or e.friction > 0.0]
-        self.memory = f"{', '.join(memory)}: what it does depends on its past" if memory else ""
+        self.memory = f"{', '.join(memory)}: the force depends on the past" if memory else ""
         self.choosing_source = "" if memory else self._written(choosing=True)
 
-    # -- what stands where -------------------------------------------------------------------------
+    # -- layout of p ---------------------------------------------------------------------------------
 
     def _take(self, numbers: int) -> int:
         at = self.size
@@ -118,7 +118,7 @@ class Equations:
     # -- source text -------------------------------------------------------------------------------
 
     def _written(self, *, choosing: bool) -> str:
-        """Both functions; a choosing one has no guards."""
+        """Return the source of both functions; with `choosing` there are no guards."""
         shared = [*self._signal_lines(), *self._force_lines(choosing=choosing)]
         rates = [f"dy[{i}] = y[{self.n + i}]" for i in range(self.n)]
         rates += [f"dy[{self.n + i}] = a{i}" for i in range(self.n)]
@@ -149,7 +149,7 @@ class Equations:
         return self._rows().index((tuple(element.direction), element.road))
 
     def _under(self, road: str, prefix: str) -> str:
-        """What is subtracted for the road under a row."""
+        """Return the text that subtracts the road under a row."""
         if not road or self.courses[self.names.index(road)].is_zero:
             return ""
         return f" - {prefix}{self.names.index(road)}"
@@ -198,7 +198,7 @@ class Equations:
         yield from self._sticking_lines()
 
     def _sticking_lines(self) -> Iterable[str]:
-        """What it takes to hold what sticks, from the free acceleration; zero where nothing does."""
+        """Yield the forces that hold sticking elements, from the free acceleration."""
         elements, m = self.system.elements, len(self.rubbing)
         for j, i in enumerate(self.rubbing):
             b = elements[i].direction
@@ -213,7 +213,7 @@ class Equations:
                     yield f"a{k} = a{k} - {push!r} * stick{i}"
 
     def spread(self, direction: Sequence[float]) -> list[float]:
-        """M^-1 b."""
+        """Return M^-1 b."""
         return [sum(a * b for a, b in zip(row, direction, strict=True)) for row in self.inverse]
 
     # -- as functions ------------------------------------------------------------------------------
@@ -221,7 +221,7 @@ class Equations:
     def functions(
         self, *, choosing: bool = False, **names: Any
     ) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
-        """`rhs` and `guards` as plain Python; `names` may give other `cos`, `sin` and `tanh`."""
+        """Return `rhs` and `guards` as Python functions; `names` may replace `cos`, `sin`, `tanh`."""
         space: dict[str, Any] = {"cos": math.cos, "sin": math.sin, "tanh": math.tanh, **names}
         exec(
             compile(self.choosing_source if choosing else self.source, "<equations>", "exec"), space
@@ -234,7 +234,7 @@ def _function(head: str, lines: Sequence[str]) -> str:
 
 
 def _inverse(mass: Sequence[Sequence[float]]) -> list[list[float]]:
-    """M^-1 with exact zeros where M has them, by Gauss and Jordan."""
+    """Return M^-1 by Gauss-Jordan elimination, which keeps the exact zeros of M."""
     n = len(mass)
     rows = [[*map(float, row), *(float(i == k) for k in range(n))] for i, row in enumerate(mass)]
     for i in range(n):

@@ -1,4 +1,4 @@
-"""Laws and signals written down as expressions whose numbers stand in a vector p."""
+"""Laws and signals as text expressions whose numbers are in a vector p."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from phaseplane.suspension.signals import Segment
 
 @dataclass(frozen=True, slots=True)
 class Law:
-    """Where p holds the present piece of a characteristic; `at` < 0 for one that never changes.
+    """The place in p of the current piece of a characteristic; `at` < 0 if there is one piece only.
 
     Parameters
     ----------
-    degrees : those of s = x - origin that occur in any piece
+    degrees : the powers of s = x - origin that occur in any piece
     saturates : whether any piece has a tanh
     """
 
@@ -25,12 +25,12 @@ class Law:
     at: int = -1
 
     def numbers(self, piece: Piece) -> list[float]:
-        """Origin, coefficients, and the tanh's height and steepness as they stand in p."""
+        """Return origin, coefficients, and height and steepness of the tanh, as in p."""
         tanh = [piece.saturation, 1.0 / piece.scale] if self.saturates else []
         return [piece.origin, *(piece.coefficients[k] for k in self.degrees), *tanh]
 
     def text(self, x: str) -> str:
-        """The force at x, of the piece in p or the only one there is."""
+        """Return the force at x, of the piece in p or of the only piece."""
         if self.at < 0:
             return piece_text(self.pieces[0], x)
         names = [f"p[{self.at + k}]" for k in range(len(self.numbers(self.pieces[0])))]
@@ -39,7 +39,7 @@ class Law:
         return f"{text} + {names[-2]} * tanh({s} * {names[-1]})" if self.saturates else text
 
     def choosing_text(self, x: str) -> str:
-        """The force at x, the piece being chosen by x itself."""
+        """Return the force at x, of the piece that x is in."""
         text = piece_text(self.pieces[-1], x)
         for piece, above in zip(self.pieces[-2::-1], self.pieces[:0:-1], strict=True):
             text = f"({piece_text(piece, x)} if {x} < {above.start!r} else {text})"
@@ -47,7 +47,7 @@ class Law:
 
 
 def piece_text(piece: Piece, x: str) -> str:
-    """One piece as an expression."""
+    """Return one piece as an expression."""
     terms = {k: repr(c) for k, c in enumerate(piece.coefficients) if c != 0.0}
     s = f"({x} - {piece.origin!r})" if piece.origin else x
     text = _horner(terms, s)
@@ -57,7 +57,7 @@ def piece_text(piece: Piece, x: str) -> str:
 
 
 def _horner(terms: dict[int, str], s: str) -> str:
-    """sum terms[k] s^k."""
+    """Return sum terms[k] s^k."""
     if not terms:
         return "0.0"
     text = ""
@@ -70,7 +70,7 @@ def _horner(terms: dict[int, str], s: str) -> str:
 
 
 def sum_of(terms: Iterable[tuple[float, str]]) -> str:
-    """sum factor * name, without what is zero."""
+    """Return sum factor * name, without zero terms."""
     text = "".join(
         f" {'-' if factor < 0.0 else '+'} "
         + (name if abs(factor) == 1.0 else f"{abs(factor)!r} * {name}")
@@ -87,7 +87,7 @@ def degrees_of(all_coefficients: Iterable[Sequence[float]]) -> tuple[int, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """Where p holds the present segment of a signal; `at` < 0 for a signal that never changes."""
+    """The place in p of the current segment of a signal; `at` < 0 if there is one segment only."""
 
     segments: tuple[Segment, ...]
     degrees: tuple[int, ...]
@@ -103,7 +103,7 @@ class Course:
         return [segment.origin, *(segment.coefficients[k] for k in self.degrees), *wave]
 
     def lines(self, k: int) -> Iterable[str]:
-        """Value u, rate du and second derivative ddu of signal number k at t."""
+        """Yield value u, rate du and second derivative ddu of signal number k at t."""
         numbers = self.numbers(self.segments[0])
         names = [f"p[{self.at + i}]" if self.at >= 0 else repr(x) for i, x in enumerate(numbers)]
         s = f"s{k}"

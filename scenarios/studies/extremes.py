@@ -1,4 +1,4 @@
-"""Extreme cases: each runs right, or is refused with one clear line."""
+"""Extreme cases: each must run correctly, or be refused with one clear line."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ class Extreme:
     Parameters
     ----------
     name : what is extreme
-    parameters : of a QuarterCar
+    parameters : parameters of a QuarterCar
     duration : s
-    refused : whether it is to be refused
-    options : of the integrator
+    refused : whether it must be refused
+    options : options of the integrator
     """
 
     name: str
@@ -40,15 +40,15 @@ class Extreme:
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """What happened in it.
+    """The outcome of a case.
 
     Parameters
     ----------
     outcome : `right`, `wrong` or `refused`
-    error : largest difference from the truth, relative to the peak; None where there is none
-    compared_with : what that was
-    steps : of the integrator
-    seconds : of the whole run
+    error : largest difference from the truth, relative to the peak; None if there is no truth
+    compared_with : the solution taken as the truth
+    steps : steps of the integrator
+    seconds : time of the whole run
     said : why it was refused, or empty
     """
 
@@ -97,7 +97,7 @@ CASES = (
 
 
 def run_case(case: Extreme) -> Happened:
-    """Run one case, and hold it against the exact propagation, or against a finer tolerance."""
+    """Run one case, and compare it with the exact propagation or with a finer tolerance."""
     started = perf_counter()
     try:
         system = build("QuarterCar", checked_parameters("QuarterCar", case.parameters))
@@ -126,7 +126,7 @@ def run_case(case: Extreme) -> Happened:
 def _motion(
     system: System, duration: float, options: Mapping[str, Any]
 ) -> tuple[list[float], Any, str]:
-    """Displacements over the instants, the integrator, and why it stopped before."""
+    """Return the displacements over time, the integrator, and why it stopped early ("" if not)."""
     integrator = Integrator(system, **options)
     found: list[float] = []
     for k in range(_INSTANTS + 1):

@@ -1,8 +1,8 @@
-"""The model ladder: the smallest system that serves a scene, found by running them all.
+"""The model ladder: the smallest system that is accurate for a scene, found by running them all.
 
-From the half car with four degrees of freedom down to one degree (AP57 section 2): what never acts can
-go; with M3 = 0 the axles do not feel each other; where the excitation is well below the wheels' own
-frequency the tyres are rigid. Each rung is argued so, then checked against the scene as it stands.
+From the half car with four degrees of freedom down to one (AP57 section 2): elements that never act can
+be left out; with M3 = 0 the axles are uncoupled; if the excitation is well below the wheels' natural
+frequency, the tyres can be rigid. Each rung has such an argument and is compared with the full model.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     Columns = dict[str, npt.NDArray[np.float64]]
 
 _REPEATS = 3
-# Compared unless the scene names its outputs: how the body moves, and the suspension.
+# Compared unless the scene names its outputs: the motion of the body, and the suspension.
 _COMPARED = ("body_displacement", "body_velocity", "body_acceleration", "suspension_deflection")
-_ACTS: dict[str, tuple[str, Value, str]] = {  # parameter, its value when off, the output that tells
+_ACTS: dict[str, tuple[str, Value, str]] = {  # parameter, its value when off, output that shows it
     "lift-off": ("lift_off", False, "lift_off_count"),
     "bump stop": ("bump_stop.stiffness", 0.0, "bump_stop_force"),
     "rebound stop": ("rebound_stop.stiffness", 0.0, "rebound_stop_force"),
@@ -45,13 +45,13 @@ _ACTS: dict[str, tuple[str, Value, str]] = {  # parameter, its value when off, t
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One model of a rung, and where its outputs belong.
+    """One model of a rung, with the prefix of its outputs.
 
     Parameters
     ----------
-    model : of this project
-    parameters : in SI
-    prefix : before the names of its outputs
+    model : a model of this package
+    parameters : its parameters, SI
+    prefix : prefix of its outputs in the scene
     """
 
     model: str
@@ -65,10 +65,10 @@ class Rung:
 
     Parameters
     ----------
-    name : what it is called
+    name : name of the rung
     parts : one model, or one for each axle
-    degrees : of freedom in all
-    argument : why it may serve
+    degrees : degrees of freedom in all
+    argument : why it may be accurate
     """
 
     name: str
@@ -78,23 +78,22 @@ class Rung:
 
 
 def ladder(scene: Scene, tolerance: float) -> dict[str, Any]:
-    """All rungs of a scene with their errors and times, and the smallest that serves.
+    """Return all rungs of a scene with their errors and times, and the smallest accurate one.
 
     Parameters
     ----------
-    scene : of a model of this project
-    tolerance : largest error in the outputs compared, over their peaks
+    scene : a scene of a model of this package
+    tolerance : largest error of the outputs compared, over their peaks
 
     Raises
     ------
-    InputError : a model that has no smaller one, or an FMU that is not of this project.
-    RunError : the scene itself does not run to its end.
+    InputError : if there is no smaller model, or the FMU is not of this package.
+    RunError : if the scene itself does not run to its end.
     """
     if scene.fmu.path is not None or scene.fmu.model not in ("HalfCar", "HalfCarRigidTyres",
                                                              "QuarterCar"):  # fmt: skip
         raise InputError(
-            f"{scene.fmu.model} has no smaller model; there is a ladder for HalfCar, "
-            "HalfCarRigidTyres and QuarterCar"
+            f"{scene.fmu.model} has no smaller model; allowed: HalfCar, HalfCarRigidTyres, QuarterCar"
         )
     names = _outputs_compared(scene)
     whole = Rung(
@@ -118,9 +117,9 @@ def ladder(scene: Scene, tolerance: float) -> dict[str, Any]:
             rungs.append(_told(rung, None, None, one_line(failure), tolerance))
         else:
             lacking = [name for name in names if name not in columns]
-            note = f"does not tell {', '.join(lacking)}" if lacking else f"worst in {worst.name}"
+            note = f"has no {', '.join(lacking)}" if lacking else f"largest error in {worst.name}"
             rungs.append(_told(rung, seconds, None if lacking else worst.relative, note, tolerance))
-    # of equal degrees the one further down, which has less in it
+    # of equal degrees the lower rung, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])
     return {
         "scene": scene.name,
@@ -169,7 +168,7 @@ def _told(
 
 
 def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
-    """The smaller models, largest first."""
+    """Yield the smaller models, largest first."""
     model, p = scene.fmu.model, scene.all_parameters
     idle = {what: values for what, values in _off(p, truth) if values}
     if idle:
@@ -191,7 +190,7 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
 
 
 def _off(p: Mapping[str, Value], truth: Columns) -> Iterator[tuple[str, dict[str, Value]]]:
-    """What is there but never acts, with the parameters that switch it off."""
+    """Yield the features that never act, with the parameters that switch them off."""
     for what, (switch, off, output) in _ACTS.items():
         names = [name for name in p if name in (switch, f"front.{switch}", f"rear.{switch}")]
         acts = any(column.any() for name, column in truth.items() if name.endswith(output))
@@ -205,7 +204,7 @@ def _telling(scene: Scene) -> list[str]:
 
 
 def _two(model: str, p: Mapping[str, Value], argument: str) -> Rung:
-    """One model for each axle, each with the body's mass that rests on it."""
+    """Return one model for each axle, each with the body's mass that rests on it."""
     a, b = float(p["cg_to_front"]), float(p["cg_to_rear"])
     late = {"road.start": float(p["road.start"]) + (a + b) / float(p["speed"])}
     parts = []
@@ -220,7 +219,7 @@ def _two(model: str, p: Mapping[str, Value], argument: str) -> Rung:
 
 
 def _only(model: str, p: Mapping[str, Value]) -> dict[str, Value]:
-    """The parameters that the model has."""
+    """Return the parameters that the model has."""
     declared = {v.name for v in MODELS[model] if v.causality == "parameter"}
     return {name: value for name, value in p.items() if name in declared}
 
@@ -234,18 +233,21 @@ def _coupling_words(p: Mapping[str, Value]) -> str:
 
 
 def _frequency_words(model: str, p: Mapping[str, Value]) -> str:
-    """The excitation's frequency against half of the wheels' own, where both are known."""
+    """Return the excitation frequency compared with half the wheels' natural frequency, in words."""
     shape, speed = p["road.shape"], float(p["speed"])
     if shape not in ("bump", "obstacle", "sine"):
-        return "AP57: the excitation must stay below half of the wheel's own frequency"
+        return "AP57: the excitation must stay below half the wheel's natural frequency"
     excitation = speed / float(p["road.length"])
     own = min(_wheel_frequencies(build(model, p)))
     relation = "below" if excitation < 0.5 * own else "not below"
-    return f"excitation of {excitation:.3g} Hz is {relation} half of the wheel's own {own:.3g} Hz"
+    return (
+        f"excitation at {excitation:.3g} Hz is {relation} half the wheel's natural frequency, "
+        f"{own:.3g} Hz"
+    )
 
 
 def _wheel_frequencies(system: System) -> Iterator[float]:
-    """Natural frequency of each wheel while the body is held, Hz, by the tangents at rest."""
+    """Yield the natural frequency of each wheel with the body held, Hz, by the tangents at rest."""
     for i, name in enumerate(system.coordinates):
         if name.endswith("wheel"):
             stiffness = sum(e.direction[i] ** 2 * e.spring.tangent(0.0) for e in system.elements)
@@ -256,7 +258,7 @@ def _wheel_frequencies(system: System) -> Iterator[float]:
 
 
 def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float]:
-    """The outputs a rung can tell, under the scene's names, and its shortest time, s."""
+    """Return the outputs of a rung under the scene's names, and its shortest run time, s."""
     interval = scene.show.output_interval
     time = instants(scene.duration, interval, refinement(scene.duration, interval))
     columns: Columns = {"time": time}
@@ -279,8 +281,8 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
 
 
 def ladder_in_words(told: Mapping[str, Any]) -> str:
-    """The same for a terminal."""
-    rows = [("rung", "degrees", "error", "time", "serves")]
+    """Return the ladder as text for a terminal."""
+    rows = [("rung", "degrees", "error", "time", "accurate")]
     for rung in told["rungs"]:
         error = "" if rung["error"] is None else f"{rung['error']:.2g}"
         seconds = "" if rung["seconds"] is None else f"{1e3 * rung['seconds']:.2f} ms"
@@ -292,5 +294,7 @@ def ladder_in_words(told: Mapping[str, Any]) -> str:
         words = [word for word in (rung["argument"], rung["note"]) if word]
         if words:
             lines.append(f"  {rung['name']}: {'; '.join(words)}")
-    lines.append(f"to {told['tolerance']:g} of the peaks serves: {told['proposal']}")
+    lines.append(
+        f"smallest model accurate to {told['tolerance']:g} of the peaks: {told['proposal']}"
+    )
     return "\n".join(lines)

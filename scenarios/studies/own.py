@@ -1,4 +1,4 @@
-"""The project's own ways to a motion: in this process, through the FMU, and drawn on paper."""
+"""This package's solvers: in-process, through the FMU, and by graphical construction."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
-_SAME = 1e-6  # of an interval, within which a drawn point stands at a wanted instant
+_SAME = 1e-6  # of an interval: a drawn point this close is at the time wanted
 
 
 def in_process(bench: Workbench, **options: Any) -> Run:
-    """One call of the integrator; its set-up is made once and outside.
+    """Return a run that is one call of the integrator, set up beforehand.
 
     Parameters
     ----------
-    options : of `Integrator`
+    options : options of `Integrator`
     """
     problem = bench.problem
     n = len(problem.system.mass)
@@ -56,14 +56,14 @@ def in_process(bench: Workbench, **options: Any) -> Run:
 
 @cache
 def _unpacked(model: str) -> Path:
-    """The folder of a model's FMU, unpacked."""
+    """Return the folder of a model's unpacked FMU."""
     spare = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, spare, ignore_errors=True)
     return kept(model, spare)[0]
 
 
 def through_fmu(bench: Workbench, tolerance: float) -> Run:
-    """`fmpy.simulate_fmu` at the output interval, with an instance that is reset before."""
+    """Return a run of `fmpy.simulate_fmu` at the output interval, with an instance that is reset."""
     from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
 
@@ -96,7 +96,7 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
 
 
 def drawn(rule: str, bench: Workbench, step: float) -> Run:
-    """The graphical construction with steps of one length (AP57 section 4)."""
+    """Return a run of the graphical construction with equal steps (AP57 section 4)."""
     problem = bench.problem
     if problem.model not in MODELS:
         raise UnableError("there is no construction of this system")
@@ -119,7 +119,7 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
             if abs(frame.time - k * interval) < _SAME * interval and k < len(rows):
                 rows[k] = [frame.readings[name] for name in names]
         if np.isnan(rows).any():
-            raise ArithmeticError("the construction skips instants that are wanted")
+            raise ArithmeticError("the construction has no point at some output times")
         return rows
 
     return run

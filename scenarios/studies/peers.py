@@ -1,7 +1,7 @@
-"""Other integrators on the same problems, each as well off as it can be.
+"""Other integrators on the same problems, each set up as well as possible.
 
-Right-hand sides and guards are compiled by numba where that is installed; every run is cut at the
-joints of the road; switches are located by solvers that can. What a peer cannot do it says.
+Right-hand sides and guards are compiled by numba if it is installed; every run is split at the joints
+of the road; solvers with event location locate the switches. Others raise `UnableError` if needed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _MOST_STEPS = 1_000_000
 
 
 def scipy_method(method: str, bench: Workbench, tolerance: float) -> Run:
-    """`solve_ivp`, with the smallest guard as its event."""
+    """Return a run of `solve_ivp`, with the smallest guard as its event."""
     rhs, margin = bench.returning
     options = {"rtol": max(tolerance, 3e-14), "atol": tolerance * bench.scale}
     advance = by_scipy(rhs, margin, method, **options)
@@ -37,7 +37,7 @@ def scipy_method(method: str, bench: Workbench, tolerance: float) -> Run:
 
 
 def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
-    """SUNDIALS' CVODE by scikit-sundae, with the smallest guard as its event."""
+    """Return a run of SUNDIALS' CVODE by scikit-sundae, with the smallest guard as its event."""
     from sksundae.cvode import CVODE  # noqa: PLC0415  (optional)
 
     _, margin = bench.returning
@@ -66,7 +66,7 @@ def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
 
     def advance(t: float, end: float, y: Vector, now: Vector, wanted: Vector) -> Stretch:
         p[:] = now
-        # of two instants it would return all of its steps; hence one more
+        # with two times only it would return all of its steps; hence a third
         instants = [t, 0.5 * (t + (wanted[0] if len(wanted) else end)), *wanted]
         if not (len(wanted) and wanted[-1] == end):
             instants.append(end)
@@ -81,7 +81,7 @@ def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
 
 
 def heyoka(bench: Workbench, tolerance: float) -> Run:
-    """A Taylor integrator of adaptive step, compiled once; its events change the numbers p."""
+    """Return a run of an adaptive Taylor integrator, compiled once; its events change p."""
     import heyoka as hy  # noqa: PLC0415  (heavy, optional)
 
     equations, problem, n = bench.equations, bench.problem, bench.equations.n
@@ -109,7 +109,7 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
             expression,
             direction=hy.event_direction.negative,
             callback=passed(guard),
-            cooldown=0.0,  # its own guess would pass over the next switch of the same side
+            cooldown=0.0,  # the automatic value could miss the next switch of the same side
         )
         for expression, guard in zip(guards, equations.guards, strict=True)
     ]
@@ -160,7 +160,7 @@ def heyoka(bench: Workbench, tolerance: float) -> Run:
 
 
 def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
-    """`lsoda` or `dop853` of numbalsoda, cut at the joints of the road."""
+    """Return a run of `lsoda` or `dop853` of numbalsoda, split at the joints of the road."""
     from numba import carray, cfunc  # noqa: PLC0415  (heavy, optional)
     from numbalsoda import dop853, lsoda, lsoda_sig  # noqa: PLC0415  (optional)
 
@@ -193,7 +193,7 @@ def numbalsoda(name: str, bench: Workbench, tolerance: float) -> Run:
 
 
 def runge_kutta(bench: Workbench, step: float) -> Run:
-    """The classical method of order 4 with fixed steps, bare, all in one compiled function."""
+    """Return a run of the classical order-4 method with fixed steps, in one compiled function."""
     from numba import njit  # noqa: PLC0415  (heavy, optional)
 
     rhs = bench.choosing()

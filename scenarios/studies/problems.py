@@ -1,4 +1,4 @@
-"""What the integrator is put to: every kind of system of the project, smooth, non-smooth and stiff."""
+"""The test problems: every kind of system of this package, smooth, non-smooth and stiff."""
 
 from __future__ import annotations
 
@@ -28,22 +28,22 @@ if TYPE_CHECKING:
 
 Kind = Literal["non-smooth", "smooth", "stiff"]
 _KGF = 9.80665
-_MOST_INTERVALS = 2000  # of a scene; what lies between them is as good
+_MOST_INTERVALS = 2000  # of a scene; values between them are as accurate
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A system, where it starts and when its displacements are wanted.
+    """A system, its initial state and its output times.
 
     Parameters
     ----------
     name, title : one word, and one line
-    kind : `stiff` where stability, not accuracy, would bound the steps of an explicit method
-    system : what moves
+    kind : `stiff` if stability, not accuracy, would limit the steps of an explicit method
+    system : the system
     duration : s
-    intervals : between the instants at which displacements are wanted, all of one length
-    displacements, velocities : at the start, m and m/s; empty for rest
-    model, parameters : of the FMU that runs the same, if there is one
+    intervals : number of equal intervals between output times
+    displacements, velocities : initial values, m and m/s; empty for rest
+    model, parameters : the FMU of the same system and its parameters, if there is one
     """
 
     name: str
@@ -59,12 +59,12 @@ class Problem:
 
     @cached_property
     def times(self) -> Vector:
-        """The instants at which displacements are wanted, s."""
+        """The output times, s."""
         return np.linspace(0.0, self.duration, self.intervals + 1)
 
     @property
     def start(self) -> Vector:
-        """Displacements and velocities at the start."""
+        """The initial displacements and velocities."""
         rest = (0.0,) * len(self.system.mass)
         return np.array([*(self.displacements or rest), *(self.velocities or rest)])
 
@@ -78,7 +78,7 @@ def of_model(
     duration: float = 2.0,
     intervals: int = 400,
 ) -> Problem:
-    """A problem that an FMU can run too, from where that starts."""
+    """Return a problem that an FMU can run too, from the FMU's initial state."""
     session = Session(model, parameters)
     system = build(model, parameters)
 
@@ -101,7 +101,7 @@ def of_model(
 
 
 def _blow_off() -> str:
-    """AP57 section 8 with slopes that fall to a fifth beyond +0.30 m/s and -0.60 m/s, as a table."""
+    """Return the damper of AP57 section 8, its slopes a fifth beyond +0.30 and -0.60 m/s, as a table."""
     rebound, bump = 200.0 * _KGF, 50.0 * _KGF
     points = (
         (-1.6, -0.8 * bump), (-0.6, -0.6 * bump), (0.0, 0.0), (0.3, 0.3 * rebound), (1.3, 0.5 * rebound),
@@ -110,7 +110,7 @@ def _blow_off() -> str:
 
 
 def full_car() -> Problem:
-    """Seven degrees of freedom over a bump under the left wheels alone."""
+    """Return a car of seven degrees of freedom over a bump that is higher under the left wheels."""
     mass, pitch_inertia, roll_inertia, wheel_mass = 1200.0, 1800.0, 450.0, 30.0
     ahead = {"front": 1.25, "rear": -1.25}
     weight = (mass / 4.0 + wheel_mass) * 9.80665
@@ -144,10 +144,10 @@ def full_car() -> Problem:
 
 
 def car_axis() -> Problem:
-    """After `caraxis` of the Bari test set: an axle on two stiff springs, one over a bumpy road.
+    """Return an axle on two stiff springs, one over a bumpy road, after `caraxis` of the Bari test set.
 
-    Its springs of 1/epsilon^2 and small swing, here linear, with a damper so strong that the axle
-    follows the road and the swing dies out within milliseconds.
+    It has the springs of 1/epsilon^2 and the small rotation (linearised) of the original, but strong
+    dampers: the axle follows the road and its oscillation dies out within milliseconds.
     """
     epsilon = 1e-2
     rate, half_length = 10.0 / epsilon**2, 0.5
@@ -181,7 +181,7 @@ _AXLE: dict[str, Value] = {
     "bump_stop.gap": 0.03, "bump_stop.stiffness": 2e5,
     "rebound_stop.gap": 0.04, "rebound_stop.stiffness": 2e5,
 }  # fmt: skip
-# A linear quarter car that stays on the road: smooth, with what else is given.
+# A linear quarter car that stays on the road, which makes a smooth problem.
 _SMOOTH: dict[str, Value] = {
     "lift_off": False, "damper.rebound_rate": 1000.0, "damper.bump_rate": 1000.0,
     "road.shape": "sine",
@@ -191,7 +191,7 @@ _SMOOTH: dict[str, Value] = {
 def _of_models(
     **told: tuple[str, Kind, str, Mapping[str, Value]],
 ) -> dict[str, Callable[[], Problem]]:
-    """Problems of the models by name: title, kind, model and parameters."""
+    """Return problems of models by name, from title, kind, model and parameters."""
     return {name: partial(of_model, name, *one) for name, one in told.items()}
 
 
@@ -266,11 +266,11 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
 
 
 def find_problem(name: str) -> Problem:
-    """A problem by its name, or what a scene runs as a problem.
+    """Return the problem of a name, or the problem that a scene runs.
 
     Raises
     ------
-    InputError : neither, or a scene whose FMU is not one of this project's models.
+    InputError : if there is no such problem or scene, or the scene's FMU is not of this package.
     """
     if name in PROBLEMS:
         return PROBLEMS[name]()
@@ -278,15 +278,15 @@ def find_problem(name: str) -> Problem:
         raise InputError(
             one_line(
                 f"no problem or scene {shown(name)}{nearest(name, (*PROBLEMS, *case_names()))}; "
-                f"problems are {', '.join(PROBLEMS)}; 'phaseplane list' tells the scenes"
+                f"problems are {', '.join(PROBLEMS)}; 'phaseplane list' shows the scenes"
             )
         )
     scene = load_scene(name)
     if scene.fmu.path is not None or scene.fmu.model not in SYSTEMS:
         raise InputError(
             one_line(
-                f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only systems of this "
-                f"project can be compared: {', '.join(SYSTEMS)}"
+                f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
+                f"package can be compared: {', '.join(SYSTEMS)}"
             )
         )
     intervals = min(max(1, round(scene.duration / scene.show.output_interval)), _MOST_INTERVALS)

@@ -1,4 +1,4 @@
-"""The truth that errors are counted from: scipy's DOP853, restarted at every switch."""
+"""The truth that errors are measured from: scipy's DOP853, restarted at every switch."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     Vector = npt.NDArray[np.float64]
 
 _TOLERANCE = 1e-13
-_SAME = 1e-12  # s; instants that differ by less are one, as 0.05 and 20 times 0.0025 are
-_LONGEST = 1e-3  # s per step, so that no two switches hide in one
+_SAME = 1e-12  # s; times that differ by less are the same, as 0.05 and 20 times 0.0025
+_LONGEST = 1e-3  # s; the longest step, so that no step has two switches
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,8 +29,8 @@ class Stretch:
 
     Parameters
     ----------
-    time, state : where it ended
-    rows : states at the instants wanted up to there, (k, 2n)
+    time, state : time and state at its end
+    rows : states at the output times up to its end, (k, 2n)
     switched : whether a guard ended it
     """
 
@@ -41,23 +41,23 @@ class Stretch:
 
 
 Advance = Callable[[float, float, "Vector", "Vector", "Vector"], Stretch]
-"""From t to at most t_end with state y and numbers p, over instants wanted, to the first switch."""
+"""Advances from t to t_end or the first switch: (t, t_end, state y, numbers p, output times)."""
 
 
 def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
-    """Displacements at the instants of a problem, by a solver that locates the switches itself.
+    """Return the displacements of a problem by a solver that locates the switches.
 
     Parameters
     ----------
-    start : the branches at the start; left as they are
+    start : the branches at the start; not changed
 
     Returns
     -------
-    (len(times), n), m
+    Displacements, m, shape (len(times), n).
 
     Raises
     ------
-    ArithmeticError : the solver makes no progress.
+    ArithmeticError : if the solver makes no progress.
     """
     times, n = problem.times, len(problem.system.mass)
     t, y = 0.0, problem.start
@@ -74,7 +74,7 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
         end = min(joint, times[-1])
         stretch = advance(t, end, y, branches.p, until(times[k:], end))
         if not (np.isfinite(stretch.state).all() and stretch.time >= t):
-            raise ArithmeticError(f"no way on from {t:.9g} s")
+            raise ArithmeticError(f"no progress from {t:.9g} s on")
         out[k : k + len(stretch.rows)] = stretch.rows[:, :n]
         k += len(stretch.rows)
         t, y = stretch.time, stretch.state.copy()
@@ -86,7 +86,7 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
 
 
 def until(times: Vector, end: float) -> Vector:
-    """Those instants that do not lie beyond the end; one that rounding has put beside it is the end."""
+    """Return the times up to the end; a time that differs from the end by rounding becomes the end."""
     wanted = times[: int(times.searchsorted(end + _SAME))].copy()
     if len(wanted) and wanted[-1] > end - _SAME:
         wanted[-1] = end
@@ -99,12 +99,12 @@ def by_scipy(
     method: str,
     **options: Any,
 ) -> Advance:
-    """Advance by `scipy.integrate.solve_ivp`.
+    """Return a function that advances by `scipy.integrate.solve_ivp`.
 
     Parameters
     ----------
     rhs : y' at (t, y, p)
-    margin : smallest guard at (t, y, p), whose fall through zero ends a stretch; None for no guards
+    margin : smallest guard at (t, y, p), whose zero ends a stretch; None if there are no guards
     """
     from scipy.integrate import solve_ivp  # noqa: PLC0415  (heavy)
 
@@ -117,7 +117,7 @@ def by_scipy(
 
             event.terminal, event.direction = True, -1.0  # type: ignore[attr-defined]
             events = [event]
-        # the end itself is wanted too, to go on from there
+        # the end is an output too, to continue from there
         at_end = len(wanted) > 0 and wanted[-1] == end
         instants = wanted if at_end else np.append(wanted, end)
         run = solve_ivp(
@@ -144,7 +144,7 @@ def plain(
 ) -> tuple[
     Callable[[float, Vector, Vector], Vector], Callable[[float, Vector, Vector], float] | None
 ]:
-    """Right-hand side and smallest guard in plain Python."""
+    """Return the right-hand side and the smallest guard in plain Python."""
     functions = equations.functions()
     size, guards = 2 * equations.n, len(equations.guards)
 
@@ -162,7 +162,7 @@ def plain(
 
 
 def truth(problem: Problem, method: str = "DOP853", tolerance: float = _TOLERANCE) -> Vector:
-    """Displacements of a problem at its instants, to about twelve digits, (len(times), n), m."""
+    """Return the displacements of a problem to about twelve digits, (len(times), n), m."""
     equations = Equations(problem.system)
     rhs, margin = plain(equations)
     advance = by_scipy(
@@ -172,5 +172,5 @@ def truth(problem: Problem, method: str = "DOP853", tolerance: float = _TOLERANC
 
 
 def largest_error(found: Vector, true: Vector) -> float:
-    """Largest difference over all displacements and instants, relative to the largest displacement."""
+    """Return the largest difference of all displacements and times, over the largest displacement."""
     return float(np.abs(found - true).max() / np.abs(true).max())

@@ -1,4 +1,4 @@
-"""The studies written down: data, tables and pictures, each in a folder of its own."""
+"""The studies with their data, tables and pictures, each written to its own folder."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ def study_accuracy(
     folder: Path | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> tuple[dict[str, Any], str, Path]:
-    """Compare error against run time, and leave data, tables and a picture in a folder.
+    """Measure error against run time, and write data, tables and a picture to a folder.
 
     Parameters
     ----------
-    references : names of problems or scenes; none for all problems
-    repeats : how often each run is timed
-    folder : replaced whole; None for `out/accuracy`
+    references : names of problems or scenes; all problems if empty
+    repeats : number of timings of each run
+    folder : folder to write to, replaced as a whole; `out/accuracy` if None
 
     Returns
     -------
@@ -36,7 +36,7 @@ def study_accuracy(
 
     Raises
     ------
-    InputError : no such problem or scene, or one that is no model of this project.
+    InputError : if there is no such problem or scene, or its model is not of this package.
     """
     place = Place(folder or OUTPUT / "accuracy", "accuracy", named=folder is not None)
     check_replaceable(place)
@@ -66,13 +66,13 @@ def study_stability(
     progress: Callable[[float], None] | None = None,
     size: int = 32,
 ) -> tuple[dict[str, Any], str, Path]:
-    """Find where steps grow, and leave data, a table and a picture in a folder.
+    """Find unstable steps, and write data, a table and a picture to a folder.
 
     Parameters
     ----------
-    references : names of problems or scenes; none for all problems with switches
-    folder : replaced whole; None for `out/stability`
-    size : points on a side of the maps
+    references : names of problems or scenes; all non-smooth problems if empty
+    folder : folder to write to, replaced as a whole; `out/stability` if None
+    size : points along each side of the maps
 
     Returns
     -------
@@ -80,7 +80,7 @@ def study_stability(
 
     Raises
     ------
-    InputError : no such problem or scene, or one that is no model of this project.
+    InputError : if there is no such problem or scene, or its model is not of this package.
     """
     place = Place(folder or OUTPUT / "stability", "stability", named=folder is not None)
     check_replaceable(place)

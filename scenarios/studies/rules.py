@@ -1,4 +1,4 @@
-"""The step rules of the constructions held against the exact motion: errors, orders, times."""
+"""The step rules of the constructions compared with the exact motion: errors, orders, times."""
 
 from __future__ import annotations
 
@@ -32,26 +32,25 @@ if TYPE_CHECKING:
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
 
-_TOLERANCE = 1e-12  # of the integrator that gives the exact motion
+_TOLERANCE = 1e-12  # of the integrator for the exact motion
 _HALVINGS = 2
 _REPEATS = 15
-_INTEGRATOR = {"tangent": 2, "mean": 2, "equilibrium": 2}  # its methods with fixed steps; order
+_INTEGRATOR = {"tangent": 2, "mean": 2, "equilibrium": 2}  # order of each method with fixed steps
 
 
 @dataclass(frozen=True, slots=True)
 class RuleResult:
-    """What a rule came to on a scene.
+    """The result of a step rule on a scene.
 
     Parameters
     ----------
-    rule : its name; `integrator: ...` for the incremental method beside it
-    stated_order : what it is said to converge with
+    rule : its name; `integrator: ...` for a method of the integrator
+    stated_order : its stated order of convergence
     errors : largest error of each displacement over the steps, m
-    orders : measured on halving the step twice, of the largest error of all; nan where it is no longer
-        the step that errs
-    steps : in all
-    seconds : of the processor for all of them, the least of fifteen
-    failure : why it could not be made, or nothing
+    orders : orders of the largest error, measured by halving the step twice; nan if the error is zero
+    steps : number of steps
+    seconds : processor time of all steps, the least of fifteen runs
+    failure : why it failed, or empty
     """
 
     rule: str
@@ -65,7 +64,7 @@ class RuleResult:
 
 @dataclass(frozen=True, slots=True)
 class _Motion:
-    """Displacements by name at the ends of steps, and what they took."""
+    """Displacements by name at the ends of steps, with the number of steps and the time."""
 
     times: npt.NDArray[np.float64]
     columns: Columns
@@ -74,11 +73,11 @@ class _Motion:
 
 
 def measure_rules(scene: Scene) -> list[RuleResult]:
-    """Every rule with the scene's own step, and the incremental integrator with the same step.
+    """Return the results of every rule, and of the integrator, with the scene's construction step.
 
     Raises
     ------
-    InputError : a scene whose model has no construction.
+    InputError : if the scene's model has no construction.
     """
     names = _displacements(scene)
     results = [
@@ -94,7 +93,7 @@ def measure_rules(scene: Scene) -> list[RuleResult]:
 
 
 def _displacements(scene: Scene) -> list[str]:
-    """The displacements of the planes and of the bodies."""
+    """Return the displacements of the planes and of the bodies."""
     planes = planes_of(scene.fmu.model, scene.all_parameters, scene.construction.model_dump())
     shown = [plane.name for plane in planes.planes]
     bodies = [name for name in scene.fmu.outputs() if name.endswith("body_displacement")]
@@ -135,7 +134,7 @@ def _stepped(scene: Scene, method: str, names: Sequence[str], step: float) -> _M
 
 
 def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
-    """Largest error of each displacement, m."""
+    """Return the largest error of each displacement, m."""
     names = list(motion.columns)
     exact = (
         simulating.solving.solve(scene.all_parameters, motion.times)[0]
@@ -159,7 +158,7 @@ def _simulated(
 
 
 def rules_table(scene: Scene, results: Sequence[RuleResult]) -> str:
-    """The results as text."""
+    """Return the results as text."""
     return "\n".join(_lines(scene, results))
 
 
@@ -171,7 +170,7 @@ def _lines(scene: Scene, results: Sequence[RuleResult]) -> Iterator[str]:
     heads = [f"{name.replace('_', ' '):>9}" for name in names]
     yield (
         f"largest error{unit} with steps of {1e3 * scene.construction.step:g} ms over "
-        f"{scene.construction_time:g} s, and the order measured on halving them twice"
+        f"{scene.construction_time:g} s, and the order measured by halving them twice"
     )
     yield ""
     yield f"{'rule':<24}{'  '.join(heads)}  order  measured    steps  seconds  steps/s"
@@ -191,7 +190,7 @@ def _lines(scene: Scene, results: Sequence[RuleResult]) -> Iterator[str]:
 
 
 def as_data(scene: Scene, results: Sequence[RuleResult]) -> dict[str, Any]:
-    """The results as plain data."""
+    """Return the results as plain data."""
     return {
         "scene": scene.name,
         "step": scene.construction.step,

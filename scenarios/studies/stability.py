@@ -1,8 +1,8 @@
-"""Numerical stability: where the steps of each method begin to grow, in theory and in fact.
+"""Numerical stability: the limit of the step of each method, in theory and in runs.
 
-A step of the linear oscillator multiplies its state by a matrix whose largest eigenvalue, the spectral
-radius, must not exceed one; it is found by making that step. On real systems, with their switches, the
-limit is found by bisection: the shortest fixed step with which a run cannot go on, or creates energy.
+A step of the linear oscillator multiplies its state by a matrix whose spectral radius must not exceed
+one; it is found by making that step. For systems with switches the limit is found by bisection: the
+shortest fixed step with which a run fails or creates energy.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ Matrix = npt.NDArray[np.float64]
 LINEAR = 2.0 * sqrt(3.0)
 _UNIT = 1e-3  # m and m/s
 _THETA = 1.4
-_STEPS = 400  # of a run in which growth is looked for
+_STEPS = 400  # of a run that is checked for growth
 _HALVINGS = 10
-EIGHTH = 3.2  # omega h up to which an undamped amplitude grows by less than 1/1000 a step
+EIGHTH = 3.2  # omega h up to which an undamped amplitude grows by less than 1/1000 per step
 
 # name, options of the integrator, limit of omega h (0: none)
 METHODS: tuple[tuple[str, dict[str, Any], float], ...] = (
@@ -45,7 +45,7 @@ METHODS: tuple[tuple[str, dict[str, Any], float], ...] = (
 
 
 def oscillator(phase: float, damping_ratio: float = 0.0) -> System:
-    """One mass with omega = phase 1/s, so that phase is omega h of a step of 1 s."""
+    """Return one mass with omega = phase 1/s, so that phase is omega h of a step of 1 s."""
     element = Element(
         "spring",
         (1.0,),
@@ -56,7 +56,7 @@ def oscillator(phase: float, damping_ratio: float = 0.0) -> System:
 
 
 def two_masses(phase: float, ratio: float) -> System:
-    """Two masses of 1 kg on two springs whose rates are as 1 : ratio; phase is the faster mode's."""
+    """Return two masses of 1 kg on springs of rates 1 : ratio; phase is that of the faster mode."""
     stiffness = np.array([[1.0 + ratio, -ratio], [-ratio, ratio]])
     unit = (phase / sqrt(np.linalg.eigvalsh(stiffness)[-1])) ** 2
     springs = (
@@ -67,7 +67,7 @@ def two_masses(phase: float, ratio: float) -> System:
 
 
 def amplification(system: System, options: dict[str, Any]) -> Matrix:
-    """What one step of 1 s multiplies displacements and velocities by, column by column."""
+    """Return the matrix by which one step of 1 s multiplies displacements and velocities."""
     n = len(system.mass)
     columns = []
     for k in range(2 * n):
@@ -81,7 +81,7 @@ def amplification(system: System, options: dict[str, Any]) -> Matrix:
 
 
 def wilson_matrix(phase: float, damping_ratio: float, theta: float = _THETA) -> Matrix:
-    """The same of Wilson's method, whose acceleration is a state of its own (q, v, a)."""
+    """Return the amplification of Wilson's method, whose state includes the acceleration (q, v, a)."""
     k, c, s = phase * phase, 2.0 * damping_ratio * phase, theta
 
     def step(q: float, v: float, a: float) -> list[float]:
@@ -93,19 +93,19 @@ def wilson_matrix(phase: float, damping_ratio: float, theta: float = _THETA) -> 
 
 
 def spectral_radius(matrix: Matrix) -> float:
-    """The largest modulus of an eigenvalue."""
+    """Return the largest modulus of an eigenvalue."""
     return float(np.abs(np.linalg.eigvals(matrix)).max())
 
 
 def radius(name: str, options: dict[str, Any], phase: float, damping_ratio: float = 0.0) -> float:
-    """Spectral radius of a method on the linear oscillator."""
+    """Return the spectral radius of a method on the linear oscillator."""
     if name == "wilson":
         return spectral_radius(wilson_matrix(phase, damping_ratio))
     return spectral_radius(amplification(oscillator(phase, damping_ratio), options))
 
 
 def stop_growth(phase: float, ratio: float, options: dict[str, Any]) -> float:
-    """Energy after many steps over that at the start, of a mass between two stops, undamped.
+    """Return the energy after many steps over the initial energy, of an undamped mass between stops.
 
     Parameters
     ----------
@@ -145,8 +145,8 @@ class Limit:
 
     Parameters
     ----------
-    theory : from the fastest tangent met in the run; None without a limit
-    measured : by bisection; None if no step up to four times the theory's grew
+    theory : from the stiffest tangent of the run; None if there is no limit
+    measured : by bisection; None if no step up to four times that of theory is unstable
     """
 
     problem: str
@@ -164,7 +164,7 @@ def _begun(problem: Problem, options: dict[str, Any]) -> Any:
 
 
 def fastest(problem: Problem) -> float:
-    """The highest angular frequency of any tangent met in the run, rad/s."""
+    """Return the highest angular frequency of any tangent in the run, rad/s."""
     integrator = _begun(problem, {"tolerance": 1e-6})
     steps = []
     while integrator.time < problem.duration:
@@ -176,13 +176,13 @@ def fastest(problem: Problem) -> float:
 
 
 def grows(problem: Problem, options: dict[str, Any], step: float) -> bool:
-    """Whether a run of many such steps fails or creates energy."""
+    """Whether a run with this step fails or creates energy."""
     integrator = _begun(problem, {**options, "step": step, "beyond_stable": "allow"})
     return bool(integrator.advance(max(problem.duration, _STEPS * step)) != 0)
 
 
 def measured_limit(problem: Problem, options: dict[str, Any], guess: float) -> float | None:
-    """The shortest step that grows: the first on a geometric ladder, then by bisection."""
+    """Return the shortest unstable step, bracketed on a geometric ladder, then by bisection."""
     ladder = [guess * 4.0 ** (k / 12.0) for k in range(-12, 13)]
     found = next((k for k, step in enumerate(ladder) if grows(problem, options, step)), None)
     if not found:
@@ -199,7 +199,7 @@ def measured_limit(problem: Problem, options: dict[str, Any], guess: float) -> f
 
 @dataclass(frozen=True, slots=True)
 class Maps:
-    """What is drawn: spectral radii and energy growth over omega h.
+    """The data of the maps: spectral radii and energy growth over omega h.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ class Maps:
 
 
 def maps(size: int = 32, progress: Progress | None = None) -> Maps:
-    """All spectral radii and growths, on a grid of so many points a side."""
+    """Return all spectral radii and energy growths, on a grid of `size` points a side."""
     phases, grid = np.linspace(0.05, 8.0, 4 * size), np.linspace(0.1, 8.0, size)
     damping_ratios, ratios = np.geomspace(1e-3, 1e3, size), np.geomspace(1e-2, 1e4, size)
     default, plain = METHODS[-1][1], METHODS[0][1]
@@ -248,7 +248,7 @@ def maps(size: int = 32, progress: Progress | None = None) -> Maps:
 
 
 def limits(problems: Sequence[Problem], progress: Progress | None = None) -> list[Limit]:
-    """Theory's limit and the measured one of every method on every problem."""
+    """Return the theoretical and the measured limit of every method on every problem."""
     found = []
     for k, problem in enumerate(problems):
         omega = fastest(problem)
@@ -261,7 +261,7 @@ def limits(problems: Sequence[Problem], progress: Progress | None = None) -> lis
 
 
 def extremes(progress: Progress | None = None) -> list[Happened]:
-    """What happens in each of the extreme cases."""
+    """Return the outcome of each extreme case."""
     found = []
     for k, case in enumerate(CASES):
         found.append(run_case(case))
@@ -271,7 +271,7 @@ def extremes(progress: Progress | None = None) -> list[Happened]:
 
 
 def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) -> dict[str, Any]:
-    """The whole study as plain data; a growth without bound is None."""
+    """Return the whole study as plain data; an unbounded growth is None."""
 
     def plain(values: Matrix) -> Any:
         return np.where(np.isfinite(values), values, np.nan).tolist()
@@ -301,11 +301,11 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
 
 
 def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
-    """The limits and the extreme cases, a line each."""
+    """Return the limits and the extreme cases as text, a line each."""
     lines = [f"{'longest stable step, ms':<24}{'method':<24}{'theory':>9}{'measured':>10}"]
     for limit in found:
         theory = f"{1e3 * limit.theory:.3g}" if limit.theory else "none"
-        measured = f"{1e3 * limit.measured:.3g}" if limit.measured else "not met"
+        measured = f"{1e3 * limit.measured:.3g}" if limit.measured else "none"
         lines.append(f"{limit.problem:<24}{limit.method:<24}{theory:>9}{measured:>10}")
     lines += ["", f"{'extreme case':<38}{'outcome':<9}{'error':>9}{'steps':>9}{'ms':>8}"]
     for case in happened:

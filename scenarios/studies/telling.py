@@ -1,4 +1,4 @@
-"""What is said of error and run time: plain data, tables, and the curves of a picture."""
+"""Error against run time as plain data, tables, and curves of a picture."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ _FAMILIES = ("incremental", "FMU", "construction", "peer")
 _DISTRIBUTIONS = (
     "phaseplane", "numpy", "scipy", "fmpy", "numba", "numbalsoda", "scikit-sundae", "heyoka",
 )  # fmt: skip
-# where it happened, and by how much
-_NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: wrong by .*)$")
+# the time and the size of a failure
+_NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: error of .*)$")
 
 
 def machine() -> dict[str, Any]:
-    """What it ran on."""
+    """Return the machine of the study."""
     name = platform.processor()
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
@@ -46,7 +46,7 @@ def machine() -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Python and the packages that count."""
+    """Return the versions of Python and of the packages compared."""
     found = {"python": platform.python_version()}
     for name in _DISTRIBUTIONS:
         try:
@@ -57,7 +57,7 @@ def versions() -> dict[str, str]:
 
 
 def as_data(problems: Sequence[Problem], points: Sequence[Point], repeats: int) -> dict[str, Any]:
-    """The whole study as plain data."""
+    """Return the whole study as plain data."""
     return {
         "study": "error against run time",
         "machine": machine(),
@@ -79,7 +79,7 @@ def as_data(problems: Sequence[Problem], points: Sequence[Point], repeats: int) 
 
 
 def time_to_reach(points: Sequence[Point], level: float) -> float | None:
-    """The shortest run time among those whose error is at most `level`, s."""
+    """Return the shortest run time with an error of at most `level`, s, or None."""
     times = [
         point.seconds
         for point in points
@@ -89,7 +89,7 @@ def time_to_reach(points: Sequence[Point], level: float) -> float | None:
 
 
 def table(problem: Problem, points: Sequence[Point]) -> str:
-    """Microseconds to reach each error level, a line for each solver; then what failed."""
+    """Return the microseconds to reach each error level, a line per solver, then the failures."""
     lines = [f"{problem.name}: {problem.title} ({problem.kind})", ""]
     heads = "".join(f"{f'{level:.0e}':>9}" for level in LEVELS)
     lines.append(f"{'us to an error of':<34}{heads}")
@@ -109,7 +109,7 @@ def _label(solver: str, family: str) -> str:
 
 
 def _failures(points: Sequence[Point]) -> Iterator[str]:
-    """Each kind of failure once, with those that failed so; a whole family by its name."""
+    """Yield each kind of failure once, with its solvers; a whole family is named as such."""
     kinds = {point: _NUMBERS.sub("", point.failure) for point in points if point.failure}
     for kind in dict.fromkeys(kinds.values()):
         who = []
@@ -130,7 +130,7 @@ def _failures(points: Sequence[Point]) -> Iterator[str]:
 
 
 def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:
-    """What `phaseplane.figures.work_precision` draws: for each problem a title and its curves."""
+    """Return the input of `phaseplane.figures.work_precision`: title and curves of each problem."""
     drawn = []
     for problem in problems:
         curves: dict[tuple[str, str], list[Point]] = {}

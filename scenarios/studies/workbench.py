@@ -1,4 +1,4 @@
-"""What a solver needs of a problem, made once; and a run of it, timed."""
+"""The data that solvers need of a problem, made once, and the timing of a run."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
     Vector = npt.NDArray[np.float64]
 
 Run = Callable[[], "Vector"]
-"""One whole run: displacements at the instants of the problem, (len(times), n), m."""
+"""One whole run: returns the displacements at the output times, (len(times), n), m."""
 
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A run whose solver is brought back to the start first, which is set-up and not timed."""
+    """A run whose solver is reset first, outside the timing."""
 
     reset: Callable[[], object]
     go: Run
@@ -43,7 +43,7 @@ class Prepared:
 
 
 def timed(run: Callable[[], object]) -> tuple[Any, float]:
-    """What a run gives, and how long it took, s."""
+    """Return the result of a run and its time, s."""
     if isinstance(run, Prepared):
         run.reset()
         run = run.go
@@ -54,14 +54,14 @@ def timed(run: Callable[[], object]) -> tuple[Any, float]:
 
 @contextmanager
 def silenced() -> Iterator[None]:
-    """Keep what compiled libraries print on failure out of the output, where JSON may stand."""
+    """Discard what compiled libraries print, as the output may be JSON."""
     sys.stdout.flush()
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     try:
         yield
     finally:
-        with suppress(OSError, TypeError):  # no C library under that name
+        with suppress(OSError, TypeError):  # no C library of that name
             ctypes.CDLL(None).fflush(None)
         os.dup2(kept, 1)
         os.close(kept)
@@ -69,12 +69,12 @@ def silenced() -> Iterator[None]:
 
 
 class UnableError(Exception):
-    """A solver cannot take a problem; the message says why."""
+    """A solver cannot solve a problem; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
 class Segmented:
-    """A run up to a joint of the road: p there, the instants with both ends, how many are wanted."""
+    """A run up to a joint of the road: its p, its times with both ends, its number of outputs."""
 
     end: float
     p: Vector
@@ -83,12 +83,12 @@ class Segmented:
 
 
 class Workbench:
-    """What is made once for a problem: its equations, compiled, and the scales of its motion.
+    """The compiled equations of a problem and the scales of its motion, made once.
 
     Parameters
     ----------
-    problem : what is to be solved
-    true : displacements at its instants, (len(times), n), m
+    problem : the problem to solve
+    true : true displacements at its output times, (len(times), n), m
     """
 
     def __init__(self, problem: Problem, true: Vector) -> None:
@@ -106,13 +106,13 @@ class Workbench:
 
     @cached_property
     def branches(self) -> Branches:
-        """Those at the start."""
+        """The branches at the start."""
         guards = self.compiled["guards"] if self.compiled else None
         return Branches(self.equations, 0.0, self.problem.start, guards)
 
     @cached_property
     def compiled(self) -> dict[str, Any]:
-        """`rhs` and `guards` by numba, and `choosing` where no element has a memory; or nothing."""
+        """`rhs` and `guards` by numba, and `choosing` if no element has memory; {} without numba."""
         if find_spec("numba") is None:
             return {}
         from numba import njit  # noqa: PLC0415  (heavy, optional)
@@ -152,18 +152,18 @@ class Workbench:
         return rhs, margin if guards else None
 
     def choosing(self) -> Any:
-        """The right-hand side that finds its branches by itself, compiled.
+        """Return the compiled right-hand side that chooses its branches from the state.
 
         Raises
         ------
-        UnableError : there is none.
+        UnableError : if an element has memory.
         """
         if self.equations.memory:
-            raise UnableError(f"has no events, which it would need ({self.equations.memory})")
+            raise UnableError(f"needs events, which it does not have ({self.equations.memory})")
         return self.compiled["choosing"]
 
     def stretches(self) -> list[Segmented]:
-        """The run from joint to joint."""
+        """Return the run split at the joints of the road."""
         times, y, t, k = self.problem.times, self.problem.start, 0.0, 1
         branches = self.branches.copy()
         found = []

@@ -92,7 +92,7 @@ def test_errors_are_those_made_and_times_those_taken(frame: Problem, clock: Cloc
 
 def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
     def unable(_bench: Workbench, _value: float) -> Run:
-        raise UnableError("has no events")
+        raise UnableError("needs events")
 
     compared = [
         Solver("wrong", "peer", "tolerance", (1e-2, 1e-3), lambda _, value: off_by(100.0 * value)),
@@ -103,10 +103,10 @@ def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
     ]
     points = measure(frame, compared, repeats=1)
     by_name = {p.solver: p for p in points if p.failure}
-    assert by_name["wrong"].failure == "no solution: wrong by 1 of the peak"
+    assert by_name["wrong"].failure == "no solution: error of 1 of the peak"
     assert by_name["wrong"].seconds is not None
     assert by_name["broken"].failure == "a b"
-    assert by_name["unable"].failure == "has no events"
+    assert by_name["unable"].failure == "needs events"
     assert by_name["absent"].failure == "not installed: no_such_package"
     assert by_name["lost"].failure.startswith("no solution")
     assert [p.error for p in points if not p.failure] == pytest.approx([0.1])
@@ -203,7 +203,7 @@ def test_a_scene_is_a_problem() -> None:
 
 
 def test_what_is_no_system_is_no_problem() -> None:
-    with pytest.raises(InputError, match=r"van_der_pol: fmu = .* only systems .* QuarterCar"):
+    with pytest.raises(InputError, match=r"van_der_pol: fmu = .* only models .* QuarterCar"):
         find_problem("van_der_pol")
 
 

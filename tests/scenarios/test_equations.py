@@ -201,7 +201,7 @@ NO_SYSTEMS = ["van_der_pol"]
 @pytest.mark.parametrize("name", NO_SYSTEMS)
 def test_a_scene_that_draws_alone_is_no_problem_to_integrate(name: str) -> None:
     with pytest.raises(
-        InputError, match=r"van_der_pol: fmu = 'Equation': only systems of this project"
+        InputError, match=r"van_der_pol: fmu = 'Equation': only models of this package"
     ):
         find_problem(name)
 

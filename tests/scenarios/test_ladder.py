@@ -59,7 +59,7 @@ def test_what_acts_is_not_left_out_and_what_cannot_be_told_does_not_serve(tmp_pa
     rungs = by_name(told)
     assert list(rungs) == ["as it stands", "rigid tyre"]  # the wheel leaves the road; no stops
     assert rungs["rigid tyre"]["serves"] is False
-    assert rungs["rigid tyre"]["note"] == "does not tell contact_force"
+    assert rungs["rigid tyre"]["note"] == "has no contact_force"
 
 
 def test_a_model_without_a_smaller_one_is_refused(tmp_path: Path) -> None:

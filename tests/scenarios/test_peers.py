@@ -70,7 +70,7 @@ def test_every_peer_knows_every_function(solver: Solver) -> None:
 @of_every_peer
 def test_dry_friction_needs_events(solver: Solver, leaf: Workbench) -> None:
     if solver.name.startswith(("numbalsoda", "rk4")):
-        with pytest.raises(UnableError, match="depends on its past"):
+        with pytest.raises(UnableError, match="depends on the past"):
             solver.prepare(leaf, 1e-3)
     else:
         assert largest_error(solver.prepare(leaf, 1e-7)(), leaf.true) < 1e-3
