@@ -24,7 +24,7 @@ _TOP = {
     "duration": ("s", "time to simulate"),
 }
 _SECTIONS: dict[str, tuple[str, type[BaseModel]]] = {
-    "show": ("what to compute, read and write; nothing else is", Show),
+    "show": ("what to compute, read and write, and nothing else", Show),
     "construction": ("settings of the graphical construction", Construction),
     "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
     "expect.reference": ("a table of results that the run must agree with", Reference),

@@ -44,11 +44,11 @@ def _of_axle(prefix: str) -> Iterator[Measure]:
                   "number of lift-offs of the wheel, counted by the model")  # fmt: skip
     yield measure("airborne_time", "s", ("airborne_time",), last,
                   "time the wheel spent off the road, from located events")  # fmt: skip
-    for what in ("lift_off", "touchdown"):
+    for what, words in (("lift_off", "lift-off"), ("touchdown", "touchdown")):
         yield measure(f"first_{what}", "s", (f"last_{what}",), first_instant,
-                      f"time of the first {what}, as located", details="switches")  # fmt: skip
+                      f"time of the first {words}, as located", details="switches")  # fmt: skip
         yield measure(f"{what}s", "s", (f"last_{what}",), instants,
-                      f"times of each {what}, as located", details="switches")  # fmt: skip
+                      f"time of each {words}, as located", details="switches")  # fmt: skip
     yield measure("smallest_contact_force", "N", ("contact_force",), smallest,
                   "smallest force of the road on the tyre", details="least")  # fmt: skip
     yield measure("dynamic_load_coefficient", "1", ("contact_force", "tyre_force"), _load_coefficient,

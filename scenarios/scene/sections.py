@@ -40,7 +40,7 @@ VIEWS: tuple[View, ...] = get_args(View)
 
 
 class Show(Strict):
-    """What to compute, read and write; nothing else is."""
+    """What to compute, read and write, and nothing else."""
 
     outputs: list[str] | Literal["all"] | None = None
     """names of outputs, or "all"; the motion, the road and the contact force if left out"""

@@ -154,7 +154,7 @@ def sweep(
     return ordered, told
 
 
-# -- one chunk, in whatever process ----------------------------------------------------------------
+# -- one chunk, in any process --------------------------------------------------------------------
 
 
 def run_chunk(plan: Plan, runs: Sequence[int], through: str) -> list[Row]:
