@@ -149,6 +149,19 @@ class Characteristic:
             )
         )
 
+    def resting(self) -> Characteristic:
+        """The same law through the origin, where rounding alone keeps it from there.
+
+        What rests stays to the bit where it is.
+        """
+        here = bisect_right(self.corners, 0.0)
+        piece = self.pieces[here]
+        if piece.saturation:
+            return self
+        _, c1, c2, c3 = _about(piece, 0.0)
+        level = piece._replace(origin=0.0, coefficients=(0.0, c1, c2, c3))
+        return Characteristic((*self.pieces[:here], level, *self.pieces[here + 1 :]))
+
     def __add__(self, other: Characteristic) -> Characteristic:
         """Two laws acting side by side.
 

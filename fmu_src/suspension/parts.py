@@ -85,7 +85,7 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     static = law.argument(-preload)
     if not abs(static) < inf:
         raise ParameterError(f"{part}.preload = {preload:g}: the spring never bears {preload:g} N")
-    return law.moved(static, -preload)
+    return law.moved(static, -preload).resting()
 
 
 def _braking(law: Characteristic, name: str) -> Characteristic:

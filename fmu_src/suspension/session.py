@@ -83,7 +83,7 @@ class Session:
         self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
-        self._warned = False
+        self._warned = self._passed_over = False
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
@@ -217,6 +217,7 @@ class Session:
         status = self._integrator.advance(until, stop)
         self._note_switches()
         self._note_stability()
+        self._note_overruns()
         if status != 0:
             self.ok = False
             self.time = self._integrator.time
@@ -242,6 +243,18 @@ class Session:
                     "info",
                     f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
                     f"{since:.6g} s on: taken in parts of at most {stable:.3g} s",
+                )
+            )
+
+    def _note_overruns(self) -> None:
+        """Say once that switches had to be passed over."""
+        if self._integrator.overruns and not self._passed_over:
+            self._passed_over = True
+            self.messages.append(
+                (
+                    "info",
+                    f"switches follow one another without time between them, the first by "
+                    f"{self._integrator.time:.6g} s: passed over, results may be less exact there",
                 )
             )
 

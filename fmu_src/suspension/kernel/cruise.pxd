@@ -17,7 +17,7 @@ cdef class Cruise:
     cdef bint fits, still
     cdef double h
     cdef double[64] stiffness, damping, inverse
-    cdef double[8] q, v, a, q0, v0, a0, q1, v1, a1, load, pq, pv, f
+    cdef double[8] q, v, a, q0, v0, a0, q1, v1, a1, load, pq, pv, f, origin
     cdef double[256] g, c
     cdef int[64] signal
     cdef double[64] of_road, of_rate, at_rest, low, high, offset, drift
@@ -36,7 +36,7 @@ cdef class Cruise:
     cdef void _read_roads(self, double t) noexcept nogil
     cdef void go(self, double grid, long long index, double until, double end,
                  int most) noexcept nogil
-    @cython.locals(q="double *", v="double *", a="double *", load="double *", f="double *",
+    @cython.locals(origin="double *", q="double *", v="double *", a="double *", load="double *", f="double *",
                    pq="double *", pv="double *", q0="double *", v0="double *", a0="double *",
                    q1="double *", v1="double *", a1="double *", stiffness="double *",
                    damping="double *", inverse="double *", g="double *", c="double *",

@@ -44,6 +44,7 @@ class Cruise:
         self.q0, self.v0, self.a0 = [0.0] * 8, [0.0] * 8, [0.0] * 8  # before the last step
         self.q1, self.v1, self.a1 = [0.0] * 8, [0.0] * 8, [0.0] * 8  # after the one at hand
         self.pq, self.pv, self.f = [0.0] * 8, [0.0] * 8, [0.0] * 8
+        self.origin = [0.0] * 8  # from which motion counts
         self.g, self.c = [0.0] * 256, [0.0] * 256
         self.signal = [0] * 64
         self.of_road, self.of_rate, self.at_rest = [0.0] * 64, [0.0] * 64, [0.0] * 64
@@ -53,7 +54,7 @@ class Cruise:
         self.value1, self.rate1 = [0.0] * 64, [0.0] * 64
         self.watched = self.taken = 0
         self.h = 0.0
-        self.start = self.time = self.reach = 0.0  # the last step, and the largest displacement
+        self.start = self.time = self.reach = 0.0  # the last step, and the largest motion
 
     def enter(self, h):
         """Take over the present branch for steps h; whether it is one to cruise in."""
@@ -101,6 +102,8 @@ class Cruise:
         """Start from the stepper's state at time t."""
         n = self.n
         self.time, self.taken, self.reach = t, 0, self.stepper.reach
+        for i in range(n):
+            self.origin[i] = self.stepper.origin[i]
         self._read_roads(t)
         for i in range(n):
             self.q[i], self.v[i], self.a[i] = (
@@ -146,6 +149,7 @@ class Cruise:
 
     def _go(self, grid, index, until, end, most, n):
         q, v, a, load, f, pq, pv = self.q, self.v, self.a, self.load, self.f, self.pq, self.pv
+        origin = self.origin
         q0, v0, a0, q1, v1, a1 = self.q0, self.v0, self.a0, self.q1, self.v1, self.a1
         stiffness, damping, inverse, g, c = (
             self.stiffness,
@@ -197,7 +201,7 @@ class Cruise:
             for i in range(n):
                 q0[i], v0[i], a0[i] = q[i], v[i], a[i]
                 q[i], v[i], a[i] = q1[i], v1[i], a1[i]
-                x = fabs(q1[i])
+                x = fabs(q1[i] - origin[i])
                 self.reach = max(self.reach, x)
             self.start, self.time = self.time, t
             self.taken += 1

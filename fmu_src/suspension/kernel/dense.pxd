@@ -5,7 +5,7 @@ cdef int _SEPTIC
 @cython.final
 cdef class Dense:
     cdef int n
-    cdef bint cubic, known
+    cdef bint cubic, to_end, known
     cdef double start, end
     cdef double[::1] qa, va, aa, ja, qb, vb, ab, jb, q, v, a, terms
 

@@ -21,10 +21,12 @@ class Dense:
     ----------
     n : number of coordinates
     cubic : whether the step is one of constant third derivative
+    to_end : whether that derivative follows from where the step ends: the acceleration there is that
+        of the equation of motion, which steps by increments do not have as their own
     """
 
-    def __init__(self, n, cubic):
-        self.n, self.cubic = n, cubic
+    def __init__(self, n, cubic, to_end):
+        self.n, self.cubic, self.to_end = n, cubic, to_end
         self.start = self.end = 0.0
         self.qa, self.va, self.aa, self.ja = vectors(4, n)
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
@@ -41,6 +43,8 @@ class Dense:
             c1 = h * self.va[i]
             c2 = 0.5 * h * h * self.aa[i]
             c3 = h * h * (self.ab[i] - self.aa[i]) / 6.0
+            if self.to_end:
+                c3 = self.qb[i] - c0 - c1 - c2
             if not self.cubic:
                 c3 = h * h * h * self.ja[i] / 6.0
                 # value and derivatives over 1, 1, 2, 6 of what is left, at x = 1; then over x^4

@@ -27,6 +27,7 @@ FAILURES = {
     8: "switches follow one another while no time passes",
     9: "it would take far too many steps: a motion is too fast for so long a time",
     10: "the mass matrix must be symmetric and positive definite",
+    11: "the balance of energy lacks more than was ever stored or supplied: the tolerance is too loose",
 }
 
 _PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
@@ -63,7 +64,8 @@ class Integrator(March):
     system : `models.System`; read once, not kept
     method : one of these
     step : fixed macro step, s; 0 lets the tolerance choose
-    tolerance : largest error wanted in displacement, relative to the largest displacement
+    tolerance : largest error wanted in displacement, relative to the largest motion so far, which
+        counts from where the run starts
     start : s
     order : of `extrapolated`; 0 lets the tolerance choose
     landing : whether steps end on switches; without it, as in a calculation by hand, an element
@@ -102,7 +104,9 @@ class Integrator(March):
         """
         s, before = self.stepper, earlier.stepper
         self.set_state(before.q, before.v)
-        s.reach, self.first_reach = before.reach, earlier.first_reach
+        s.reach, self.scale = before.reach, earlier.scale
+        for i in range(self.n):
+            s.origin[i] = before.origin[i]
         self.step_count = earlier.step_count
         self.net.exchange = earlier.net.exchange
         for here, there in pairs:
@@ -138,7 +142,7 @@ class Integrator(March):
         if jump != 0.0:
             change = self._energy_now() - self.net.exchange - before
             if jumps:
-                self.ledger.bring_in(change)
+                self.ledger.bring_in(signal, change)
             else:
                 self.ledger.initial_energy += change
 
@@ -405,14 +409,16 @@ class Integrator(March):
             self.ledger.work, self.limited_time, self.step_limited, net.segment, net.piece,
             net.branch, net.departing, net.signal_now, s.multiplier,
             s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest, s.drift,
+            s.origin,
         )  # fmt: skip
 
     def snapshot(self):
         """The whole state as bytes, from which `restore` continues to the bit."""
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         head = pack(
-            "<14d6q", self.time, d.start, d.end, self.grid_start, self.proposal,
-            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
+            "<15d6q", self.time, d.start, d.end, self.grid_start, self.proposal,
+            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.scale,
+            ledger.most_stored,
             ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
             self.grid_index, self.step_count, self.in_step, self.entered, self.stalled, self.overruns,
         )  # fmt: skip
@@ -427,15 +433,16 @@ class Integrator(March):
         """
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         parts = self._parts()
-        at = 8 * 20
+        at = 8 * 21
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
             raise ValueError("this state belongs to another system")
         (
             self.time, d.start, d.end, self.grid_start, self.proposal,
-            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.first_reach,
+            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.scale,
+            ledger.most_stored,
             ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
             self.grid_index, self.step_count, self.in_step, entered, self.stalled, self.overruns,
-        ) = unpack_from("<14d6q", state)  # fmt: skip
+        ) = unpack_from("<15d6q", state)  # fmt: skip
         for part in parts:
             view = memoryview(part).cast("B")
             view[:] = state[at : at + len(view)]

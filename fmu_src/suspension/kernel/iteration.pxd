@@ -15,6 +15,7 @@ cdef class Iteration:
     cdef double[::1] stiffness, damping, stiffness2, damping2, factor
     cdef double[::1] stiffness_end, damping_end
     cdef double[::1] pq, pv, sa, rhs, correction
+    cdef double[::1] start_k, start_c, mean_k, mean_c
 
     @cython.locals(s=int, at=int, order=int)
     cdef void take_signals(self, int fraction) noexcept nogil
@@ -27,7 +28,7 @@ cdef class Iteration:
     cdef double _largest_acceleration(self, double reach) noexcept nogil
     @cython.locals(i=int, size=int)
     cdef int _solve_step_matrix(self, double h) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, iteration=int, before=double, change=double,
+    @cython.locals(n=int, i=int, k=int, r=int, iteration=int, before=double, change=double,
                    largest=double, share=double, mean=double)
     cdef int add_increments(self, double t, double h, int fraction) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,

@@ -39,6 +39,8 @@ class Iteration:
         self.stiffness_end, self.damping_end = vectors(2, self.n * self.n)
         self.factor = doubles([0.0] * self.n * self.n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, self.n)
+        # tangents of the rows at the start of a step, and those it is made with
+        self.start_k, self.start_c, self.mean_k, self.mean_c = vectors(4, network.rows)
 
     def take_signals(self, fraction):
         """Let `road` hold the signals at an instant of the table."""
@@ -161,6 +163,9 @@ class Iteration:
         for i in range(n * n):
             self.stiffness2[i] = self.stiffness[i]
             self.damping2[i] = self.damping[i]
+        for r in range(self.net.rows):
+            self.start_k[r] = self.mean_k[r] = self.net.row_k[r]
+            self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
         before = 1e300
         share = 1.0
         for iteration in range(200):
@@ -208,10 +213,15 @@ class Iteration:
                 self.stiffness2[i] += share * (mean - self.stiffness2[i])
                 mean = 0.5 * (self.damping[i] + self.damping_end[i])
                 self.damping2[i] += share * (mean - self.damping2[i])
+            for r in range(self.net.rows):
+                mean = 0.5 * (self.start_k[r] + self.net.row_k[r])
+                self.mean_k[r] += share * (mean - self.mean_k[r])
+                mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
+                self.mean_c[r] += share * (mean - self.mean_c[r])
         return _NOT_CONVERGED
 
     def _excitation_increment(self, t, fraction):
-        """Delta f of (15.6): loads, and roads through the tangents of their rows, into `rhs`."""
+        """Delta f of (15.6): loads, and roads through the same tangents as the motion, into `rhs`."""
         n = self.n
         for i in range(n):
             self.rhs[i] = 0.0
@@ -228,8 +238,8 @@ class Iteration:
                 s = self.net.row_signal[r]
                 if s >= 0:
                     f = factor * (
-                        self.net.row_k[r] * self.net.road[4 * s]
-                        + self.net.row_c[r] * self.net.road[4 * s + 1]
+                        self.mean_k[r] * self.net.road[4 * s]
+                        + self.mean_c[r] * self.net.road[4 * s + 1]
                     )
                     for i in range(n):
                         self.rhs[i] += self.net.row_direction[r * n + i] * f

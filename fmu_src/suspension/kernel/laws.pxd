@@ -9,8 +9,9 @@ cdef class Laws(Signals):
     cdef double[::1] piece
     cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
     cdef int[::1] straight  # each piece, whether it is
+    cdef double[::1] low, high  # each piece, between which it is curved
 
-    @cython.locals(i=int, k=int, p=int, first=int, last=int, curved=bint)
+    @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
     cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
@@ -18,7 +19,7 @@ cdef class Laws(Signals):
     cdef double law_slope(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, curvature=double, scale=double, u=double)
     cdef double law_curvature(self, int p, double x) noexcept nogil
-    @cython.locals(at=int, s=double, energy=double)
+    @cython.locals(at=int, s=double, end=double, energy=double)
     cdef double potential(self, int p, double x) noexcept nogil
     @cython.locals(k=int, first=int)
     cdef int piece_at(self, int law, double x) noexcept nogil

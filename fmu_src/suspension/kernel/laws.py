@@ -6,7 +6,7 @@ from itertools import accumulate, repeat
 
 import cython
 
-from .arrays import doubles, integers
+from .arrays import doubles, integers, vectors
 from .signals import Signals
 
 if not cython.compiled:
@@ -32,6 +32,8 @@ class Laws(Signals):
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
         self.straight = integers([1] * sum(count))
+        # beyond these a cubic goes on straight: what it does there is none of the law's
+        self.low, self.high = vectors(2, sum(count))
 
     def enter_laws(self, e, x, at):
         """Take over the pieces of the laws of element e from x[at:], and say where they end there."""
@@ -43,6 +45,15 @@ class Laws(Signals):
             k = p * _PIECE
             curved = self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0
             self.straight[p] = not (curved or self.piece[k + 6] != 0.0)
+            self.low[p], self.high[p] = -1e300, 1e300
+        for law in range(_LAWS * e, _LAWS * (e + 1)):
+            for p in range(self.first[law], self.first[law] + self.count[law]):
+                k = p * _PIECE
+                if self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0:
+                    if p > self.first[law]:
+                        self.low[p] = self.piece[k]
+                    if p + 1 < self.first[law] + self.count[law]:
+                        self.high[p] = self.piece[k + _PIECE]
         return at + _PIECE * (last - first)
 
     def law(self, p, x):
@@ -51,6 +62,10 @@ class Laws(Signals):
         s = x - self.piece[at + 1]
         if self.straight[p]:
             return self.piece[at + 2] + s * self.piece[at + 3]
+        if x < self.low[p]:
+            return self.law(p, self.low[p]) + self.law_slope(p, x) * (x - self.low[p])
+        if x > self.high[p]:
+            return self.law(p, self.high[p]) + self.law_slope(p, x) * (x - self.high[p])
         force = self.piece[at + 2] + s * (
             self.piece[at + 3] + s * (self.piece[at + 4] + s * self.piece[at + 5])
         )
@@ -62,7 +77,7 @@ class Laws(Signals):
         at = p * _PIECE
         if self.straight[p]:
             return self.piece[at + 3]
-        s = x - self.piece[at + 1]
+        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
         slope = self.piece[at + 3] + s * (2.0 * self.piece[at + 4] + 3.0 * s * self.piece[at + 5])
         if self.piece[at + 6] != 0.0:
             slope += self.piece[at + 6] / self.piece[at + 7] * sech_squared(s / self.piece[at + 7])
@@ -70,6 +85,8 @@ class Laws(Signals):
 
     def law_curvature(self, p, x):
         at = p * _PIECE
+        if x < self.low[p] or x > self.high[p]:
+            return 0.0
         s = x - self.piece[at + 1]
         curvature = 2.0 * self.piece[at + 4] + 6.0 * s * self.piece[at + 5]
         if self.piece[at + 6] != 0.0:
@@ -80,6 +97,12 @@ class Laws(Signals):
 
     def potential(self, p, x):
         at = p * _PIECE
+        end = min(max(x, self.low[p]), self.high[p])
+        if x != end:
+            s = x - end
+            return self.potential(p, end) + s * (
+                self.law(p, end) + 0.5 * s * self.law_slope(p, end)
+            )
         s = x - self.piece[at + 1]
         energy = self.piece[at + 8] + s * (
             self.piece[at + 2]

@@ -52,7 +52,7 @@ class Ledger:
     def start(self):
         """Nothing has been done yet."""
         # what roads and loads have moved in and out, every joule counted as one
-        self.supplied = 0.0
+        self.supplied = self.most_stored = 0.0
         self.residual_start = self.residual_end = 0.0
         for i in range(self.net.works):
             self.work[i] = 0.0
@@ -75,9 +75,12 @@ class Ledger:
                 if i >= self.net.elements or self.power[i] < 0.0:
                     self.supplied += self.weight[k] * h * fabs(self.power[i])
 
-    def bring_in(self, energy):
+    def bring_in(self, signal, energy):
         """Book what a jump of a road does, J."""
-        self.work[self.net.elements] += energy
+        for r in range(self.net.rows):
+            if self.net.row_signal[r] == signal:
+                self.work[self.net.elements + r] += energy
+                break
         self.supplied += fabs(energy)
 
     def grows(self):
@@ -89,11 +92,17 @@ class Ledger:
         """
         return self.stored > _TIMES * (fabs(self.initial_energy) + self.supplied) + _LEAST
 
+    def is_out_of_balance(self):
+        """Whether the balance lacks more than was ever stored or brought in: nothing of it is right."""
+        most = max(self.most_stored, self.supplied) + fabs(self.initial_energy)
+        return fabs(self.residual_end) > most + _LEAST
+
     def strike_balance(self, t, q, v):
         """T + U + dissipated - brought in - exchanged at contact switches - its start: 0 if exact."""
         self.net.all_signals(t)
         self.net.row_states(q, v)
         self.stored = self.net.energy(v) - self.net.exchange
+        self.most_stored = max(self.most_stored, fabs(self.stored))
         balance = self.stored - self.initial_energy
         for i in range(self.net.elements):
             balance += self.work[i]

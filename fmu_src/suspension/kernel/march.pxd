@@ -10,8 +10,9 @@ from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
 cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
-cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES
-cdef double _GROWTH, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _ROAD_PHASE
+cdef double _LINK
+cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _READ_PHASE, _ROAD_PHASE
 
 cdef class March:
     cdef Network net
@@ -22,24 +23,26 @@ cdef class March:
     cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint cruises, reads_switches, controlled, landing, energy, in_step, entered
+    cdef bint cruises, reads_switches, controlled, landing, energy, exact, in_step, entered
     cdef double fixed_step, no_error, most_error
     # its state
     cdef readonly double time
     cdef readonly long long step_count
-    cdef double grid_start, proposal, first_reach
+    cdef double grid_start, proposal, scale
     cdef long long grid_index
     cdef double[::1] limited_time
     cdef int contacts
     cdef int[::1] step_limited, contact_element
     cdef list logged
+    cdef tuple wanted
     # results at the last sampled instant
     cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
     cdef readonly Py_ssize_t filled
     # workspace
     cdef double[::1] event_time
     cdef int[::1] event_what, branch_before
-    cdef int stalled, overruns, event_count, event_base, flushed, since_pause
+    cdef readonly int overruns
+    cdef int stalled, event_count, event_base, flushed, since_pause
     cdef double landed
 
     @cython.locals(i=int)
@@ -64,7 +67,7 @@ cdef class March:
     cdef bint _cruise(self, double until, bint stop) noexcept nogil
     @cython.locals(i=int, k=int, _step=int)
     cdef void _count_limited(self, double h, int steps) noexcept nogil
-    @cython.locals(before=double)
+    @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
     @cython.locals(factor=double)
     cdef double _factor_for_error(self) noexcept nogil
@@ -80,7 +83,7 @@ cdef class March:
     @cython.locals(k=int)
     cdef void _note(self, int e, int kind, int before, int after) noexcept nogil
     cdef bint _passes(self, double h) noexcept nogil
-    @cython.locals(end=double, h=double, status=int, before=double)
+    @cython.locals(joint=double, end=double, h=double, status=int, before=double, to_end=bint)
     cdef int _overrun(self, double latest) noexcept nogil
     cdef double _energy_now(self) noexcept nogil
     cdef void _relocate(self, bint flows) noexcept nogil

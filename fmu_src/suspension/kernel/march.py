@@ -23,22 +23,24 @@ if not cython.compiled:
 
 # How a run of steps ended; 2 and more are keys of integrator.FAILURES.
 _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
-_UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES = 6, 7, 8
+_UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
 
 _CONTACT, _KINDS = 3, 5  # as in elements
 _EVENT_CAPACITY = 512
 _FLIPS = 24  # of branches at one instant, several elements being at their corners
+_LINK = 1e4  # times the fastest frequency: a decay so fast is that of a rigid link
 _FINE = 1e-4  # tolerances below it are reached faster at order 8 than at order 6
 _PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
 _STALLED = 100  # steps in which no time passes
 _OVERRUNS = 1000  # of a run, each after so many steps
 _LEAST_THETA = 1.37
-_GROWTH = 1e8  # a displacement this many times the scale of the run has diverged
-_RUNAWAY = 1e4  # and here it does, if steps vanish besides
+_FAR = 1e8  # m, or as many times the scale of the run: a motion so large has diverged
+_RUNAWAY = 1e4  # times that scale, and here it has if steps vanish besides
 _EXCESS = 1.5  # times its share that the error of a step may be before it is made again
 _FIRST_PHASE = 0.25  # of the fastest mode in the first step
 _ROAD_PHASE = 1.5  # as in signals
 _SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
+_READ_PHASE = 3.0  # of the quickest motion, over which the septic through a step is as good as it
 
 
 class March:
@@ -63,14 +65,8 @@ class March:
             _refuse_curved(system)
         if not theta >= _LEAST_THETA:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
-        if method == "exact":
-            columns = 4
-        elif method != "extrapolated":
-            columns = 1
-        elif order:
-            columns = order // 2
-        else:
-            columns = 4 if tolerance < _FINE or step > 0.0 else 3
+        self.wanted = method, step, tolerance, order
+        columns = _columns(system, *self.wanted)
         begin_apart()
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
@@ -81,15 +77,16 @@ class March:
         self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
         self.n = n = self.net.n
         plain = method in ("equilibrium", "mean", "tangent")
-        self.dense = Dense(n, plain)
+        self.dense = Dense(n, plain, method in ("mean", "tangent"))
         self.ledger = Ledger(self.net, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
+        self.exact = method == "exact"  # it is right however little the ledger reads between steps
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.stepper.controlled = self.controlled
         self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow as much as they may
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
-        self.whole = Dense(n, False)  # an attempt in which a switch is looked for
+        self.whole = Dense(n, False, False)  # an attempt in which a switch is looked for
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
         # the ledger wants to see each step
         self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
@@ -112,7 +109,7 @@ class March:
 
     def fits(self, system):
         """Whether a system differs from the one before in its numbers alone."""
-        return self.net.fits(system)
+        return self.net.fits(system) and _columns(system, *self.wanted) == self.stepper.columns
 
     def row(self, system, displacements, velocities):
         """What `begin_row` reads of a system that fits, and of where it starts (m, m/s), as a list.
@@ -149,8 +146,7 @@ class March:
         for i in range(self.n):
             self.stepper.q[i] = x[at + i]
             self.stepper.v[i] = x[at + self.n + i]
-            self.stepper.reach = max(self.stepper.reach, fabs(x[at + i]))
-        self.first_reach = self.stepper.reach
+        self.stepper.count_from_here()
         self.in_step = True
         self._begin()
 
@@ -161,12 +157,12 @@ class March:
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
         self.in_step = True  # whether the branches are still those of the last step
-        self.first_reach = reach
+        self.scale = reach
         for e in range(self.net.elements):
             self.step_limited[e] = 0
             self.limited_time[e] = 0.0
         self.net.forget()
-        self.net.enter_segments(time, self.stepper.v)  # what lies before the start gives no jump
+        self.net.enter_segments(time)
         self.stepper.start(reach)
         self.watch.start()
         self.ledger.start()
@@ -230,15 +226,20 @@ class March:
         """
         self.stalled = 0
         self.overruns += 1
-        end = self.net.next_joint()
-        end = min(end, latest)
+        joint = self.net.next_joint()
+        end = min(joint, latest)
         h = _SHORT_PHASE / (self.stepper.quickest + 1.0)
-        if self.overruns > _OVERRUNS or not self.time + h < end:
+        if self.overruns > _OVERRUNS:
             return _NO_TIME_PASSES
+        to_end = self.time + h >= end
+        if to_end:
+            h = end - self.time
         status = self.stepper.attempt(self.time, h)
         if status != 0:
             return status
-        self._accept(h, self.time + h)
+        self._accept(h, end if to_end else self.time + h)
+        if to_end and end == joint:
+            self._pass_joint()
         before = self._energy_now()
         self._relocate(True)
         self.net.exchange += self.net.energy(self.stepper.v) - before
@@ -310,7 +311,7 @@ class March:
                 h = end - self.time
                 to_end = 1
             if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
-                runs_away = self.stepper.reach > _RUNAWAY * self.first_reach
+                runs_away = self.stepper.reach > _RUNAWAY * self.scale
                 return _DIVERGED if runs_away else _STEP_TOO_SMALL
             status = self.stepper.attempt(self.time, h)
             if status != 0:
@@ -322,7 +323,12 @@ class March:
                 h *= self._factor_for_error()
                 continue
             at = self.switches.first(self.time, h) if self.landing else 2.0
-            if at == 0.0 and flips < _FLIPS:
+            if at == 0.0 and flips >= _FLIPS:
+                # one branch after the other is left at once
+                if self.controlled:
+                    return self._overrun(latest)
+                self.overruns += 1
+            elif at == 0.0:
                 # the branch is left at once: it was the wrong side of its bound
                 flips += 1
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
@@ -360,13 +366,12 @@ class March:
             return _DIVERGED
         if self.energy and self.ledger.grows():
             return _ENERGY_GROWS
+        if self.energy and not self.exact and self.ledger.is_out_of_balance():
+            return _OUT_OF_BALANCE
         return _REACHED
 
     def _has_diverged(self):
-        for i in range(self.n):
-            if not fabs(self.stepper.q[i]) < _GROWTH * self.first_reach:
-                return 1
-        return 0
+        return not self.stepper.reach < _FAR * max(self.scale, 1.0)
 
     def _cruise(self, until, stop):
         """Fixed steps in a linear branch, as many as come before a switch; whether there were any."""
@@ -417,10 +422,17 @@ class March:
         """Signals enter their next segments; what a jump of a road does is work of that road."""
         self._leave_step()
         before = self._energy_now()
-        if self.net.enter_segments(self.time, self.stepper.v):
-            self._relocate(False)
-            self.ledger.bring_in(self.net.energy(self.stepper.v) - before)
-        else:
+        jumped = False
+        for s in range(self.net.signals):
+            jump = self.net.enter_segment(s, self.time)
+            if jump != 0.0:
+                jumped = True
+                self.net.kerb(s, jump, self.stepper.v)
+                self._relocate(False)
+                now = self.net.energy(self.stepper.v)
+                self.ledger.bring_in(s, now - before)
+                before = now
+        if not jumped:
             self._remember_branches()
             self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
             self._note_changes()
@@ -444,7 +456,7 @@ class March:
             self.dense.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
             self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
             self.stepper.drift[i] = self.stepper.drift_end[i]
-            self.stepper.reach = max(self.stepper.reach, fabs(self.stepper.q[i]))
+        self.stepper.reach = self.stepper.reach_at(self.stepper.q)
         self._count_limited(h, 1)
         # an element that has just switched still departs while others switch at the same instant
         if self.entered and self._passes(h):
@@ -465,12 +477,15 @@ class March:
         """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor.
 
         Under error control with two or three columns the state there is read, in a linear branch, off
-        the septic through the ends of the attempt, which is right to their order; otherwise the step
-        is made again, and may then not reach the bound: long steps are less right than short ones.
-        Such a step counts, but ends on no switch; nor does one cut short because a gap opens in it.
+        the septic through the ends of the attempt, which is right to their order as long as nothing in
+        it is over sooner, as what is strongly damped; otherwise the step is made again, and may then
+        not reach the bound: long steps are less right than short ones. Such a step counts, but ends on
+        no switch; nor does one cut short because a gap opens in it.
         """
         step = self.switches.at * h
-        reads = self.reads_switches and self.stepper.affine
+        reads = (
+            self.reads_switches and self.stepper.affine and h * self.stepper.quickest < _READ_PHASE
+        )
         if reads:
             self._keep_attempt(h)
         status = self._end_at(step, reads)
@@ -537,6 +552,38 @@ class March:
         if self.in_step:
             self.net.keep_branches()
             self.in_step = False
+
+
+def _columns(system, method, step, tolerance, order):
+    """How many columns the extrapolation has."""
+    if method == "exact":
+        return 4
+    if method != "extrapolated":
+        return 1
+    if order:
+        return order // 2
+    return 4 if tolerance < _FINE or step > 0.0 or _is_stiffly_damped(system) else 3
+
+
+def _is_stiffly_damped(system):
+    """Whether a damper acts like a rigid link beside what swings: c b'M^-1 b >> omega_max.
+
+    Order 8 damps such a motion in every step, order 6 hardly (see `stepper`). M counts by its diagonal.
+    """
+    fastest = 0.0
+    for element in system.elements:
+        fastest += abs(element.spring.tangent(0.0)) * _mobility(system, element)
+    for element in system.elements:
+        for piece in element.damper.pieces:
+            rate = abs(piece.coefficients[1]) + abs(piece.saturation) / piece.scale
+            decay = rate * _mobility(system, element)
+            if decay * decay > _LINK * _LINK * fastest:
+                return True
+    return False
+
+
+def _mobility(system, element):
+    return sum(b * b / system.mass[i][i] for i, b in enumerate(element.direction))
 
 
 def _refuse_curved(system):

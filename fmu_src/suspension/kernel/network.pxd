@@ -21,8 +21,8 @@ cdef class Network(Elements):
     @cython.locals(e=int)
     cdef void forget(self) noexcept nogil
 
-    @cython.locals(s=int, jumped=int, jump=double)
-    cdef int enter_segments(self, double t, double[::1] v) noexcept nogil
+    @cython.locals(s=int)
+    cdef void enter_segments(self, double t) noexcept nogil
     @cython.locals(i=int, e=int, r=int, law=int, p=int)
     cdef void kerb(self, int signal, double jump, double[::1] v) noexcept nogil
     @cython.locals(i=int, e=int, r=int, c=double)

@@ -101,18 +101,10 @@ class Network(Elements):
         for e in range(self.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
-    def enter_segments(self, t, v):
-        """Let every signal go on to the segment that holds from t on; never backwards.
-
-        A jump of a road acts on v as a kerb does; 1 if there was one.
-        """
-        jumped = 0
+    def enter_segments(self, t):
+        """Let every signal go on to the segment that holds from t on, as at a start."""
         for s in range(self.signals):
-            jump = self.enter_segment(s, t)
-            if jump != 0.0:
-                self.kerb(s, jump, v)
-                jumped = 1
-        return jumped
+            self.enter_segment(s, t)
 
     def kerb(self, signal, jump, v):
         """A kerb without a ramp, the limit of ever shorter ones: v += M^-1 sum b c jump.

@@ -9,6 +9,7 @@ from .network cimport Network
 
 cdef int _DIVERGED, _NOT_POSITIVE, _MOST, _TANGENT, _WILSON, _EXACT
 cdef double _SHARE, _SLOW_PHASE, _MOST_BETTER, _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
+cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE
 
 @cython.final
 cdef class Stepper:
@@ -18,9 +19,9 @@ cdef class Stepper:
     cdef Propagator propagator
     cdef int n, method, columns, error_order, fractions, stamp, affine, loads_hold, damping_known
     cdef bint side_by_side, controlled
-    cdef double theta, tolerance, road_rate, reach, omega_squared, quickest, error, time, longest, least_damping
+    cdef double theta, tolerance, road_rate, reach, scale, allowed, omega_squared, quickest, error, time, longest, least_damping
     cdef double[::1] multiplier, multiplier_rate
-    cdef double[::1] q, v, a, j, qb, vb, ab, jb
+    cdef double[::1] q, v, a, j, qb, vb, ab, jb, origin
     cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a
     # workspace
     cdef double[::1] stiffness, damping, stiffness_known
@@ -28,8 +29,12 @@ cdef class Stepper:
     cdef double[::1] table, fraction, signal_table, load_table
     cdef int[::1] factor_stamp, fraction_index, sequence
 
+    @cython.locals(i=int)
+    cdef void count_from_here(self) noexcept nogil
+    @cython.locals(i=int, reach=double, x=double)
+    cdef double reach_at(self, double[::1] q) noexcept nogil
     @cython.locals(i=int, e=int)
-    cdef void start(self, double reach) noexcept nogil
+    cdef void start(self, double scale) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
     @cython.locals(k=int, at=int, omega=double, decay=double)
     cdef void _scale_velocities(self) noexcept nogil
@@ -59,6 +64,8 @@ cdef class Stepper:
     cdef int _column(self, int column, double h) noexcept nogil
     @cython.locals(i=int, status=int, phase=double, better=double)
     cdef int attempt(self, double t, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _check_reading(self, double h) noexcept nogil
     cdef bint in_lanes(self) noexcept nogil
     @cython.locals(i=int)
     cdef void stop_within(self, double t, Dense dense) noexcept nogil
@@ -66,7 +73,8 @@ cdef class Stepper:
     @cython.locals(i=int, a=double, j=double)
     cdef void shift_end(self, double t, double late) noexcept nogil
     @cython.locals(n=int, i=int, m=int, column=int, width=int, low=int, high=int,
-                   status=int, ratio=double, weight=double, change=double, scale=double)
+                   status=int, ratio=double, weight=double, change=double, scale=double,
+                   largest=double)
     cdef int _one_by_one(self, double t, double h) noexcept nogil
     @cython.locals(n=int, i=int, status=int, beyond=double, a0=double, a1=double)
     cdef int _reach_beyond(self, double t, double h) noexcept nogil
@@ -76,6 +84,8 @@ cdef class Stepper:
     cdef void _read_middle(self, double h) noexcept nogil
     @cython.locals(i=int, lack=double)
     cdef void _check_middle(self, double h) noexcept nogil
+    @cython.locals(i=int, size=double)
+    cdef void _begin_errors(self) noexcept nogil
     @cython.locals(error=double)
     cdef void _note_error(self, double size) noexcept nogil
     cdef void _end_of_attempt(self, double t) noexcept nogil

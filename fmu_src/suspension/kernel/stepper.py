@@ -41,6 +41,9 @@ _SHARE = 0.1  # of the tolerance that one step may use up: the errors of many st
 # column is better than the one it is compared with, by the square; so many times at most are counted on.
 _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
+_ROUNDING = 1e-13  # of displacements, below which errors cannot be told
+_LEAST_LENGTH = 1e-290  # m, instead of none
+_STIFF_PHASE = 100.0  # of the quickest motion, from which jerks say nothing about a step
 _CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
 _MOST = 5  # substeps of one macro step
 # Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
@@ -64,7 +67,7 @@ class Stepper:
     network : of the system
     method : key of `METHODS`
     columns : how many columns the extrapolation has; 1 for the methods of order 2
-    tolerance : relative to `reach`
+    tolerance : relative to the largest motion so far
     theta : of `wilson`
     """
 
@@ -78,7 +81,9 @@ class Stepper:
         self.road_rate = 0.0  # of the fastest sinusoid where a step begins, rad/s
         self.controlled = False  # whether the error decides on steps
         self.least_damping = _LEAST_DAMPING[columns]
-        self.reach = 0.0  # the largest displacement so far, m: what errors are relative to
+        self.reach = 0.0  # the largest motion so far, m: what errors are relative to
+        self.scale = 0.0
+        self.origin = doubles([0.0] * n)  # where the run started, from which motion counts
         self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
         # by how much Wilson's acceleration is off that of the equation of motion, which `a` holds
@@ -145,12 +150,31 @@ class Stepper:
             else None
         )
 
-    def start(self, reach):
-        """Stand still in the equilibrium of the system that the network has read; `reach` in m."""
-        self.reach = reach
+    def count_from_here(self):
+        """A run starts from the present displacements."""
+        self.reach = 0.0
+        for i in range(self.n):
+            self.origin[i] = self.q[i]
+
+    def reach_at(self, q):
+        """The largest motion so far, with that at displacements q, m."""
+        reach = self.reach
+        for i in range(self.n):
+            x = fabs(q[i] - self.origin[i])
+            if not x <= reach:
+                reach = x
+        return reach
+
+    def start(self, scale):
+        """Stand still in the equilibrium of the system that the network has read.
+
+        `scale` is a displacement, m, beside whose rounding there is nothing to be right about.
+        """
+        self.scale = scale
         for i in range(self.n):
             self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
             self.softest[i] = 1e300
+        self.count_from_here()
         for e in range(self.net.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
         self.stiffness_known[0] = -1e300  # none yet
@@ -381,7 +405,7 @@ class Stepper:
         if not self.in_lanes():
             return self._one_by_one(t, h)
         status = self.lanes.attempt(h)
-        self.error = 0.0
+        self._begin_errors()
         for i in range(self.n):
             self._note_error(fabs(self.lanes.error_q[i]))
             self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
@@ -393,7 +417,18 @@ class Stepper:
             else:
                 better = 1.0 / _MOST_BETTER
             self.error *= better
+        if self.controlled and h * self.quickest > _STIFF_PHASE:
+            self._check_reading(h)
         return status
+
+    def _check_reading(self, h):
+        """What the jerks at the ends do to the septic halfway is an error where they mean nothing.
+
+        Of a motion that is over within a small part of the step they have what is left of it, times the
+        square of its decay. They are then trusted no further than they are not needed.
+        """
+        for i in range(self.n):
+            self._note_error(_SHARE * h * h * h / 768.0 * fabs(self.jb[i] - self.j[i]))
 
     def in_lanes(self):
         """Whether the present branch is linear and goes the faster way."""
@@ -435,7 +470,7 @@ class Stepper:
         """
         n = self.n
         width = 2 * n
-        self.error = 0.0
+        largest = 0.0
         for column in range(self.columns):
             status = self._column(column, h)
             if status != 0:
@@ -451,12 +486,14 @@ class Stepper:
                     self.table[low + i] = self.table[high + i] + change
                     if m == column and column + 1 == self.columns:
                         scale = self.velocity_scale[i - n] if i >= n else 1.0
-                        self._note_error(_CAUTION * fabs(change) * scale)
+                        largest = max(largest, _CAUTION * fabs(change) * scale)
         for i in range(n):
             self.qb[i] = self.table[i]
             self.vb[i] = self.table[n + i]
             if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
                 return _DIVERGED
+        self._begin_errors()
+        self._note_error(largest)
         self._end_of_attempt(t + h)
         if self.controlled:
             self._check_middle(h)
@@ -496,7 +533,7 @@ class Stepper:
         if status != 0:
             return status
         self._end_of_attempt(t + h)
-        self.error = 0.0
+        self._begin_errors()
         self._read_middle(h)
         for i in range(self.n):
             # nothing adds up here, so one step may use up the whole tolerance; in v the difference
@@ -545,9 +582,21 @@ class Stepper:
             self._note_error(h / 32.0 * lack)
             self._note_error(0.12 * self.velocity_scale[i] * lack)
 
+    def _begin_errors(self):
+        """What errors of the attempt just made are compared with: the largest motion so far or in it.
+
+        But not with less than rounding, of displacements and of the forces that balance at rest.
+        """
+        self.error = 0.0
+        size = self.scale
+        for i in range(self.n):
+            size = max(size, fabs(self.q[i]), fabs(self.origin[i]))
+        self.allowed = _SHARE * self.tolerance * self.reach_at(self.qb)
+        self.allowed = max(self.allowed, _ROUNDING * size) + _LEAST_LENGTH
+
     def _note_error(self, size):
         """Keep the largest error in units of the tolerance."""
-        error = size / (_SHARE * self.tolerance * self.reach)
+        error = size / self.allowed
         if not error <= self.error:
             self.error = error
 
