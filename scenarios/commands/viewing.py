@@ -62,7 +62,7 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
     before = signal(SIGTERM, default_int_handler)
     try:
         with live.page(files, address) as server:
-            click.echo(f"{server.page}\n(Ctrl-C ends it)", err=True)
+            click.echo(f"{server.page}\n(press Ctrl-C to stop)", err=True)
             yield server
     finally:
         signal(SIGTERM, before)

@@ -9,7 +9,7 @@ from typing import Any
 # SI unit -> (unit shown, how many of it make one SI unit).
 _SHOWN_IN = {"m": ("mm", 1e3), "s": ("ms", 1e3)}
 _NO_UNITS = ("", "1", "count")
-_DIGITS, _DECIMALS = 4, 3  # least significant digits, least decimals
+_DIGITS, _DECIMALS = 4, 3  # fewest significant digits, and fewest decimals
 _LONGEST = 1e9
 _ROUNDING = 1e-10  # smaller values are rounding errors of forces that cancel
 _LONG = 10.0  # s: times from here on are given in seconds
