@@ -400,7 +400,7 @@ def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     arguments = ["run", "ap57", *BARE, "--set", "duration=4000 s", "--realtime"]
     command = [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments]
     with started(command, {**PATHS, "TMPDIR": str(scratch)}) as running:
-        wait_until(lambda: list(scratch.glob("phaseplane-*/unpacked/resources")), running)
+        wait_until(lambda: list(scratch.glob("phaseplane-*")), running)
         running.terminate()
         assert running.wait(HANGS) == 143
     assert not list(scratch.iterdir())
