@@ -1,4 +1,4 @@
-"""Zip archives that depend on nothing but what they hold, and files that are written all or none."""
+"""Reproducible zip archives, and files that are written all or none."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _NO_TIME = (1980, 1, 1, 0, 0, 0)  # the earliest that a zip archive can hold
 
 
 def digest(*parts: bytes) -> str:
-    """A hash of the parts, of where one ends and of their order."""
+    """Return a hash of the parts, their lengths and their order."""
     total = sha256()
     for part in parts:
         total.update(len(part).to_bytes(8, "big") + part)
@@ -22,12 +22,12 @@ def digest(*parts: bytes) -> str:
 
 
 def digest_of(members: Mapping[str, bytes]) -> str:
-    """A hash of named contents."""
+    """Return a hash of named contents."""
     return digest(*(part for name in sorted(members) for part in (name.encode(), members[name])))
 
 
 def zipped(members: Mapping[str, bytes]) -> bytes:
-    """A zip archive of named contents; equal contents give equal archives."""
+    """Return a zip archive of named contents; equal contents give equal archives."""
     buffer = BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(members):
@@ -40,7 +40,7 @@ def zipped(members: Mapping[str, bytes]) -> bytes:
 
 
 def write_all(contents: Mapping[Path, bytes]) -> None:
-    """Write all files beside their targets, and only then put them in place."""
+    """Write all files beside their targets, then move them into place."""
     written: dict[Path, Path] = {}
     try:
         for target, content in contents.items():

@@ -1,7 +1,7 @@
-"""Packs the FMUs: a clean stage, pythonfmu's builder, and everything it leaves out.
+"""Pack the FMUs with pythonfmu's builder, and add what it leaves out.
 
-All FMUs that a process loads share one `sys.modules`, so the modules inside an FMU go by names that
-carry a hash of their content: equal content is loaded once, different content never mixes.
+All FMUs loaded by a process share one `sys.modules`. The names of the modules in an FMU therefore
+contain a hash of their content: equal content is loaded once, different content never mixes.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ def build(
     Parameters
     ----------
     models : keys of `SCRIPTS`
-    folder : where to; made if it is missing
-    parameters : for each model, start values in place of the defaults, as `Session` takes them
-    references : whether a reference result is written beside each FMU
-    ssp : whether for each vehicle a system is written, `<model>.ssp`, in which the FMU `Road` gives it
+    folder : output folder; created if it is missing
+    parameters : start values for each model that replace the defaults, as accepted by `Session`
+    references : whether to write a reference result beside each FMU
+    ssp : whether to write a system `<model>.ssp` for each vehicle, in which the FMU `Road` provides
         its road
 
     Returns
@@ -58,11 +58,11 @@ def build(
     Raises
     ------
     ParameterError : unknown model or parameter, or a start value that is refused.
-    RuntimeError : pythonfmu could not build an FMU; the message holds what it said. Or its library for
-        Linux is none that is known to end a process as it should.
+    RuntimeError : pythonfmu could not build an FMU (the message includes its output), or its library
+        for Linux is not a known one that lets a process exit cleanly.
     """
     parameters = parameters or {}
-    refuse_unknown(models, SCRIPTS, f"FMUs are {', '.join(SCRIPTS)}; there is none of")
+    refuse_unknown(models, SCRIPTS, f"FMUs exist for {', '.join(SCRIPTS)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
@@ -82,7 +82,7 @@ def build(
 
 
 def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]) -> bytes:
-    """The whole archive of a vehicle on its road; `roads` keeps those packed, by parameters."""
+    """Return the SSP archive of a vehicle on its road; `roads` caches packed roads by parameters."""
     road, vehicle = systems.shared_out(model, parameters)
     key = json.dumps(road, sort_keys=True)
     if key not in roads:
@@ -104,7 +104,7 @@ def _hashed(name: str, *parts: bytes) -> str:
 
 
 def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
-    """The source with modules of this project imported by other names."""
+    """Return the source with imports of this project's modules renamed."""
     for old, new in names.items():
         source = re.sub(rf"^(\s*from) {re.escape(old)}\b".encode(), rf"\1 {new}".encode(),
                         source, flags=re.MULTILINE)  # fmt: skip
@@ -112,7 +112,7 @@ def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
 
 
 def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, list[Path]]:
-    """Lay out what the FMU carries; the script, and what stands beside it."""
+    """Write the FMU's contents to the stage; return its script, and the paths packed beside it."""
     package = suspension_sources()
     sources = [part for path, text in package.items() if not path.endswith((".so", ".pyd"))
                for part in (path.encode(), text)]  # fmt: skip
@@ -135,7 +135,7 @@ def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, 
 
 
 def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
-    """Run pythonfmu's builder, in a process of its own: it imports what it packs."""
+    """Run pythonfmu's builder in a separate process, because it imports what it packs."""
     command = [
         sys.executable, "-B", "-P", "-m", "pythonfmu", "build",
         "--file", str(script), "--dest", str(target), "--handle-state", "--serialize-state",
@@ -147,7 +147,7 @@ def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
 
 
 def _packed(model: str, start: dict[str, Value]) -> bytes:
-    """The whole archive of one FMU."""
+    """Return the archive of one FMU."""
     with TemporaryDirectory() as work:
         stage, raw = Path(work, "stage"), Path(work, f"{model}.fmu")
         stage.mkdir()
@@ -173,12 +173,12 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
 
 
 def _mended(library: bytes) -> bytes:
-    """pythonfmu's library for Linux, mended; an unknown one is refused, as hosts might abort with it."""
+    """Return pythonfmu's library for Linux, mended; refuse an unknown one, which might abort hosts."""
     try:
         return ended_once(library)
     except ValueError as error:
         raise RuntimeError(
-            f"processes might abort with the library of pythonfmu {version('pythonfmu')} for Linux: "
+            f"the Linux library of pythonfmu {version('pythonfmu')} might abort hosts when they exit: "
             f"{error}; pack with pythonfmu 0.7.0"
         ) from error
 

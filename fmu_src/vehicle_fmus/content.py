@@ -1,4 +1,4 @@
-"""What an FMU of this project is made of, and a hash of it under which a packed one can be kept."""
+"""The contents of an FMU of this project, and a hash of them by which a packed FMU can be cached."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .archives import digest_of
 
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
-NOT_CARRIED = ("batch.py", "many.py", "series.py")  # they need numpy, and no FMU needs them
+NOT_CARRIED = ("batch.py", "many.py", "series.py")  # need numpy, and are not needed in an FMU
 SCRIPTS = {
     "OneDof": "one_dof.py",
     "QuarterCar": "quarter_car.py",
@@ -26,7 +26,7 @@ SCRIPTS = {
 
 
 def content_key(model: str) -> str:
-    """A hash of all that an FMU of the model is made of; one kept under it need not be built again."""
+    """Return a hash of everything an FMU of the model is made of, the key of a cached FMU."""
     own = Path(__file__).parent
     files = {
         f"vehicle_fmus/{path.relative_to(own).as_posix()}": path.read_bytes()
@@ -38,20 +38,20 @@ def content_key(model: str) -> str:
 
 
 def suspension_sources() -> dict[str, bytes]:
-    """The package by path: sources, what they are compiled with, and the compiled kernel if any."""
+    """Return the package by path: sources, declarations for Cython, and the compiled kernel if any."""
     kernel = SUSPENSION / "kernel"
     binaries = kernel / kernel_name(kernel)
     paths = [
         *(path for path in SUSPENSION.glob("*.py") if path.name not in NOT_CARRIED),
         *kernel.glob("*.py"),
-        *kernel.glob("*.pxd"),  # the kernel's name is a hash of these too
+        *kernel.glob("*.pxd"),  # the kernel's name depends on these too
         *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),
     ]
     return {path.relative_to(SUSPENSION).as_posix(): path.read_bytes() for path in sorted(paths)}
 
 
 def production() -> dict[str, str]:
-    """Attributes of the model description that say what made it, and when."""
+    """Return the attributes of the model description that record version, tool and date."""
     try:
         own = version("phaseplane")
     except PackageNotFoundError:  # run from its sources
@@ -62,5 +62,5 @@ def production() -> dict[str, str]:
         "guid": "",
         "version": own,
         "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {version('pythonfmu')}",
-        "generationDateAndTime": made,  # no clock: it would make every build another one
+        "generationDateAndTime": made,  # not the clock, with which every build would differ
     }

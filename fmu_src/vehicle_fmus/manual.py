@@ -1,4 +1,4 @@
-"""The page an FMU shows of itself: equations from a template, its variables from the code."""
+"""The documentation page of an FMU: equations from a template, variables from the code."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .pictures import picture
 DOCUMENTATION = Path(__file__).parent / "documentation"
 
 _HEADINGS: dict[str, Callable[[Variable], bool]] = {
-    "Parameters, fixed before the run": lambda v: v.causality == "parameter" and not v.tunable,
-    "Parameters that may change between two communication steps": lambda v: v.tunable,
+    "Parameters fixed before the run": lambda v: v.causality == "parameter" and not v.tunable,
+    "Parameters that may change between communication steps": lambda v: v.tunable,
     "Inputs": lambda v: v.causality == "input",
     "Outputs": lambda v: v.causality == "output",
 }
 
 
 def page(model: str, start: dict[str, Value], colophon: str) -> str:
-    """documentation/index.html of a model.
+    """Return documentation/index.html of a model.
 
     Parameters
     ----------
     model : `QuarterCar`
     start : parameters whose start values are not the defaults
-    colophon : what made the FMU
+    colophon : the tools that made the FMU
     """
     return Template(_part("index")).substitute(
         model=model,
@@ -46,7 +46,7 @@ def _part(name: str) -> str:
 
 
 def variable_table(declared: tuple[Variable, ...], start: dict[str, Value]) -> str:
-    """Name, unit, start value and meaning of every variable, as HTML."""
+    """Return name, unit, start value and meaning of every variable, as HTML tables."""
     parts = []
     for heading, belongs in _HEADINGS.items():
         rows = [variable for variable in declared if belongs(variable)]

@@ -1,6 +1,6 @@
-"""What an FMU says of its variables beyond what pythonfmu writes: units, ranges, dependencies.
+"""Parts of the model description that pythonfmu does not write: units, ranges, dependencies.
 
-All of it follows from the tables of variables and units, so nothing of it need travel in the FMU.
+They follow from the tables of variables and units, so this module is not packed into the FMU.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from phaseplane.suspension.variables import Value, Variable, variables
 def completed(
     description: bytes, model: str, about: Mapping[str, str], start: Mapping[str, Value]
 ) -> Element:
-    """The model description of an FMU with everything a host may want to know (FMI 2.0.4, 2.2).
+    """Return the complete model description of an FMU (FMI 2.0.4, section 2.2).
 
     Parameters
     ----------
     description : modelDescription.xml as pythonfmu writes it
     model : `QuarterCar`
-    about : attributes of the root; an empty one is taken away
+    about : attributes of the root; an empty one is removed
     start : parameters whose start values are not the defaults
     """
     root = ElementTree.fromstring(description)
@@ -31,7 +31,7 @@ def completed(
         if text:
             root.set(name, text)
     declared = variables(model)
-    # the schema wants this order: CoSimulation, UnitDefinitions, LogCategories, ...
+    # the schema requires this order: CoSimulation, UnitDefinitions, LogCategories, ...
     position = list(root).index(_child(root, "CoSimulation")) + 1
     root.insert(position, _unit_definitions(declared))
     for element, variable in zip(_child(root, "ModelVariables"), declared, strict=True):
@@ -42,7 +42,7 @@ def completed(
 
 
 def in_words(variable: Variable) -> str:
-    """The description of a variable with the values it may have."""
+    """Return the description of a variable, with its allowed values."""
     if variable.choices:
         return f"{variable.description}; one of: {', '.join(variable.choices)}"
     if variable.positive:
@@ -63,7 +63,7 @@ def _unit_definitions(declared: tuple[Variable, ...]) -> Element:
         unit = SubElement(definitions, "Unit", name=name)
         SubElement(unit, "BaseUnit", {k: str(n) for k, n in UNITS[name].exponents.items()})
         for display, size in UNITS[name].display.items():
-            # FMI multiplies the SI value by the factor, the table holds the size of the unit
+            # FMI multiplies the SI value by the factor; the table has the size of the unit
             SubElement(unit, "DisplayUnit", name=display, factor=repr(1.0 / size))
     return definitions
 
@@ -86,11 +86,11 @@ def _complete_variable(element: Element, variable: Variable, start: Value) -> No
 
 
 def _model_structure(declared: tuple[Variable, ...]) -> Element:
-    """Outputs and the unknowns of initialisation.
+    """Return the outputs and the unknowns of initialisation.
 
-    Within a run an output is that of the step just made, which knows nothing of inputs set after
-    it: no output depends on an input, and no algebraic loop can arise. At the start outputs follow
-    inputs and parameters, hence no list of dependencies, which means all of them.
+    During a run an output belongs to the last step, which inputs set afterwards do not affect: no
+    output depends on an input, and there are no algebraic loops. At the start outputs follow inputs
+    and parameters; no list of dependencies is given there, which means all of them.
     """
     structure = Element("ModelStructure")
     indices = [str(i) for i, v in enumerate(declared, 1) if v.causality == "output"]

@@ -1,4 +1,4 @@
-"""What each FMU looks like, as scalable pictures of 256 by 256.
+"""Pictures of the models, as SVG of 256 by 256.
 
 `<model>.png` in the documentation is the same picture, rendered by a browser and reduced to 32 colours.
 """
@@ -59,7 +59,7 @@ m16 14 l14 -14"/>""",
 
 
 def picture(model: str) -> str:
-    """A model as SVG, to stand in a page.
+    """Return the picture of a model as SVG, to be embedded in a page.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What an FMU should give: a result to compare with, in the files that the FMI cross-check asks for."""
+"""Reference results of an FMU, in the files of the FMI cross-check."""
 
 from __future__ import annotations
 
@@ -10,31 +10,31 @@ from phaseplane.suspension.variables import SOLVER_OUTPUTS, SOURCES, Value, vari
 
 STOP_TIME, STEP = 1.0, 0.005  # s
 TOLERANCE = 1e-12
-RELATIVE_TOLERANCE = 1e-6  # of a run with the FMU's own start values
+RELATIVE_TOLERANCE = 1e-6  # of a run with the FMU's start values
 
-# Level up to the sample before this instant, then the step: read at the start of every communication
-# step and held, it is the same in every tool.
+# Inputs are level up to the sample before this instant, then step. Read at the start of each
+# communication step and held, they are the same in every tool.
 _CHANGE = 0.5  # s
 _STEPS = {"body_force": 200.0, "force": 2.0}  # N
 
 _README = """\
-What {model}.fmu should give with its own start values.
+Reference result of {model}.fmu with its start values.
 
 {model}_ref.csv
     Outputs every {step:g} s, computed without the FMU by the same equations and the same method at a
-    tolerance of {tolerance:g}. In the sources, tests/reference holds independent solutions that the
-    method is compared with.
+    tolerance of {tolerance:g}. The independent solutions with which the method is compared are in
+    tests/reference of the sources.
 {model}_in.csv (where there are inputs)
-    To be read at the start of every communication step and held during it.
+    Inputs, to be read at the start of each communication step and held during it.
 {model}_ref.opt
-    Start, stop, communication step, and the largest difference to be allowed relative to the peak.
+    Start, stop, communication step, and the largest allowed difference relative to the peak.
 """
 
 
 def session_of(
     model: str, parameters: Mapping[str, object], tolerance: float | None = None
 ) -> Session | RoadSource:
-    """What an FMU does, without the FMU, from time zero.
+    """Return a session that computes, from time zero and without the FMU, what the FMU computes.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def session_of(
 
 
 def reference_files(model: str, start: Mapping[str, Value]) -> dict[str, bytes]:
-    """Reference result, inputs and options of an FMU, by file name.
+    """Return reference result, inputs and options of an FMU, by file name.
 
     Parameters
     ----------

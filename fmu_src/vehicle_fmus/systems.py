@@ -17,7 +17,7 @@ _OMS = "https://raw.githubusercontent.com/OpenModelica/OMSimulator/master/schema
 _TYPES = {float: "Real", bool: "Boolean", int: "Integer"}
 _STOP_TIME, _STEP = "1", "0.001"  # s
 
-# what the road gives -> the vehicle's inputs: of a vehicle with one axle, of a half car
+# outputs of the road -> inputs of the vehicle: with one axle, and of a half car
 _CONNECTIONS = (
     {"front_elevation": "road_elevation", "front_velocity": "road_velocity"},
     {
@@ -29,7 +29,7 @@ _CONNECTIONS = (
 
 
 def connections(model: str) -> dict[str, str]:
-    """Which output of the road goes to which input of the vehicle; empty for what has no road."""
+    """Return the vehicle's input for each output of the road; empty for a model without a road."""
     inputs = {v.name for v in MODELS.get(model, ()) if v.causality == "input"}
     return next((pairs for pairs in _CONNECTIONS if inputs.issuperset(pairs.values())), {})
 
@@ -37,7 +37,7 @@ def connections(model: str) -> dict[str, str]:
 def shared_out(
     model: str, parameters: Mapping[str, Value]
 ) -> tuple[dict[str, Value], dict[str, Value]]:
-    """Parameters of a vehicle as start values of its two FMUs: of the road, and of the vehicle.
+    """Split the parameters of a vehicle into start values of the road's FMU and of the vehicle's.
 
     Parameters
     ----------
@@ -56,10 +56,10 @@ def shared_out(
 
 
 def description(model: str) -> bytes:
-    """SystemStructure.ssd: both components with their outputs, and their connections.
+    """Return SystemStructure.ssd: both components with their outputs, and their connections.
 
-    Start values stand in the FMUs themselves, because not every tool reads them from here. Inputs that
-    nothing is connected to are left out: FMPy's reader connects them with whatever it connected last.
+    Start values are in the FMUs, because not every tool reads them from here. Unconnected inputs are
+    left out: FMPy's reader would connect them with the last output it connected.
     """
     links = connections(model)
     ElementTree.register_namespace("ssd", _SSD)
@@ -109,7 +109,7 @@ def _units(root: Element, model: str) -> None:
 
 
 def _openmodelica(system: Element) -> None:
-    """The master algorithm, without which OMSimulator does not read a system."""
+    """Add the master algorithm, without which OMSimulator does not read a system."""
     annotation = SubElement(
         _in(system, "Annotations"), f"{{{_SSC}}}Annotation", type="org.openmodelica"
     )

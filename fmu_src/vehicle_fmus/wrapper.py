@@ -1,10 +1,10 @@
-"""Mends the Linux library that pythonfmu puts into every FMU, so that processes end as they mean to.
+"""Mend the Linux library that pythonfmu puts into every FMU, so that processes exit cleanly.
 
-pythonfmu 0.7.0 ends its interpreter twice when a process exits: first by the destructor of a static
-`shared_ptr`, which `exit` runs, then by the function `onLibraryUnload`, which the dynamic loader finds
-in `DT_FINI_ARRAY` and which writes into the block that the destructor has freed. A few processes in
-a hundred abort. (The loader does not unload the library earlier either: it defines unique symbols.)
-With that entry cut off the array, the destructor alone ends the interpreter.
+pythonfmu 0.7.0 finalises its interpreter twice when a process exits: first in the destructor of a
+static `shared_ptr`, run by `exit`, then in `onLibraryUnload`, which the dynamic loader finds in
+`DT_FINI_ARRAY` and which writes into the block that the destructor has freed. A few processes in a
+hundred abort. (The loader does not unload the library earlier, because it defines unique symbols.)
+With that entry removed from the array, only the destructor finalises the interpreter.
 """
 
 from __future__ import annotations
@@ -30,23 +30,23 @@ _SECOND_END = b"_ZN12_GLOBAL__N_115onLibraryUnloadEv"  # (anonymous namespace)::
 
 
 def ended_once(library: bytes) -> bytes:
-    """The library without the function that ends its interpreter a second time.
+    """Return the library without the function that finalises its interpreter a second time.
 
     Parameters
     ----------
-    library : of an FMU for Linux that pythonfmu has packed
+    library : Linux library of an FMU packed by pythonfmu
 
     Returns
     -------
-    The library with a `DT_FINI_ARRAYSZ` of 8 in place of 16 bytes; or as it is, if it calls nothing at
-    its end but what the compiler has put there.
+    The library with a `DT_FINI_ARRAYSZ` of 8 in place of 16 bytes; unchanged if on exit it calls only
+    the compiler's function.
 
     Raises
     ------
-    ValueError : not an ELF library for 64 bits, or one that calls some other function at its end.
+    ValueError : not a 64-bit ELF library, or one that calls some other function on exit.
     """
     if not library.startswith(_IDENTITY):
-        raise ValueError("it is no ELF library for 64 bits, little-endian")
+        raise ValueError("it is not a 64-bit little-endian ELF library")
     try:
         return _ended_once(library)
     except (struct.error, LookupError, OverflowError) as error:
@@ -58,7 +58,7 @@ def _ended_once(library: bytes) -> bytes:
     sections = [_SECTION.unpack_from(library, first + k * _SECTION.size) for k in range(count)]
 
     def records(kind: int, layout: Struct) -> list[tuple[Any, ...]]:
-        """What the sections of a type hold: link, where, and the fields of each record."""
+        """Return the records in the sections of a type: link, offset, and the record's fields."""
         return [
             (link, at, *layout.unpack_from(library, at))
             for type_, start, size, link in sections
@@ -78,12 +78,12 @@ def _ended_once(library: bytes) -> bytes:
         if value in called
     }
     if size != 2 * _POINTER or _SECOND_END not in names:
-        raise ValueError("it calls an unknown function at its end")
+        raise ValueError("it calls an unknown function on exit")
     return library[:at] + _DYNAMIC.pack(_FINI_ARRAYSZ, _POINTER) + library[at + _DYNAMIC.size :]
 
 
 def mend_unpacked(fmu: Path) -> None:
-    """Mend the libraries of an unpacked FMU of whatever origin; one that is not known stays as it is."""
+    """Mend the libraries of an unpacked FMU of any origin; leave an unknown library unchanged."""
     for path in fmu.glob("binaries/*linux*/*.so"):
         library = path.read_bytes()
         with suppress(ValueError):

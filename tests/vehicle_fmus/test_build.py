@@ -116,7 +116,7 @@ def test_start_values_are_burned_in(tmp_path: Path, host: Any) -> None:
     ("models", "parameters", "words"),
     [
         (["QuarterCar", "QuaterCar"], None, "did you mean 'QuarterCar'"),
-        (["Tractor"], None, "FMUs are OneDof, .*, Road; there is none of 'Tractor'"),
+        (["Tractor"], None, "FMUs exist for OneDof, .*, Road, not for 'Tractor'"),
         (["QuarterCar"], {"HalfCar": {}}, "HalfCar"),
         (["QuarterCar"], {"QuarterCar": {"spring.rte": 1.0}}, "did you mean 'spring.rate'"),
         (["QuarterCar"], {"QuarterCar": {"speed": -1.0}}, "speed = -1: must be greater than 0"),

@@ -269,7 +269,7 @@ def test_a_foreign_state_is_refused(car: Any) -> None:
         with pytest.raises(FMICallException) as caught:
             car.step(0.0, 0.01)
         assert caught.value.status == DISCARD
-        assert "not one of this FMU" in car.texts
+        assert "belongs to another FMU" in car.texts
 
 
 # -- refusals --------------------------------------------------------------------------------------

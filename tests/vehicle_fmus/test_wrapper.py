@@ -21,7 +21,7 @@ SECOND_END = "_ZN12_GLOBAL__N_115onLibraryUnloadEv"
 
 
 def library(folder: Path, *functions: str, options: tuple[str, ...] = ()) -> bytes:
-    """A library that calls functions of these names at its end."""
+    """A library that calls functions of these names on exit."""
     source = folder / "library.c"
     called = '__attribute__((destructor)) static void {}(void) {{ __asm__(""); }}\n'
     source.write_text("int answer = 42;\n" + "".join(map(called.format, functions)))
@@ -51,10 +51,10 @@ def test_what_is_not_known_is_refused(tmp_path: Path) -> None:
     more = library(tmp_path, "farewell", SECOND_END)
     nameless = library(tmp_path, SECOND_END, options=("-s",))
     for unknown in (other, more, nameless):
-        with pytest.raises(ValueError, match="calls an unknown function at its end"):
+        with pytest.raises(ValueError, match="calls an unknown function on exit"):
             ended_once(unknown)
     for no_library in (b"", b"MZ\x90", FAULTY[:5] + b"\x02" + FAULTY[6:]):
-        with pytest.raises(ValueError, match="no ELF library for 64 bits"):
+        with pytest.raises(ValueError, match="not a 64-bit little-endian ELF library"):
             ended_once(no_library)
 
 

@@ -6,7 +6,7 @@ from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
 
 
 class HalfCarRigidTyres(VehicleSlave):
-    """Body on two suspensions that stand on the road itself (AP57 eq. 33)."""
+    """Body on two suspensions that stand directly on the road (AP57 eq. 33)."""
 
     model = "HalfCarRigidTyres"
     description = "Half car on rigid tyres: two axles coupled by the inertia of the body"

@@ -6,7 +6,7 @@ from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
 
 
 class Road(VehicleSlave):
-    """A road for vehicles that take theirs as inputs (AP57 eqs. 9, 10 and others)."""
+    """Road for vehicles that take their road as inputs (AP57 eqs. 9, 10 and others)."""
 
     model = "Road"
     description = "Road: elevation and velocity under the front and the rear axle of a vehicle"

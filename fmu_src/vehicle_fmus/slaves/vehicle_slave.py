@@ -1,8 +1,8 @@
-"""FMI 2.0 mapped onto `suspension.session.Session`: no mechanics here, only what a host may call.
+"""FMI 2.0 mapped onto `suspension.session.Session`: the calls of a host, no mechanics.
 
-Within an FMU this file and `suspension` go by names that carry a hash of their content, because all
-FMUs of a process share one `sys.modules`. All that any FMU needs is imported here: modules are shared,
-and the folder of the FMU that brought them may be gone when the next one is instantiated.
+In an FMU the names of this module and of `suspension` contain a hash of their content, because all
+FMUs of a process share one `sys.modules`. Everything that any FMU needs is imported here: modules are
+shared, and the folder of the FMU that brought them may be gone when the next one is instantiated.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ from pythonfmu.enums import Fmi2Status
 
 START_VALUES = "start_values.json"  # in the FMU's resources: start values other than the defaults
 
-# From Python 3.12 on the wrapper loses what an exception says and may end the host's process: there
-# a refusal is logged when initialisation ends and answered by the first step, which is discarded.
+# From Python 3.12 on the wrapper loses an exception's message and may end the host's process. There
+# a bad value is logged at the end of initialisation, and the first step is discarded.
 _RAISES = sys.version_info < (3, 12)
 
 _TYPES = {float: Real, bool: Boolean, int: Integer, str: String}
@@ -54,11 +54,11 @@ _CATEGORIES = {"event": "logEvents", "info": "logAll"}  # errors are logged wher
 class VehicleSlave(Fmi2Slave):
     """A model as a co-simulation slave; a subclass names the model.
 
-    The hosts' wrapper turns any exception into fmi2Fatal, after which some hosts crash. Therefore a
-    step that fails, or a call that is not allowed, is logged and answered by the next step with
-    fmi2Discard, `ok` false and outputs that are not numbers. Two things do raise: bad start values,
-    from the constructor (instantiation fails), and bad parameters or inputs at the end of
-    initialisation, because a host would otherwise go on with a model that does not exist.
+    pythonfmu's wrapper turns any exception into fmi2Fatal, after which some hosts crash. Therefore a
+    failed step or a forbidden call is logged; the step, or the next one, returns fmi2Discard, `ok`
+    turns false and outputs turn NaN. Two things do raise: bad start values in the constructor
+    (instantiation fails), and bad parameters or inputs at the end of initialisation, because a host
+    would otherwise continue without a model.
     """
 
     model: ClassVar[str]
@@ -66,14 +66,14 @@ class VehicleSlave(Fmi2Slave):
     license = "MIT"
     copyright = "(c) 2026 The phaseplane developers"
     log_categories: ClassVar[dict[str, str]] = {
-        "logEvents": "Lift-off, touchdown and end stops met, with their instants.",
+        "logEvents": "Times of lift-off, touchdown and contact with end stops.",
         **Fmi2Slave.log_categories,
     }
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        # For every instance the wrapper executes the script once more and then gives up a reference
-        # to the script's globals that it never took: without this they vanish while in use.
+        # For every instance the wrapper executes the script again and then releases a reference to
+        # the script's globals that it never took. Without this they are freed while in use.
         _hold(vars(sys.modules[cls.__module__]))
 
     def __init__(self, **kwargs: Any) -> None:
@@ -82,7 +82,7 @@ class VehicleSlave(Fmi2Slave):
         declared = variables(self.model)
         self._names = [variable.name for variable in declared]
         self._starts = {variable.name: variable.start for variable in declared}
-        # parameters and inputs as the host has set them, checked when a session is made of them
+        # parameters and inputs as set by the host, checked when a session is made from them
         self._parameters = checked_parameters(self.model, _start_values(self.resources))
         self._input_names = {v.name for v in declared if v.causality == "input"}
         self._inputs: dict[str, float] = {}  # only those that the host has set
@@ -116,7 +116,7 @@ class VehicleSlave(Fmi2Slave):
     def setup_experiment(
         self, start_time: float, stop_time: float | None, tolerance: float | None
     ) -> None:
-        """Note where time starts and what the host tolerates."""
+        """Store the start time, the stop time and the host's tolerance."""
         if self.resources in sys.path:
             sys.path.remove(self.resources)  # the wrapper put it there; all is imported by now
         self._start_time, self._tolerance = start_time, tolerance
@@ -124,12 +124,11 @@ class VehicleSlave(Fmi2Slave):
         self._session = None
 
     def exit_initialization_mode(self) -> None:
-        """Check what was given and make the model.
+        """Check parameters and inputs, and make the model.
 
         Raises
         ------
-        ParameterError : a parameter or input out of its range, or one that cannot be read; see
-            `_RAISES`.
+        ParameterError : a parameter or input that is out of range or unreadable; see `_RAISES`.
         """
         try:
             self._session = self._new_session()
@@ -138,12 +137,12 @@ class VehicleSlave(Fmi2Slave):
                 self._refuse(str(error))
                 return
             self.log(str(error), Fmi2Status.error)
-            # on an exception the wrapper gives up what it holds, and once more with the instance
+            # on an exception the wrapper releases what it holds, and again with the instance
             _hold(self, type(self), self.log_queue)
             raise
         self._initialised = True
         if why_uncompiled:
-            self.log(f"the integrator runs uncompiled, more slowly: {why_uncompiled}")
+            self.log(f"the integrator runs uncompiled, which is slower: {why_uncompiled}")
         if self._stop_time is not None:
             for remark in remarks(self._session.parameters, self._stop_time):
                 self.log(remark)
@@ -152,7 +151,7 @@ class VehicleSlave(Fmi2Slave):
     # -- stepping ----------------------------------------------------------------------------------
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Go on by one communication step; False (fmi2Discard) where that cannot be done."""
+        """Make one communication step; return False (fmi2Discard) if it fails."""
         session = self._session
         try:
             if self._refusal:
@@ -162,9 +161,9 @@ class VehicleSlave(Fmi2Slave):
             session.advance(current_time + step_size)
         except Exception as error:
             self._report()
-            told = isinstance(error, SimulationError | ParameterError)
-            why = str(error) if told else repr(error)
-            self.log(f"no step from {current_time:.9g} s: {why}", Fmi2Status.discard)
+            expected = isinstance(error, SimulationError | ParameterError)
+            why = str(error) if expected else repr(error)
+            self.log(f"the step from {current_time:.9g} s failed: {why}", Fmi2Status.discard)
             if session is not None:
                 session.ok = False
             return False
@@ -173,7 +172,7 @@ class VehicleSlave(Fmi2Slave):
         return True
 
     def _report(self) -> None:
-        """Pass on what the session has to say."""
+        """Log the session's messages."""
         if self._session is not None:
             for category, text in self._session.messages:
                 if category in _CATEGORIES:
@@ -187,11 +186,11 @@ class VehicleSlave(Fmi2Slave):
     # -- variables ---------------------------------------------------------------------------------
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Values by value reference: what hosts call most."""
+        """Return values by value reference; hosts call this most."""
         session = self._session
         if session is None or not (self._initialised and session.ok):
             return [self._value(self._names[vr]) for vr in vrs]  # type: ignore[misc]
-        if session.readers is not self._bound:  # another session, or one made anew by a parameter
+        if session.readers is not self._bound:  # another session, or one rebuilt for a parameter
             self._bound = session.readers
             self._readers = [
                 self._bound.get(name, partial(session.value, name)) for name in self._names
@@ -209,7 +208,7 @@ class VehicleSlave(Fmi2Slave):
         if self._session is None:
             try:
                 self._session = self._new_session()
-            except Exception:  # told at the end of initialisation
+            except Exception:  # reported at the end of initialisation
                 start = self._starts[name]
                 return nan if isinstance(start, float) else type(start)(0)
         return self._session.value(name)
@@ -248,7 +247,7 @@ class VehicleSlave(Fmi2Slave):
 
     def _set_fmu_state(self, state: dict[str, Any]) -> None:
         if state.get("model") != self.__module__:
-            self._refuse("the state to be restored is not one of this FMU")
+            self._refuse("the state to be restored belongs to another FMU")
             return
         before = self._session, self._initialised
         try:
@@ -261,7 +260,7 @@ class VehicleSlave(Fmi2Slave):
                 self._session = self._new_session()
                 self._session.restore(state["session"].encode())
                 self._session.messages.clear()
-        except Exception as error:  # bytes that were damaged on their way
+        except Exception as error:  # damaged bytes
             self._session, self._initialised = before
             self._refuse(f"the state cannot be restored: {error!r}")
 
@@ -270,17 +269,17 @@ class VehicleSlave(Fmi2Slave):
         try:
             return dict(json.loads(state))
         except (ValueError, TypeError):
-            return {}  # refused when it is to be restored
+            return {}  # refused when it is restored
 
 
 def _start_values(resources: str | None) -> dict[str, Value]:
-    """The start values that were packed into the FMU."""
+    """Return the start values packed into the FMU."""
     path = Path(resources or "", START_VALUES)
     return dict(json.loads(path.read_text("utf-8"))) if resources and path.exists() else {}
 
 
 def _scalar_variable(variable: Variable, **access: Any) -> Any:
-    """The same variable in pythonfmu's terms."""
+    """Return the variable as a pythonfmu variable."""
     kind = type(variable.start)
     if variable.causality == "parameter":
         role: dict[str, Any] = {
@@ -306,7 +305,7 @@ def _scalar_variable(variable: Variable, **access: Any) -> Any:
 
 
 def _hold(*objects: object) -> None:
-    """Take a reference for good to objects that the wrapper gives up once too often."""
+    """Take a permanent reference to objects that the wrapper releases once too often."""
     try:
         from ctypes import py_object, pythonapi  # noqa: PLC0415  (some Pythons come without it)
     except ImportError:
@@ -316,10 +315,10 @@ def _hold(*objects: object) -> None:
 
 
 def _give_back_interrupts() -> None:
-    """Let Ctrl-C end a host that is no Python program and does not handle it, as it would without us.
+    """Let Ctrl-C end a host that is not a Python program and does not handle it.
 
-    There the wrapper starts Python, which takes an interrupt that nobody handles in order to raise it
-    in its main thread: a thread of the wrapper's, which only waits for the end.
+    There the wrapper starts Python, which catches unhandled interrupts to raise them in its main
+    thread. That thread belongs to the wrapper and only waits for the end.
     """
     started_by_the_wrapper = not sys.orig_argv
     if started_by_the_wrapper and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
