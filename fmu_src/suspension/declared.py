@@ -1,4 +1,4 @@
-"""The variables of the parts that models are made of: suspension, wheel, road, solver.
+"""Declarations of the variables of the models' parts: suspension, wheel, road, solver.
 
 Start values are those of the worked example of AP57 section 8.
 """
@@ -28,21 +28,21 @@ SUSPENSION = tunable(  # between body and wheel (or road)
                "in m and N, extension positive, through 0:0; replaces rate and cubic"),
     parameter("spring.interpolation", "linear", "how the points of spring.table are joined: by "
               "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS),
-    parameter("spring.preload", 0.0, "compressive force that the spring bears at rest; where it is "
-              "given, rate, cubic and table count from the spring's free length, and its static "
-              "deflection is found; 0: they count from static equilibrium", "N", display="kN",
-              minimum=0.0),
+    parameter("spring.preload", 0.0, "compressive force that the spring carries at rest; if it is "
+              "given, rate, cubic and table are measured from the spring's free length, and the "
+              "static deflection is computed; 0: they are measured from static equilibrium", "N",
+              display="kN", minimum=0.0),
     parameter("damper.rebound_rate", 200 * KGF, "damping rate in rebound (extension)",
                "N.s/m", display="kN.s/m", minimum=0.0),
     parameter("damper.bump_rate", 50 * KGF, "damping rate in bump (compression)",
                "N.s/m", display="kN.s/m", minimum=0.0),
     parameter("damper.rebound_limit", 0.0, "blow-off force in rebound, 0 = none",
                "N", display="kN", minimum=0.0),
-    parameter("damper.bump_limit", 0.0, "blow-off force in bump (its magnitude), "
+    parameter("damper.bump_limit", 0.0, "magnitude of the blow-off force in bump, "
                "0 = none", "N", display="kN", minimum=0.0),
     parameter("damper.limit_slope", 0.0, "slope of the damper force beyond blow-off",
                "N.s/m", display="kN.s/m", minimum=0.0),
-    parameter("damper.saturation_force", 0.0, "force that the damper approaches smoothly, as "
+    parameter("damper.saturation_force", 0.0, "force that the damper approaches smoothly: "
               "force tanh(rate v / force); 0 = none; replaces blow-off", "N", display="kN",
               minimum=0.0),
     parameter("damper.table", "", "damper characteristic as 'rate:force, ...' in m/s "
@@ -50,15 +50,15 @@ SUSPENSION = tunable(  # between body and wheel (or road)
     parameter("damper.interpolation", "linear", "how the points of damper.table are joined: by "
               "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS),
     parameter("damper.deflection_table", "", "factor on the damper force as 'deflection:factor, "
-              "...' in m, extension positive, level beyond the ends; empty: 1 everywhere"),
-    parameter("friction", 0.0, "dry friction of the suspension, as of a leaf spring: that force "
-              "while it slips, up to it while it sticks", "N", minimum=0.0),
+              "...' in m, extension positive, constant beyond the ends; empty: 1 everywhere"),
+    parameter("friction", 0.0, "dry friction of the suspension, as in a leaf spring: this force "
+              "while it slips, at most this force while it sticks", "N", minimum=0.0),
     parameter("bump_stop.gap", 0.08, "compression from static equilibrium at which "
-               "the bump stop is met", "m", display="mm", minimum=0.0),
+               "the bump stop is reached", "m", display="mm", minimum=0.0),
     parameter("bump_stop.stiffness", 0.0, "stiffness of the bump stop, 0 = none",
                "N/m", display="N/mm", minimum=0.0),
     parameter("rebound_stop.gap", 0.08, "extension from static equilibrium at which "
-               "the rebound stop is met", "m", display="mm", minimum=0.0),
+               "the rebound stop is reached", "m", display="mm", minimum=0.0),
     parameter("rebound_stop.stiffness", 0.0, "stiffness of the rebound stop, 0 = none",
                "N/m", display="N/mm", minimum=0.0),
 )  # fmt: skip
@@ -78,37 +78,37 @@ WHEEL = (
 
 
 def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
-    """The road: what `road.shape` means, and which wheel is the first to meet it."""
+    """Return the parameters of a road; `shape` describes `road.shape`, `first` the leading wheel."""
     return (
         parameter("road.shape", "bump", shape, choices=ROAD_SHAPES),
         parameter("road.height", 0.05, "height of bump, obstacle, plank, step or ramp, depth of "
-                  "pothole, double amplitude of sine and sweep (negative: the other way)", "m",
+                  "pothole, double amplitude of sine and sweep (negative: inverted)", "m",
                   display="mm"),
-        parameter("road.length", 1.0, "length of bump, obstacle, plank, pothole or ramp, wave length "
+        parameter("road.length", 1.0, "length of bump, obstacle, plank, pothole or ramp, wavelength "
                   "of sine (a washboard)", "m", positive=True),
         parameter("road.ramp_length", 0.0, "length of the ramps up and down of plank and pothole, "
-                  "within their length; 0: edges without a ramp", "m", minimum=0.0),
-        parameter("road.start", 0.0, f"instant at which {first} reaches the road's first point",
+                  "included in their length; 0: edges without a ramp", "m", minimum=0.0),
+        parameter("road.start", 0.0, f"time at which {first} reaches the road's first point",
                    "s"),
         parameter("speed", 20.0, "speed of travel", "m/s", display="km/h", positive=True),
-        parameter("road.first_frequency", 0.5, "frequency at which the sweep begins", "Hz",
+        parameter("road.first_frequency", 0.5, "frequency at the start of the sweep", "Hz",
                   minimum=0.0),
-        parameter("road.last_frequency", 20.0, "frequency at which the sweep ends", "Hz",
+        parameter("road.last_frequency", 20.0, "frequency at the end of the sweep", "Hz",
                   minimum=0.0),
         parameter("road.duration", 10.0, "duration of the sweep", "s", positive=True),
         parameter("road.class", "C", "class of the random road (ISO 8608), from A, very good, to H",
                   choices=ROAD_CLASSES),
         parameter("road.roughness", 0.0, "displacement spectral density of the random road at 0.1 "
                   "cycles/m; 0: that of its class", "m3", display="cm3", minimum=0.0),
-        parameter("road.seed", 1, "number that the random road is drawn from", minimum=0),
+        parameter("road.seed", 1, "seed of the random road", minimum=0),
         parameter("road.profile_length", 200.0, "length of the random road, which fades in and out over "
-                  "a tenth of it, at most 20 m; level beyond. A scene that leaves it out makes it as "
-                  "long as the run", "m", positive=True),
+                  "a tenth of it, at most 20 m; level beyond. If a scene omits it, the road is as long "
+                  "as the run", "m", positive=True),
         parameter("road.table", "", "road as 'position:elevation, ...' in m, joined by straight "
                    "lines (table) or by a cubic spline (spline)"),
-        parameter("road.sequence", "", "roads one after the other, in m: 'bump height length, gap "
-                  "length, plank height length ramp, ...'; of bump, obstacle, step, ramp, plank, "
-                  "pothole, and sine at the end; each starts at the level where the one before ended"),
+        parameter("road.sequence", "", "successive roads, in m: 'bump height length, gap length, plank "
+                  "height length ramp, ...'; made of bump, obstacle, step, ramp, plank, pothole, and "
+                  "sine at the end; each starts at the level where the previous one ended"),
     )  # fmt: skip
 
 
@@ -117,37 +117,37 @@ SOLVER_PARAMETERS = (
                choices=METHODS),
     parameter("solver.step", 0.0, "fixed step; 0 = chosen from the tolerance", "s", display="ms",
                minimum=0.0),
-    parameter("solver.tolerance", 1e-6, "largest error wanted, relative to the peak", "1",
+    parameter("solver.tolerance", 1e-6, "largest allowed error, relative to the peak", "1",
                minimum=1e-12, maximum=1e-1),
-    parameter("solver.beyond_stable", "substep", "what becomes of a fixed step longer than the "
-              "largest stable one: taken in equal parts, the run refused, or allowed all the same",
+    parameter("solver.beyond_stable", "substep", "what to do with a fixed step longer than the "
+              "largest stable one: divide it into equal parts, refuse the run, or allow it",
               choices=BEYOND_STABLE),
-    parameter("solver.theta", 1.4, "how far beyond the step wilson seeks equilibrium, in steps", "1",
-              minimum=1.37, maximum=10.0),
+    parameter("solver.theta", 1.4, "theta of the Wilson method: equilibrium holds theta steps ahead",
+              "1", minimum=1.37, maximum=10.0),
 )  # fmt: skip
 
 SOLVER_OUTPUTS = (
-    output("energy_residual", "what the energy balance lacks", "J", nominal=1e-3),
+    output("energy_residual", "residual of the energy balance", "J", nominal=1e-3),
     output("stable_step", "largest stable step of the incremental method for the current tangent "
             "(2 sqrt 3 / omega_max)", "s", display="ms", nominal=1e-3),
     output("step_count", "internal steps taken so far", start=0),
-    output("ok", "false once the run has failed; all other outputs are then not a number",
+    output("ok", "false once the run has failed; all other Real outputs are then NaN",
             start=True),
 )  # fmt: skip
 
-GRAVITY = parameter("gravity", KGF, "acceleration of free fall; 0: no weight, no lift-off", "m/s2",
+GRAVITY = parameter("gravity", KGF, "gravitational acceleration; 0: no weight, no lift-off", "m/s2",
                       minimum=0.0)  # fmt: skip
 LIFT_OFF = parameter("lift_off", True, "whether the tyre may leave the road")
 CONTACT_RULE = parameter(
-    "contact", "gap", "when a tyre that may leave the road touches it. gap: no force where the tyre is "
-    "longer than its free length; contact ends where the contact force falls to zero, and begins where "
-    "the gap closes. force: contact wherever the tyre's spring and damper together press, across a gap "
-    "as well (AP57 eq. 28 for both ends of the flight)", choices=("gap", "force"),
+    "contact", "gap", "contact rule of a tyre that may leave the road. gap: no force where the tyre is "
+    "longer than its free length; contact ends when the contact force falls to zero, and begins when "
+    "the gap closes. force: contact while spring and damper of the tyre together press on the road, "
+    "even across a gap (AP57 eq. 28 for both ends of the flight)", choices=("gap", "force"),
 )  # fmt: skip
 
 
 def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
-    """Displacement, velocity and acceleration of a coordinate."""
+    """Return displacement, velocity and acceleration of a coordinate."""
     return (
         output(f"{coordinate}_displacement", f"displacement of {what} from static equilibrium, "
                 "upwards positive", "m", display="mm", nominal=0.01),
@@ -159,7 +159,7 @@ def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
 
 
 def deflection(name: str, between: str) -> tuple[Variable, ...]:
-    """A deflection and its rate."""
+    """Return a deflection and its rate."""
     return (
         output(f"{name}_deflection", f"{between}, from static equilibrium, extension positive", "m",
                 display="mm", nominal=0.01),
@@ -169,13 +169,13 @@ def deflection(name: str, between: str) -> tuple[Variable, ...]:
 
 
 def force(element: str, what: str, nominal: float = 1e3) -> Variable:
-    """The force of an element."""
+    """Return the force of an element."""
     return output(f"{element}_force", f"{what}, from static equilibrium, positive in extension "
                    "(pulls the body down)", "N", display="kN", nominal=nominal)  # fmt: skip
 
 
 def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
-    """What a run starts from, for coordinates by name with what they are of."""
+    """Return the initial displacement and velocity of coordinates, given by name with what moves."""
     return tuple(
         parameter(f"initial.{name}{what}", 0.0, text.format(of), unit)
         for name, of in coordinates.items()
@@ -190,21 +190,21 @@ def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
 ROAD_INPUTS = (
     Variable("road_elevation", "elevation of the contact point, upwards positive "
              "(used when road.shape is 'input')", "input", 0.0, "m", "mm", nominal=0.01),
-    Variable("road_velocity", "rate of change of road_elevation, upwards positive; once it is set, it "
-             "carries the elevation on until that is set again", "input", 0.0, "m/s", nominal=0.1),
+    Variable("road_velocity", "rate of change of road_elevation, upwards positive; once set, it "
+             "extrapolates the elevation until that is set again", "input", 0.0, "m/s", nominal=0.1),
 )  # fmt: skip
 
 
 BODY_FORCE_TABLE = parameter(
     "body_force.table", "", "force on the body as 'time:force, ...' in s and N, upwards positive, "
-    "joined by straight lines, besides that of the input body_force; empty: none",
+    "joined by straight lines, added to the input body_force; empty: none",
 )  # fmt: skip
 
 
-def body_force(where: str) -> Variable:
-    """The input for a force on the body."""
-    return Variable("body_force", f"force on the body {where}, upwards positive", "input", 0.0,
-                    "N", "kN", nominal=1e3)  # fmt: skip
+def body_force(where: str = "") -> Variable:
+    """Return the input for an external force on the body."""
+    return Variable("body_force", f"external force on the body{where}, upwards positive", "input",
+                    0.0, "N", "kN", nominal=1e3)  # fmt: skip
 
 
 GROUND = (
@@ -225,13 +225,13 @@ SUSPENSION_FORCES = (
 CONTACT = (
     output("tyre_force", "tyre force, from static equilibrium, positive in extension (pulls the "
             "wheel down)", "N", display="kN", nominal=1e3),
-    output("contact_force", "force of the road on the tyre, never negative (may be negative "
-            "where lift_off is false)", "N", display="kN", nominal=1e3),
+    output("contact_force", "force of the road on the tyre, never negative unless lift_off is "
+            "false", "N", display="kN", nominal=1e3),
     output("airborne", "whether the wheel is off the road", start=False),
-    output("lift_off_count", "how often the wheel has left the road (a start in flight is no "
-            "lift-off)", start=0),
+    output("lift_off_count", "number of lift-offs so far (a start in flight does not count)",
+            start=0),
     output("airborne_time", "time spent off the road so far", "s", display="ms", nominal=0.01),
-    output("last_lift_off", "instant of the latest lift-off, -1 before the first", "s", start=-1.0),
-    output("last_touchdown", "instant of the latest touchdown, -1 before the first", "s",
+    output("last_lift_off", "time of the last lift-off, -1 before the first", "s", start=-1.0),
+    output("last_touchdown", "time of the last touchdown, -1 before the first", "s",
             start=-1.0),
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What one public variable is: name, unit, sign, default and range, and how a value is checked."""
+"""One public variable: name, unit, sign, default and range, and the check of a value."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import cast
 from .units import UnitError, nearest, to_si
 
 Value = float | bool | int | str
-_LARGEST_INTEGER = 2**31 - 1  # that FMI can pass
+_LARGEST_INTEGER = 2**31 - 1  # in FMI
 
 
 class ParameterError(ValueError):
@@ -24,7 +24,7 @@ class Variable:
     Parameters
     ----------
     name : public name
-    description : what it is, with the sign of its axis
+    description : what it is, with its positive direction
     causality : `parameter`, `input` or `output`
     start : default of a parameter, start of an input; its type is the variable's type
     unit : key of `units.UNITS`, empty for text, Boolean and Integer
@@ -32,7 +32,7 @@ class Variable:
     minimum, maximum : bounds, inclusive; None for none
     positive : whether zero is refused as well
     nominal : a typical magnitude
-    choices : the texts allowed
+    choices : the allowed texts
     tunable : whether a parameter may change during a run
     """
 
@@ -50,7 +50,7 @@ class Variable:
     tunable: bool = False
 
     def checked(self, value: object) -> Value:
-        """The value in SI and in the variable's own type.
+        """Return the value in SI and in the variable's type.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Variable:
         return f" in {self.unit}" if self.unit not in ("", "1") else ""
 
     def range_in_words(self) -> str:
-        """The allowed values, as a phrase."""
+        """Return the allowed values as a phrase."""
         bounds = ["finite"]
         if self.positive:
             bounds.append("greater than 0")
@@ -113,31 +113,31 @@ class Variable:
 
 
 def number(parameters: Mapping[str, Value], name: str) -> float:
-    """The value of a parameter that is a number."""
+    """Return the value of a numeric parameter."""
     return cast("float", parameters[name])
 
 
 def parameter(
     name: str, start: Value, description: str, unit: str = "", **more: object
 ) -> Variable:
-    """A parameter with its default."""
+    """Return a parameter with its default."""
     return Variable(name, description, "parameter", start, unit, **more)  # type: ignore[arg-type]
 
 
 def output(
     name: str, description: str, unit: str = "", start: Value = 0.0, **more: object
 ) -> Variable:
-    """An output; the type of its start is its own."""
+    """Return an output, of the type of `start`."""
     return Variable(name, description, "output", start, unit, **more)  # type: ignore[arg-type]
 
 
 def tunable(*declared: Variable) -> tuple[Variable, ...]:
-    """Parameters of what may be adjusted while it moves."""
+    """Return the parameters as ones that may change during a run."""
     return tuple(replace(variable, tunable=True) for variable in declared)
 
 
 def refuse_unknown(given: Iterable[str], known: Collection[str], complaint: str) -> None:
-    """Refuse the first name that is not known, naming the nearest one that is."""
+    """Refuse the first unknown name, and suggest the nearest known one."""
     for name in given:
         if name not in known:
             raise ParameterError(f"{complaint} {name!r}{nearest(name, known)}")

@@ -1,8 +1,7 @@
 """The public variables of every model, declared once.
 
-FMU model descriptions, the checks of parameters and the printed tables are all made from these.
-Half cars are two quarter cars of AP57 section 8 whose body has just the radius of gyration that
-decouples them.
+FMU model descriptions, parameter checks and printed tables are all made from them. The defaults of
+half cars are two quarter cars of AP57 section 8, with the radius of gyration that decouples them.
 """
 
 from __future__ import annotations
@@ -59,14 +58,14 @@ _ON_WHEEL = (  # outputs of a suspension that stands on a wheel
     *SUSPENSION_FORCES,
     *CONTACT,
 )
-_ON_ROAD = (  # outputs of a suspension that stands on the road itself
+_ON_ROAD = (  # outputs of a suspension that stands directly on the road
     *motion("body", "the body"),
     *deflection("suspension", "body displacement minus ground elevation"),
     *GROUND,
     *SUSPENSION_FORCES,
 )
 _SPRUNG_MASS = parameter("sprung_mass", 30 * KGF, "body mass on one wheel", "kg", positive=True)
-_ROAD = road("road under the wheel; 'input' takes the inputs road_elevation and road_velocity")
+_ROAD = road("road under the wheel; 'input' uses the inputs road_elevation and road_velocity")
 
 _ONE_DOF = (
     _SPRUNG_MASS,
@@ -76,7 +75,7 @@ _ONE_DOF = (
     BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
-    body_force("from outside"),
+    body_force(),
     *_ON_ROAD,
     *SOLVER_OUTPUTS,
 )
@@ -93,14 +92,14 @@ _QUARTER_CAR = (
     BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
-    body_force("from outside"),
+    body_force(),
     *_ON_WHEEL,
     *SOLVER_OUTPUTS,
 )
 
 
 def _both_axles(declared: Iterable[Variable]) -> tuple[Variable, ...]:
-    """The variables of one axle, for the front and for the rear axle."""
+    """Return the variables of one axle, for the front and for the rear axle."""
     declared = tuple(declared)
     return tuple(
         replace(
@@ -115,8 +114,8 @@ def _both_axles(declared: Iterable[Variable]) -> tuple[Variable, ...]:
 
 _RIGID_BODY = (
     parameter("sprung_mass", 60 * KGF, "mass of the whole body", "kg", positive=True),
-    parameter("pitch_radius_of_gyration", 1.25, "radius of gyration of the body in pitch; where "
-               "its square is cg_to_front times cg_to_rear, the axles do not feel each other", "m",
+    parameter("pitch_radius_of_gyration", 1.25, "radius of gyration of the body in pitch; the axles "
+               "are decoupled if its square equals cg_to_front times cg_to_rear", "m",
                positive=True),
     parameter("cg_to_front", 1.25, "distance of the front axle from the body's centre of gravity",
                "m", positive=True),
@@ -130,7 +129,7 @@ _BODY_OVER_AXLES = {
 }
 
 _HALF_CAR_ROAD = road(
-    "road under the front wheel; the rear wheel follows after wheelbase/speed; 'input' takes the "
+    "road under the front wheel; the rear wheel follows after wheelbase/speed; 'input' uses the "
     "inputs front_road_elevation, front_road_velocity and those of the rear",
     "the front wheel",
 )
@@ -153,7 +152,7 @@ _HALF_CAR_RIGID_TYRES = (
     BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
-    body_force("at its centre of gravity from outside"),
+    body_force(" at its centre of gravity"),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_ROAD),
     *SOLVER_OUTPUTS,
@@ -172,7 +171,7 @@ _HALF_CAR = (
     BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
-    body_force("at its centre of gravity from outside"),
+    body_force(" at its centre of gravity"),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_WHEEL),
     *SOLVER_OUTPUTS,
@@ -183,7 +182,7 @@ _ELASTOPLASTIC = (  # start values of H83 example 40
     parameter("damper.rate", 200.0, "damping rate", "N.s/m", display="kN.s/m", minimum=0.0),
     parameter("spring.rate", 5000.0, "spring rate below the yield force", "N/m", display="N/mm",
               positive=True),
-    parameter("yield_force", 6.0, "spring force at which yield begins, from a permanent set of 0",
+    parameter("yield_force", 6.0, "spring force at which yield begins, with no permanent set",
               "N", display="kN", positive=True),
     parameter("hardening", 0.0, "spring rate while it yields, below spring.rate; kinematic: the "
               "elastic range keeps its size", "N/m", display="N/mm", minimum=0.0),
@@ -192,19 +191,19 @@ _ELASTOPLASTIC = (  # start values of H83 example 40
               "none"),
     parameter("initial.displacement", 0.0, "displacement at the start", "m", display="mm"),
     parameter("initial.velocity", 0.0, "velocity at the start", "m/s"),
-    parameter("initial.permanent_set", 0.0, "displacement at which the spring is free of force at "
+    parameter("initial.permanent_set", 0.0, "displacement at which the spring force is zero, at "
               "the start", "m", display="mm"),
     *SOLVER_PARAMETERS,
-    Variable("force", "force on the mass, besides that of force.table", "input", 0.0, "N", "kN",
+    Variable("force", "force on the mass, added to that of force.table", "input", 0.0, "N", "kN",
              nominal=10.0),
     output("displacement", "displacement of the mass", "m", display="mm", nominal=1e-3),
     output("velocity", "velocity of the mass", "m/s", nominal=1e-2),
     output("acceleration", "acceleration of the mass", "m/s2", nominal=0.1),
-    output("spring_force", "force of the spring, against a positive displacement", "N",
+    output("spring_force", "force of the spring, opposing a positive displacement", "N",
            nominal=10.0),
-    output("damper_force", "force of the damper, against a positive velocity", "N", nominal=10.0),
-    output("applied_force", "force on the mass, table and input together", "N", nominal=10.0),
-    output("permanent_set", "displacement at which the spring would be free of force", "m",
+    output("damper_force", "force of the damper, opposing a positive velocity", "N", nominal=10.0),
+    output("applied_force", "force on the mass, sum of table and input", "N", nominal=10.0),
+    output("permanent_set", "displacement at which the spring force would be zero", "m",
            display="mm", nominal=1e-3),
     output("yielding", "whether the spring yields", start=False),
     *SOLVER_OUTPUTS,
@@ -220,7 +219,7 @@ MODELS: dict[str, tuple[Variable, ...]] = {
 
 
 def _road_source() -> tuple[Variable, ...]:
-    """A road that others take as input: what it is, and what it is under both axles."""
+    """Return the variables of a road that models take as input: its shape, its motion at both axles."""
     shapes = tuple(shape for shape in ROAD_SHAPES if shape != "input")
     along = road("road under the front axle; the rear axle follows after wheelbase/speed",
                  "the front axle")  # fmt: skip
@@ -237,7 +236,7 @@ def _road_source() -> tuple[Variable, ...]:
                 strict=True,
             )
         ),
-        output("ok", "false once the run has failed; all other outputs are then not a number",
+        output("ok", "false once the run has failed; all other outputs are then NaN",
                start=True),
     )  # fmt: skip
 
@@ -246,7 +245,7 @@ SOURCES: dict[str, tuple[Variable, ...]] = {"Road": _road_source()}
 
 
 def variables(model: str) -> tuple[Variable, ...]:
-    """The public variables of a model, or of a source that drives one.
+    """Return the public variables of a model, or of a source that drives one.
 
     Raises
     ------
@@ -255,13 +254,13 @@ def variables(model: str) -> tuple[Variable, ...]:
     known = MODELS | SOURCES
     if model not in known:
         raise ParameterError(
-            f"model {model!r} is not known; there are {', '.join(known)}{nearest(model, known)}"
+            f"model {model!r} is unknown; models are {', '.join(known)}{nearest(model, known)}"
         )
     return known[model]
 
 
 def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Value]:
-    """All parameters of a model: the given ones checked and in SI, the others at their defaults.
+    """Return all parameters of a model: given ones checked and in SI, the others at their defaults.
 
     Raises
     ------
