@@ -1,6 +1,6 @@
-"""Which parameters act beside the others: what each needs, declared once for all models.
+"""Conditions under which a parameter has an effect, declared once for all models.
 
-A parameter that is not listed always acts. Of an axle's parameter the conditions are on the
+A parameter that is not listed always has one. The conditions of an axle's parameter refer to the
 parameters of the same axle.
 """
 
@@ -17,14 +17,14 @@ _AXLES = ("front.", "rear.")
 
 @dataclass(frozen=True, slots=True)
 class Given:
-    """At least one of these must be given and act itself: a text that is not empty, a number not 0."""
+    """At least one of these must be given (not empty, not 0) and have an effect."""
 
     names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Without:
-    """None of these may be given and act itself: each takes the parameter's place."""
+    """None of these may be given and have an effect: each replaces the parameter."""
 
     names: tuple[str, ...]
 
@@ -104,7 +104,7 @@ class Idle:
     Parameters
     ----------
     name : of the parameter
-    reason : why, in words
+    reason : as a phrase
     causes : names of the parameters that are the reason
     """
 
@@ -117,12 +117,12 @@ class Idle:
 
 
 def idle(name: str, parameters: Mapping[str, Value]) -> Idle | None:
-    """Why a parameter has no effect beside the others, whatever its value; None if it may have one.
+    """Return why a parameter has no effect, whatever its value; None if it may have one.
 
     Parameters
     ----------
     name : of the parameter
-    parameters : all those of the model, checked
+    parameters : all parameters of the model, checked
     """
     axle, conditions = _conditions(name)
     for condition in conditions:
@@ -134,12 +134,12 @@ def idle(name: str, parameters: Mapping[str, Value]) -> Idle | None:
 
 
 def decided_by(name: str, parameters: Mapping[str, Value]) -> frozenset[str]:
-    """The parameters that decide whether a parameter acts.
+    """Return the parameters that determine whether a parameter has an effect.
 
     Parameters
     ----------
     name : of the parameter
-    parameters : all those of the model
+    parameters : all parameters of the model
     """
     axle, conditions = _conditions(name)
     others = {_full(other, axle, parameters) for c in conditions for other in _names_in(c)}
@@ -148,7 +148,7 @@ def decided_by(name: str, parameters: Mapping[str, Value]) -> frozenset[str]:
 
 
 def _conditions(name: str) -> tuple[str, tuple[Condition, ...]]:
-    """The axle of a parameter, and its conditions."""
+    """Return the axle of a parameter, and its conditions."""
     axle = next((axle for axle in _AXLES if name.startswith(axle)), "")
     return axle, CONDITIONS.get(name.removeprefix(axle), ())
 
@@ -162,14 +162,14 @@ def _names_in(condition: Condition) -> tuple[str, ...]:
 
 
 def _full(name: str, axle: str, parameters: Mapping[str, Value]) -> str:
-    """The name with that of its axle, where it is an axle's."""
+    """Return the name with the prefix of its axle, if it belongs to one."""
     return f"{axle}{name}" if f"{axle}{name}" in parameters else name
 
 
 def _broken(
     condition: Condition, axle: str, parameters: Mapping[str, Value]
 ) -> tuple[str, ...] | None:
-    """The parameters that break a condition, or None if it holds."""
+    """Return the parameters that violate a condition, or None if it holds."""
 
     def acts(name: str) -> bool:
         return bool(parameters.get(name)) and idle(name, parameters) is None
@@ -186,7 +186,7 @@ def _broken(
 
 
 def _said(name: str, value: Value) -> str:
-    """The value of a parameter as a reason."""
+    """Return the value of a parameter as a phrase."""
     if name.endswith(("table", "sequence")):
         return f"{name} is {'given' if value else 'not given'}"
     return f"{name} is {value if isinstance(value, str) else format(value, 'g')}"

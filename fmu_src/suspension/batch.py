@@ -1,7 +1,7 @@
-"""Many runs of one model with other parameters each, over all cores.
+"""Many runs of one model with different parameters, on all cores.
 
-The integrator gives Python's lock back while it steps, so plain threads run side by side. A run that
-cannot be made is a record with its reason; the others go on.
+The integrator releases the global interpreter lock while it steps, so threads run in parallel. A run
+that fails is recorded with its reason; the others continue.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from .systems import System
 from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
-_CHUNK = 1024  # runs that a thread takes at a time
+_CHUNK = 1024  # runs per task of a thread
 _MOST_NUMBERS = 4_000_000  # in one table of systems
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of one run.
+    """The result of one run.
 
     Parameters
     ----------
-    columns : values over the instants by the name of the output, (instants,); up to where the run came
-    failure : why it ended before the last instant, or empty
-    at_end : values at the last instant by the name of the output; none if the run ended before
-    switches : instants at which an element changed its branch, s, ascending, if corners are wanted
-    joints : instants at which the course of a road or load may have a corner, likewise
+    columns : values over time by the name of the output, (times,); shorter if the run failed
+    failure : why it ended before the last time, or empty
+    at_end : values at the last time by the name of the output; empty if the run failed
+    switches : times at which an element changed its branch, s, ascending, if corners are requested
+    joints : times at which the course of a road or load may have a corner, likewise
     """
 
     columns: Mapping[str, npt.NDArray[np.float64]]
@@ -53,7 +53,7 @@ class Outcome:
 
     @property
     def ok(self) -> bool:
-        """Whether the whole run could be made."""
+        """Whether the run reached the last time."""
         return not self.failure
 
 
@@ -73,27 +73,27 @@ def run_many(
 ) -> list[Outcome]:
     """Run a model once for each set of parameters.
 
-    Roads are internal: there are no inputs. The energy ledger is not kept.
+    Roads are internal: there are no inputs. Energies are not computed.
 
     Parameters
     ----------
     model : key of `variables.MODELS`
     parameter_sets : parameters that are not at their defaults, for each run
     times : s, ascending; the first is the start
-    outputs : motions, deflections, forces, contact and the road over time: see `outputs_over_time`
-    workers : threads; None for one on each core
-    at_end : outputs at the last instant, of those that add up: see `outputs_at_end`
-    corners : whether the instants are wanted at which outputs may jump or have a corner
-    progress : called with the part done, 0 to 1
+    outputs : motions, deflections, forces, contact and the road over time; see `outputs_over_time`
+    workers : number of threads; None for one per core
+    at_end : counts and sums at the last time; see `outputs_at_end`
+    corners : whether to return the times at which outputs may jump or have a corner
+    progress : called with the fraction done, 0 to 1
 
     Returns
     -------
-    An outcome for each set, in their order.
+    An outcome for each set, in the same order.
 
     Raises
     ------
-    ParameterError : unknown model or output, or instants that do not ascend. Parameters that are wrong
-        are the failure of their own run.
+    ParameterError : unknown model or output, or times that do not ascend. Bad parameters are a failure
+        of their run only.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def run_many(
     """
     instants = array("d", times)
     if not instants or not all(map(isfinite, instants)):
-        raise ParameterError("times must be at least one finite instant")
+        raise ParameterError("times must be finite, and at least one must be given")
     if any(b < a for a, b in pairwise(instants)):
         raise ParameterError("times must ascend")
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
@@ -117,7 +117,7 @@ def run_many(
     size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
     found: list[Outcome] = []
-    benches = [_Bench(task) for _ in range(workers)]  # those that no thread works at
+    benches = [_Bench(task) for _ in range(workers)]  # those not in use by a thread
 
     def run_chunk(sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         bench = benches.pop()
@@ -135,7 +135,7 @@ def run_many(
 
 
 def outputs_over_time(model: str) -> list[str]:
-    """Outputs that a batch gives at every instant.
+    """Return the outputs that a batch can record over time.
 
     Raises
     ------
@@ -145,7 +145,7 @@ def outputs_over_time(model: str) -> list[str]:
 
 
 def outputs_at_end(model: str) -> list[str]:
-    """Outputs that a batch gives at the last instant.
+    """Return the outputs that a batch can record at the last time.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def outputs_at_end(model: str) -> list[str]:
 
 
 def _as_it_comes(model: str) -> System:
-    variables(model)  # refuses a model that is not known
+    variables(model)  # refuses an unknown model
     return build(model, checked_parameters(model, {}))
 
 
@@ -171,7 +171,7 @@ class _Task:
 
 
 class _Bench:
-    """Where runs are made, as many as can be from systems made for all of them at once."""
+    """One thread's integrator and series, which make runs from systems built for many runs at once."""
 
     def __init__(self, task: _Task) -> None:
         self._task = task
@@ -180,7 +180,7 @@ class _Bench:
         self._series: Any = None
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
-        """Make a run for each set; what its parameters do not allow is its failure."""
+        """Make a run for each set; bad parameters are a failure of their run."""
         found = [_NOTHING] * len(sets)
         for runs in _with_equal_texts(self._task.model, sets):
             self._run_together(sets, runs, found)
@@ -189,7 +189,7 @@ class _Bench:
     def _run_together(
         self, sets: Sequence[Mapping[str, object]], runs: Sequence[int], found: list[Outcome]
     ) -> None:
-        """Runs as one where that can be, else in parts, at last each by itself."""
+        """Make runs together if possible, else in parts, in the end one by one."""
         parts: Iterable[Sequence[int]]
         try:
             self._enter([sets[run] for run in runs])
@@ -211,12 +211,12 @@ class _Bench:
             self._run_together(sets, part, found)
 
     def _enter(self, sets: Sequence[Mapping[str, object]]) -> None:
-        """Make systems for all sets at once, and get ready for their runs.
+        """Build the systems of all sets at once, and prepare their runs.
 
         Raises
         ------
         PartingError : systems that differ in more than their numbers.
-        ValueError : a system that the method cannot take.
+        ValueError : a system that the method cannot integrate.
         """
         model = self._task.model
         with np.errstate(all="raise", under="ignore"):
@@ -236,7 +236,7 @@ class _Bench:
     def _have_integrator(
         self, system: System, parameters: Mapping[str, Value], example: Mapping[str, object]
     ) -> None:
-        """An integrator that systems like the example fit, and what makes columns of its runs."""
+        """Make an integrator for systems like the example, and the series that collects its columns."""
         task = self._task
         self._solver = ()
         method, step, tolerance, theta, beyond = solver = _solver(parameters)
@@ -251,7 +251,7 @@ class _Bench:
         self._solver = solver
 
     def _outcomes(self, runs: int) -> Iterator[Outcome]:
-        """Make all runs, and say what became of them."""
+        """Make all runs, and yield their outcomes."""
         names, times = self._task.outputs, self._task.times
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
@@ -279,7 +279,7 @@ _solver = itemgetter(
 
 
 def _with_equal_texts(model: str, sets: Sequence[Mapping[str, object]]) -> Iterable[list[int]]:
-    """The runs that give the same parameters, and the same for all that are no numbers of the system."""
+    """Group runs that give the same parameters, with equal values except for numbers of the system."""
     declared = _declared(model)
     texts: dict[tuple[str, ...], list[str]] = {}
     together: dict[object, list[int]] = {}
@@ -288,11 +288,11 @@ def _with_equal_texts(model: str, sets: Sequence[Mapping[str, object]]) -> Itera
         if names not in texts:
             texts[names] = [name for name in names if not _is_number(declared.get(name))]
         values = [given[name] for name in texts[names]]
-        # what is equal need not be the same: True, 1 and 1.0
+        # True, 1 and 1.0 are equal, but not the same parameter value
         key = (names, *values, *map(type, values))
         try:
             together.setdefault(key, []).append(run)
-        except TypeError:  # no value that any parameter could have
+        except TypeError:  # unhashable, which no parameter can be
             together[run] = [run]
     return together.values()
 
@@ -302,7 +302,7 @@ def _declared(model: str) -> dict[str, Variable]:
 
 
 def _is_number(declared: Variable | None) -> bool:
-    """Whether a parameter may differ among runs that are made together."""
+    """Return whether a parameter may differ among runs that are made together."""
     return (
         declared is not None
         and isinstance(declared.start, float)
@@ -311,11 +311,11 @@ def _is_number(declared: Variable | None) -> bool:
 
 
 def _together(model: str, sets: Sequence[Mapping[str, object]]) -> dict[str, Value]:
-    """All parameters of sets that give the same ones, with many numbers in place of one.
+    """Return all parameters of sets that give the same names, with many numbers in place of one.
 
     Raises
     ------
-    ParameterError : a value that one of them does not allow.
+    ParameterError : a value that its parameter does not allow.
     """
     declared = _declared(model)
     parameters = checked_parameters(model, sets[0])

@@ -1,11 +1,10 @@
 """Force characteristics of springs, dampers, stops and tyres, as chains of pieces.
 
-Every law that one element needs (a line, a cubic spring, a damper with blow-off, a table, an end
-stop) is a chain of cubic pieces, each with a saturating term where wanted. One representation
-therefore gives force, tangent, potential and corners, and the integrator evaluates the very same
-numbers.
+Every law of an element (a line, a cubic spring, a damper with blow-off, a table, an end stop) is a
+chain of cubic pieces, each with an optional saturating term. One representation therefore gives
+force, tangent, potential and corners, and the integrator evaluates the same numbers.
 
-The argument is a deflection in m (springs) or a rate in m/s (dampers); extension is positive, and
+The argument is a deflection in m (springs) or a rate in m/s (dampers). Extension is positive, and
 so is a force that pulls the two ends together (AP57 section 2).
 """
 
@@ -56,7 +55,7 @@ class Piece(NamedTuple):
 
 
 def log_cosh(u: float) -> float:
-    """log cosh u, the integral of tanh, which neither overflows nor cancels."""
+    """Return log cosh u, the integral of tanh, without overflow or cancellation."""
     x = abs(u)
     return 0.5 * log1p(sinh(x) ** 2) if x < 1.0 else x + log1p(exp(-2.0 * x)) - log(2.0)
 
@@ -81,21 +80,21 @@ class Characteristic:
         return tuple(piece.start for piece in self.pieces[1:])
 
     def force(self, x: float) -> float:
-        """Force at x, in N."""
+        """Return the force at x, in N."""
         return self._piece(x).force(x)
 
     def tangent(self, x: float) -> float:
-        """Slope at x (to the right of a corner), in N per unit of x."""
+        """Return the slope at x (to the right of a corner), in N per unit of x."""
         return self._piece(x).tangent(x)
 
     def potential(self, x: float) -> float:
-        """Integral of the force from 0 to x: for a spring its stored energy, in J."""
+        """Return the integral of the force from 0 to x: for a spring its stored energy, in J."""
         return self.potentials[bisect_right(self.corners, x)] + self._piece(x).antiderivative(x)
 
     @property
     def potentials(self) -> tuple[float, ...]:
-        """For each piece the constant that makes `potential` continuous and zero at 0."""
-        zero = bisect_right(self.corners, 0.0)  # outwards from here, so that no digits are lost
+        """The constant of each piece that makes `potential` continuous and zero at 0."""
+        zero = bisect_right(self.corners, 0.0)  # outwards from here, to avoid cancellation
         constants = [0.0] * len(self.pieces)
         constants[zero] = -self.pieces[zero].antiderivative(0.0)
         for k in range(zero, len(self.pieces) - 1):
@@ -120,9 +119,9 @@ class Characteristic:
         )
 
     def argument(self, force: float) -> float:
-        """The least x at which a law that rises has this force; infinite if it never has.
+        """Return the least x at which a rising law has this force; infinite if there is none.
 
-        Straight pieces give it at once, others by bisection.
+        It is found directly on straight pieces, by bisection on others.
         """
         for k, piece in enumerate(self.pieces):
             end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
@@ -137,7 +136,7 @@ class Characteristic:
         return inf
 
     def moved(self, x: float, force: float) -> Characteristic:
-        """The same law read from another origin, which lay at x and that force before."""
+        """Return the same law measured from a new origin, at x and `force` of the old one."""
         return Characteristic(
             tuple(
                 piece._replace(
@@ -163,12 +162,11 @@ class Characteristic:
         return Characteristic((*self.pieces[:here], level, *self.pieces[here + 1 :]))
 
     def __add__(self, other: Characteristic) -> Characteristic:
-        """Two laws acting side by side.
+        """Return the law of two elements in parallel.
 
         Raises
         ------
-        ValueError : both saturate, about different points or over different scales; make them two
-            elements.
+        ValueError : both saturate, about different points or over different scales; use two elements.
         """
         starts = (-inf, *sorted({*self.corners, *other.corners}))
         return Characteristic(
@@ -177,10 +175,13 @@ class Characteristic:
 
 
 def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
-    """The sum of two pieces, from `start` on."""
+    """Return the sum of two pieces, from `start` on."""
     saturating = [piece for piece in (one, other) if piece.saturation]
     if len({(piece.origin, piece.scale) for piece in saturating}) > 1:
-        raise ValueError("two laws that saturate apart do not add to one; make them two elements")
+        raise ValueError(
+            "two laws that saturate about different points or over different scales cannot be added; "
+            "use two elements"
+        )
     origin = min((piece.origin for piece in saturating or (one, other)), key=abs)
     a0, a1, a2, a3 = _about(one, origin)
     b0, b1, b2, b3 = _about(other, origin)
@@ -190,7 +191,7 @@ def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
 
 
 def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
-    """The coefficients of the same cubic about another origin."""
+    """Return the coefficients of the same cubic about another origin."""
     cubic = piece._replace(saturation=0.0)
     _, _, c2, c3 = piece.coefficients
     s = origin - piece.origin
@@ -198,7 +199,7 @@ def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
 
 
 def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
-    """Where a piece that rises from low to high, which may be infinite, has this force."""
+    """Return where a piece that rises from low to high, which may be infinite, has this force."""
     reach = piece.scale if piece.saturation else 1.0
     while low == -inf:
         low = (piece.origin if high == inf else high) - reach
@@ -219,28 +220,28 @@ def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
 
 
 def linear(rate: float) -> Characteristic:
-    """Straight line through the origin: F = rate x."""
+    """Return a straight line through the origin: F = rate x."""
     return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, 0.0)),))
 
 
 def cubic(rate: float, cubic_rate: float) -> Characteristic:
-    """Hardening (or softening) spring F = rate x + cubic_rate x^3."""
+    """Return a hardening (or softening) spring F = rate x + cubic_rate x^3."""
     return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, cubic_rate)),))
 
 
 def constant(value: float) -> Characteristic:
-    """The same everywhere: a factor on a damper, a force that never changes."""
+    """Return a constant: a factor on a damper, or a constant force."""
     return Characteristic((Piece(-inf, 0.0, (value, 0.0, 0.0, 0.0)),))
 
 
 def saturating(rate: float, force: float, bump_rate: float | None = None) -> Characteristic:
-    """Smooth law that starts at `rate` and never exceeds `force`: F = force tanh(rate x / force).
+    """Return a smooth law with slope `rate` at 0 that never exceeds `force`: force tanh(rate x / force).
 
     Parameters
     ----------
     rate : slope at zero, N per unit of x; > 0
-    force : approached for large x, N; > 0
-    bump_rate : slope at zero on the side of x < 0, if it differs
+    force : limit for large x, N; > 0
+    bump_rate : slope at zero for x < 0, if it differs
 
     Raises
     ------
@@ -248,7 +249,9 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
     """
     for value in (rate, force, rate if bump_rate is None else bump_rate):
         if not 0.0 < value < inf:
-            raise ValueError(f"rates and force of what saturates must be positive, {value:g} given")
+            raise ValueError(
+                f"rates and force of a saturating law must be positive, {value:g} given"
+            )
     straight = (0.0, 0.0, 0.0, 0.0)
     rebound = Piece(-inf, 0.0, straight, force, force / rate)
     if bump_rate is None or bump_rate == rate:
@@ -258,9 +261,10 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
 
 
 def hat(points: Sequence[float], k: int) -> Characteristic:
-    """1 at the k-th of ascending points, 0 at all others, straight between, level beyond the ends.
+    """Return the hat function: 1 at the k-th of ascending points, 0 at the others, linear between.
 
-    The hats of all points add up to 1: a family of curves for fixed points is interpolated by them.
+    It is constant beyond the ends. The hats of all points add up to 1 and interpolate a family of
+    curves given at the points.
     """
     near = points[max(k - 1, 0) : k + 2]
     if len(near) == 1:
@@ -269,7 +273,7 @@ def hat(points: Sequence[float], k: int) -> Characteristic:
 
 
 def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) -> Characteristic:
-    """Straight pieces through the given corners, with the slopes of the two outer pieces.
+    """Return straight pieces through the given corners, with the slopes of the two outer pieces.
 
     Parameters
     ----------
@@ -279,7 +283,7 @@ def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) 
     x0, f0 = corners[0]
     pieces = [Piece(-inf, x0, (f0, first, 0.0, 0.0))]
     for (x, f), (x_next, f_next) in pairwise(corners):
-        # counted from the end nearer to zero: exact there, and no digits lost to far corners
+        # measured from the end nearer to zero: exact there, without cancellation
         origin, force = (x, f) if abs(x) <= abs(x_next) else (x_next, f_next)
         pieces.append(Piece(x, origin, (force, (f_next - f) / (x_next - x), 0.0, 0.0)))
     x_end, f_end = corners[-1]
@@ -288,7 +292,7 @@ def polyline(corners: Sequence[tuple[float, float]], first: float, last: float) 
 
 
 def _without_straight_joints(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
-    """Merge neighbours of equal slope: a corner that does not bend would be landed on in vain."""
+    """Merge neighbours of equal slope, so that no step ends on a corner without a bend."""
     kept: list[Piece] = []
     for piece in pieces:
         if kept and kept[-1].coefficients[1] == piece.coefficients[1]:
@@ -306,13 +310,13 @@ def damper(
     bump_limit: float = 0.0,
     limit_slope: float = 0.0,
 ) -> Characteristic:
-    """Damper with its own rate for rebound (v > 0) and bump (v < 0), and with blow-off (AP57 section 1).
+    """Return a damper with separate rates in rebound (v > 0) and bump, and blow-off (AP57 section 1).
 
     Parameters
     ----------
     rebound_rate, bump_rate : N s/m
-    rebound_limit, bump_limit : force at which the valve opens, N; 0 means that it never does
-    limit_slope : slope beyond an open valve, N s/m, the same on both sides
+    rebound_limit, bump_limit : force at which the valve opens, N; 0 for no valve
+    limit_slope : slope with an open valve, N s/m, the same on both sides
     """
     corners = [(0.0, 0.0)]
     first, last = bump_rate, rebound_rate
@@ -326,12 +330,12 @@ def damper(
 
 
 def table(points: Sequence[tuple[float, float]], level: bool = False) -> Characteristic:
-    """Straight lines through measured points; beyond the ends the outer slopes go on.
+    """Return straight lines through given points, extrapolated with the outer slopes.
 
     Parameters
     ----------
     points : at least two (x, F) pairs with ascending x
-    level : let the curve be level beyond the ends instead
+    level : whether the curve is constant beyond the ends instead
 
     Raises
     ------
@@ -342,12 +346,12 @@ def table(points: Sequence[tuple[float, float]], level: bool = False) -> Charact
 
 
 def monotone_table(points: Sequence[tuple[float, float]]) -> Characteristic:
-    """Smooth curve through measured points that rises and falls only where they do.
+    """Return a smooth curve through given points that rises and falls only where they do.
 
-    Cubic pieces with continuous slope: at an inner point the weighted harmonic mean of its
-    neighbours' slopes, zero where these differ in sign (F. N. Fritsch, J. Butland, SIAM J. Sci. Stat.
-    Comput. 5, 1984); at an end the slope of the parabola through three points, limited alike.
-    Beyond the ends these slopes go on.
+    Cubic pieces with continuous slope. At an inner point the slope is the weighted harmonic mean of
+    the adjacent slopes, or zero if these differ in sign (F. N. Fritsch, J. Butland, SIAM J. Sci.
+    Stat. Comput. 5, 1984); at an end it is that of the parabola through three points, limited alike.
+    The curve is extrapolated with the slopes at its ends.
 
     Parameters
     ----------
@@ -367,7 +371,7 @@ def monotone_table(points: Sequence[tuple[float, float]]) -> Characteristic:
         width = b[0] - a[0]
         slope = (b[1] - a[1]) / width
         c3 = ((ta - slope) + (tb - slope)) / width / width
-        # counted from the end nearer to zero, as in `polyline`
+        # measured from the end nearer to zero, as in `polyline`
         if abs(a[0]) <= abs(b[0]):
             c2 = (2.0 * (slope - ta) + (slope - tb)) / width
             pieces.append(Piece(a[0], a[0], (a[1], ta, c2, c3)))
@@ -379,7 +383,7 @@ def monotone_table(points: Sequence[tuple[float, float]]) -> Characteristic:
 
 
 def _slopes(points: Sequence[tuple[float, float]]) -> list[float]:
-    """Slopes of the straight lines between the points of a table, checked."""
+    """Check the points of a table and return the slopes of the lines between them."""
     if len(points) < 2:
         raise ValueError(f"a table needs at least two points, {len(points)} given")
     for (x, _), (x_next, _) in pairwise(points):
@@ -389,7 +393,7 @@ def _slopes(points: Sequence[tuple[float, float]]) -> list[float]:
 
 
 def _monotone_tangents(widths: Sequence[float], slopes: Sequence[float]) -> list[float]:
-    """Slopes at the points, given the widths and slopes of the stretches between them."""
+    """Return the slopes at the points, given the widths and slopes of the intervals between them."""
     if len(slopes) == 1:
         return [slopes[0], slopes[0]]
     inner = [0.0] * (len(slopes) - 1)
@@ -405,7 +409,7 @@ def _monotone_tangents(widths: Sequence[float], slopes: Sequence[float]) -> list
 
 
 def _end_tangent(width: float, width_next: float, slope: float, slope_next: float) -> float:
-    """Slope at an end, from the two stretches beside it, outermost first."""
+    """Return the slope at an end, from the two intervals next to it, outermost first."""
     parabola = slope + (slope - slope_next) * width / (width + width_next)
     if slope == 0.0 or parabola == 0.0 or (parabola > 0.0) != (slope > 0.0):
         return 0.0
@@ -415,10 +419,10 @@ def _end_tangent(width: float, width_next: float, slope: float, slope_next: floa
 
 
 def bump_stop(gap: float, stiffness: float) -> Characteristic:
-    """End stop of the bump travel: F = stiffness (x + gap) for x < -gap, else 0."""
+    """Return the end stop of the bump travel: F = stiffness (x + gap) for x < -gap, else 0."""
     return polyline([(-gap, 0.0)], stiffness, 0.0)
 
 
 def rebound_stop(gap: float, stiffness: float) -> Characteristic:
-    """End stop of the rebound travel: F = stiffness (x - gap) for x > gap, else 0."""
+    """Return the end stop of the rebound travel: F = stiffness (x - gap) for x > gap, else 0."""
     return polyline([(gap, 0.0)], 0.0, stiffness)

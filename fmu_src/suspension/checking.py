@@ -1,4 +1,4 @@
-"""Tests of a system or characteristic of one's own: what is wrong with it, in sentences.
+"""Checks of a user-defined system or characteristic, which report errors as sentences.
 
 >>> from math import inf
 >>> from phaseplane.suspension.characteristics import Characteristic, Piece
@@ -25,27 +25,26 @@ _GAUSS = ((-sqrt(0.6), 5.0 / 9.0), (0.0, 8.0 / 9.0), (sqrt(0.6), 5.0 / 9.0))
 
 
 def raise_if_any(findings: Sequence[str]) -> None:
-    """Turn findings into an error.
+    """Raise findings as an error.
 
     Raises
     ------
-    ValueError : there are any; they are its message, one on each line.
+    ValueError : there are findings; the message lists them, one per line.
     """
     if findings:
         raise ValueError("\n".join(findings))
 
 
 def check_system(system: System) -> list[str]:
-    """What is wrong with a system, one sentence each; empty if nothing is.
+    """Return the errors found in a system, one sentence each.
 
-    Shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
-    `check_characteristic`), dampers that feed energy in, tangents that are not those of a stable
-    rest; and, if all that is right, whether the integrator finds the accelerations that the
-    elements' forces give, and keeps the balance of energy.
+    Checks shapes and names; symmetry and definiteness of the mass matrix; every characteristic (see
+    `check_characteristic`); dampers that add energy; the stability of rest. If all these hold, checks
+    that the integrator's accelerations agree with the elements' forces, and that energy is balanced.
 
     Parameters
     ----------
-    system : of any kind; nothing is changed
+    system : any system; it is not changed
     """
     findings = [*_shapes(system), *_mass(system.mass)]
     for element in system.elements:
@@ -59,17 +58,18 @@ def check_system(system: System) -> list[str]:
 def check_characteristic(
     law: Characteristic, name: str = "characteristic", reach: float | None = None
 ) -> list[str]:
-    """What is wrong with a characteristic, one sentence each; empty if nothing is.
+    """Return the errors found in a characteristic, one sentence each.
 
-    Forces are finite, and continuous at the corners; the tangent agrees with differences of the
-    force, the potential with its work; no corner is missing from `corners`; and the pieces, which
-    are what the integrator evaluates, give the same force.
+    Checks that forces are finite, and continuous at the corners; that the tangent agrees with
+    differences of the force, and the potential with its work; that no corner is missing from
+    `corners`; and that the pieces, which the integrator evaluates, give the same force.
 
     Parameters
     ----------
-    law : anything with `force`, `tangent`, `potential`, `corners` and `pieces`
-    name : what to call it
-    reach : how far from zero to look, m or m/s; by default twice as far as its corners, at least 0.2
+    law : any object with `force`, `tangent`, `potential`, `corners` and `pieces`
+    name : its name in the sentences
+    reach : range to check on both sides of zero, m or m/s; by default twice the farthest corner, at
+        least 0.2
     """
     wanted = ("force", "tangent", "potential", "corners", "pieces")
     if missing := [part for part in wanted if not hasattr(law, part)]:
@@ -104,7 +104,7 @@ def _pieces_in_order(law: Characteristic, name: str) -> Iterator[str]:
             yield f"{name}: pieces must ascend, but one from {b:g} follows one from {a:g}"
     for piece in law.pieces:
         if not piece.scale > 0.0:
-            yield f"{name}: the scale of what saturates must be positive, {piece.scale:g} given"
+            yield f"{name}: the scale of the saturating term must be positive, {piece.scale:g} given"
     if tuple(law.corners) != tuple(starts[1:]):
         yield f"{name}: corners are {law.corners}, but its pieces meet at {tuple(starts[1:])}"
 
@@ -159,7 +159,7 @@ def _work(
     law: Characteristic, name: str, stretches: Sequence[tuple[float, float]], size: float
 ) -> Iterator[str]:
     if abs(law.potential(0.0)) > 1e-9 * size:
-        yield f"{name}: potential(0) = {law.potential(0.0):g} J; it must count from 0"
+        yield f"{name}: potential(0) = {law.potential(0.0):g} J; it must be 0"
     quarters = [
         (a + (b - a) * f, a + (b - a) * (f + 0.25))
         for a, b in stretches
@@ -182,7 +182,7 @@ def _work(
 def _hidden_corners(
     law: Characteristic, name: str, stretches: Sequence[tuple[float, float]], size: float
 ) -> Iterator[str]:
-    """A stretch whose slope changes as much over any part of it that is made smaller and smaller."""
+    """Report intervals in which the change of slope does not vanish as the interval shrinks."""
     for a, b in stretches:
         width = (b - a) / 256
         low = max((a + (k + 0.25) * width for k in range(255)), key=lambda x: _bend(law, x, width))
@@ -193,12 +193,12 @@ def _hidden_corners(
         if _bend(law, low, width) > max(0.1 * first, 1e-4 * size / (b - a)):
             yield (
                 f"{name}: the slope jumps near {low + 0.5 * width:g}, inside a piece; corners must "
-                "be declared, or they are not landed on"
+                "be declared, so that steps end on them"
             )
 
 
 def _bend(law: Characteristic, x: float, width: float) -> float:
-    """Change of slope from one end to the other of a short stretch from x."""
+    """Return the change of slope over a short interval from x."""
     left, middle, right = (law.force(x + s * width) for s in (0.0, 0.5, 1.0))
     return abs(right - 2.0 * middle + left) / (0.5 * width)
 
@@ -220,11 +220,11 @@ def _shapes(system: System) -> Iterator[str]:
             or not any(element.direction)
             or not all(map(isfinite, element.direction))
         ):
-            yield f"{element.name}: direction must have {n} finite numbers that are not all 0"
+            yield f"{element.name}: direction must have {n} finite numbers, not all 0"
         if element.road and element.road not in system.signals:
             yield f"{element.name}: its road {element.road!r} is not among the signals"
         if not element.limit > 0.0:
-            yield f"{element.name}: limit = {element.limit:g} must be positive; without one, infinite"
+            yield f"{element.name}: limit = {element.limit:g} must be positive (infinite for none)"
     for name, signal in system.signals.items():
         for segment in signal.segments:
             numbers = (segment.origin, *segment.coefficients, segment.amplitude, *segment.phase)
@@ -244,13 +244,16 @@ def _mass(mass: Sequence[Sequence[float]]) -> Iterator[str]:
     for i in range(n):
         for j in range(i):
             if mass[i][j] != mass[j][i]:
-                yield f"mass: not symmetric, {mass[i][j]:g} in row {i + 1} and {mass[j][i]:g} across"
+                yield (
+                    f"mass: not symmetric, {mass[i][j]:g} in row {i + 1} and {mass[j][i]:g} in "
+                    f"column {i + 1}"
+                )
     if not _definite(mass):
         yield "mass: not positive definite; some motion would have no inertia"
 
 
 def _definite(matrix: Sequence[Sequence[float]], least: float = 0.0) -> bool:
-    """Whether elimination finds every pivot above `least` of its diagonal entry."""
+    """Return whether every pivot of the elimination is above `least` times its diagonal entry."""
     rows = [list(row) for row in matrix]
     for k, row in enumerate(rows):
         if not (isfinite(row[k]) and row[k] > least * abs(matrix[k][k])):
@@ -267,16 +270,16 @@ def _element(element: Element) -> Iterator[str]:
         yield from check_characteristic(law, f"{element.name}.{kind}")
     for v in (-3.0, -0.3, -1e-3, 1e-3, 0.3, 3.0):
         if element.damper.force(v) * v < 0.0:
-            yield f"{element.name}.damper: pushes along at the rate {v:g} m/s: it feeds energy in"
+            yield f"{element.name}.damper: adds energy at {v:g} m/s; it must oppose the motion"
             break
     for d in (-1.0, -0.1, 0.0, 0.1, 1.0, *element.modulation.corners):
         if element.modulation.force(d) < 0.0:
-            yield f"{element.name}.modulation: negative at {d:g} m: the damper would feed energy in"
+            yield f"{element.name}.modulation: negative at {d:g} m; the damper would add energy"
             break
 
 
 def _tangent_at_rest(system: System) -> Iterator[str]:
-    """K = sum b k b' must not be negative in any direction, or rest is unstable."""
+    """Check that K = sum b k b' is not negative in any direction; rest would be unstable."""
     n = len(system.mass)
     tangent = [[0.0] * n for _ in range(n)]
     size = 0.0
@@ -293,7 +296,7 @@ def _tangent_at_rest(system: System) -> Iterator[str]:
 
 
 def _motion(system: System) -> Iterator[str]:
-    """The integrator's forces against the elements' own, and its balance of energy."""
+    """Check the integrator's forces against those of the elements, and its energy balance."""
     integrator = Integrator(system, tolerance=1e-9)
     n = len(system.mass)
     q = [(0.7 - 0.4 * i) * system.scales[i] for i in range(n)]
@@ -312,7 +315,7 @@ def _motion(system: System) -> Iterator[str]:
         own = element.limit if d > element.opening else min(own, element.limit)
         plain = element.yield_force == inf and element.friction == 0.0
         if plain and abs(own - found) > 1e-9 * (abs(own) + abs(found)):
-            yield f"{element.name}: the integrator has {found:g} N where its own laws give {own:g} N"
+            yield f"{element.name}: the integrator has {found:g} N, but its laws give {own:g} N"
     for i in range(n):
         terms = [system.mass[i][j] * a[j] for j in range(n)]
         terms += [e.direction[i] * f for e, f in zip(system.elements, forces, strict=True)]
@@ -320,7 +323,7 @@ def _motion(system: System) -> Iterator[str]:
             -load.direction[i] * system.signals[load.signal].value(0.0) for load in system.loads
         ]
         if abs(sum(terms)) > 1e-9 * sum(map(abs, terms)):
-            yield f"{system.coordinates[i]}: the forces on it are out of balance by {sum(terms):g} N"
+            yield f"{system.coordinates[i]}: its equation of motion is violated by {sum(terms):g} N"
     step = integrator.stable_step()
     status = integrator.advance(10.0 * (step if step > 0.0 else 0.1))
     if status:

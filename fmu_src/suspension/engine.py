@@ -1,8 +1,8 @@
-"""The integrator as this interpreter can have it: compiled where that fits, else from its source.
+"""The integrator for this interpreter: compiled if compiled files fit, else from its source.
 
-The modules of `kernel` are imported as a package of their own whose name carries the hash of their
-sources. A compiled file lies in a folder of that same name, so one of older sources is never found,
-and two versions of this package (the installed one and those inside FMUs) never mix in one process.
+The modules of `kernel` are imported as a separate package whose name contains a hash of their
+sources. Compiled files are in a folder of that name, so those of older sources are never found, and
+two versions of this package (the installed one and those inside FMUs) never mix in one process.
 Compiled and uncompiled runs give the same results to the bit; the uncompiled one is slower.
 """
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def _cython_directives() -> Iterator[None]:
-    """A stand-in for `import cython` in sources that run uncompiled, gone again afterwards."""
+    """Provide a stand-in for `import cython` to sources that run uncompiled."""
     standin = ModuleType("cython")
     standin.compiled = False  # type: ignore[attr-defined]
     standin.nogil = nullcontext()  # type: ignore[attr-defined]
@@ -39,7 +39,7 @@ def _cython_directives() -> Iterator[None]:
 
 
 def _import_kernel(folders: list[Path]) -> ModuleType:
-    """The kernel's integrator, from the first of the folders that has it; or the one loaded before."""
+    """Import the kernel's integrator from the first folder that has it, unless it is already loaded."""
     name = kernel_name()
     if name not in sys.modules:
         package = ModuleType(name)

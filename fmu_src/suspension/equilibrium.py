@@ -1,8 +1,8 @@
-"""Where a system stands still: sum b f(b' q - u, 0) = p.
+"""Static equilibrium of a system: sum b f(b' q - u, 0) = p.
 
-The forces at rest are the slope of a potential U(q). Its least value is looked for by Newton steps
-with the tangent of the branches at hand, made shorter or turned towards steepest descent for as long
-as U does not fall: so stops, tables and tyres off the road cannot make it go round in circles.
+The forces at rest are the gradient of a potential U(q). It is minimised by Newton steps with the
+tangent of the present branches. A step that does not reduce U is shortened and turned towards steepest
+descent, so that the iteration cannot cycle between the branches of stops, tables and tyres.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ _MOST_STEPS = 400
 def static_equilibrium(
     system: System, signals: Mapping[str, float] | None = None
 ) -> tuple[float, ...]:
-    """Displacements at which a system rests, its roads at given levels and under given loads.
+    """Return the displacements at which a system rests, for given road levels and loads.
 
     sum b f(b' q - u, 0) = p, with dry friction left out
 
     Parameters
     ----------
-    system : any
+    system : any system
     signals : elevation (m) or force (N) of its roads and loads by name; the others are 0
 
     Returns
@@ -35,7 +35,7 @@ def static_equilibrium(
 
     Raises
     ------
-    ValueError : no equilibrium was found: something is not held by any spring, or is unstable.
+    ValueError : no equilibrium was found: a coordinate is not held by any spring, or is unstable.
     """
     rest = _Rest(system, signals or {})
     q = [0.0] * len(system.mass)
@@ -61,8 +61,8 @@ def static_equilibrium(
         if not shift < inf:
             break
     raise ValueError(
-        "no static equilibrium was found: every coordinate must be held by springs that can bear "
-        "what acts on it"
+        "no static equilibrium was found: every coordinate must be held by springs that can carry "
+        "its load"
     )
 
 
@@ -93,7 +93,7 @@ class _Rest:
         return total
 
     def slope(self, q: Sequence[float]) -> tuple[list[float], list[list[float]], list[float]]:
-        """Slope of U, its tangent, and the size of the terms that the slope is the sum of."""
+        """Return the gradient of U, its tangent, and the magnitude of the terms in the gradient."""
         n = len(q)
         slope, size = [-p for p in self._load], [abs(p) for p in self._load]
         tangent = [[0.0] * n for _ in range(n)]
@@ -101,7 +101,7 @@ class _Rest:
             b = e.direction
             d = sum(map(mul, b, q)) - level
             force, k = law.force(d), law.tangent(d)
-            # what rounding in d alone makes of the force belongs to its size
+            # the magnitude includes the effect of rounding in d on the force
             rounding = abs(force) + abs(k) * (
                 abs(level) + sum(abs(x * y) for x, y in zip(b, q, strict=True))
             )
@@ -113,7 +113,7 @@ class _Rest:
         return slope, tangent, size
 
     def falls(self, q: Sequence[float], trial: Sequence[float], slope: Sequence[float]) -> bool:
-        """Whether U falls from q to the trial, or, where rounding hides that, its slope does."""
+        """Return whether U decreases from q to the trial or, within rounding, its gradient does."""
         before, after = self.potential(q), self.potential(trial)
         if abs(after - before) > 1e-9 * (abs(before) + abs(after)):
             return after < before
@@ -122,7 +122,7 @@ class _Rest:
 
 
 def _law_at_rest(element: Element) -> Characteristic:
-    """Force over deflection at rest: up to the limit, and along the lines of flow."""
+    """Return the force over deflection at rest: up to the limit, and along the yield lines."""
     law = element.spring
     if element.yield_force < inf:
         rate, flow, free = law.tangent(0.0), element.hardening, element.permanent_set
@@ -137,7 +137,7 @@ def _law_at_rest(element: Element) -> Characteristic:
 
 
 def _solution(matrix: list[list[float]], right: Sequence[float]) -> list[float]:
-    """Solution of a symmetric positive definite system by elimination; empty if it is not."""
+    """Solve a symmetric positive definite system by elimination; empty if it is not definite."""
     n = len(right)
     rows = [[*row, x] for row, x in zip(matrix, right, strict=True)]
     for k in range(n):

@@ -1,6 +1,6 @@
-"""How far the road of a run reaches: where it fades out, where it ends, and what a short one lacks.
+"""The extent of a road: where it fades out, where it ends, and the waves that a short one lacks.
 
-All of it follows from the parameters alone; no road is made.
+Everything follows from the parameters; no road is made.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ from .variable import Value, number
 
 LENGTH = "road.profile_length"
 DEFAULT_LENGTH = 200.0  # m, of a random road
-_ENOUGH = 0.75  # of the variance of its class, for a random road not to be called short
+_ENOUGH = 0.75  # share of the variance of its class below which a random road is called short
 
 
 def length_for(parameters: Mapping[str, Value], duration: float) -> float | None:
-    """Length in m of a random road that neither ends nor fades out within a run.
+    """Return the length in m of a random road that neither ends nor fades out within a run.
 
-    At least the default one, at most the longest there can be; whole metres.
+    In whole metres, at least the default and at most the greatest possible length.
 
     Parameters
     ----------
-    parameters : all of a model's
+    parameters : all parameters of a model
     duration : of the run, s
 
     Returns
     -------
-    None where the road is no random one.
+    The length, or None if the road is not random.
     """
     if parameters.get("road.shape") != "random":
         return None
@@ -38,11 +38,11 @@ def length_for(parameters: Mapping[str, Value], duration: float) -> float | None
 
 
 def road_end(parameters: Mapping[str, Value]) -> tuple[float, float] | None:
-    """The instants at which the first wheel finds the road fading out, and level for good, s.
+    """Return the times at which the road under the first wheel begins to fade out, and ends, s.
 
     Returns
     -------
-    None where the road is endless, or a single obstacle (or several), after which nothing is missing.
+    None if the road is endless, or consists of single obstacles, after which nothing is missing.
     """
     shape = parameters.get("road.shape")
     if shape == "sweep":
@@ -55,7 +55,7 @@ def road_end(parameters: Mapping[str, Value]) -> tuple[float, float] | None:
         position = str(parameters["road.table"]).rpartition(",")[2].partition(":")[0]
         try:
             length, fade = float(position), 0.0
-        except ValueError:  # told where the road is made
+        except ValueError:  # reported where the road is made
             return None
     else:
         return None
@@ -64,23 +64,23 @@ def road_end(parameters: Mapping[str, Value]) -> tuple[float, float] | None:
 
 
 def remarks(parameters: Mapping[str, Value], duration: float) -> Iterator[str]:
-    """What is to be said of the road of a run that lasts so long, s: one line each."""
+    """Yield remarks on the road of a run of this duration (s), one line each."""
     found = road_end(parameters)
     if found is not None:
         fading, end = found
         out = f" (fading out from {fading:.4g} s)" if fading < end else ""
         if end < duration * (1.0 - 1e-9):
-            yield f"road ends at {end:.4g} s of {duration:g} s{out}; it is level from there on"
+            yield f"road ends at {end:.4g} s of {duration:g} s{out}; it is level afterwards"
         elif fading < duration * (1.0 - 1e-9):
             yield f"road fades out from {fading:.4g} s of {duration:g} s"
     if parameters.get("road.shape") == "random":
         length = number(parameters, LENGTH)
         try:
             share, longest = share_of_variance(length)
-        except ValueError:  # told where the road is made
+        except ValueError:  # reported where the road is made
             return
         if share < _ENOUGH:
             yield (
-                f"random road of {length:.4g} m has no waves longer than {longest:.3g} m, in which "
-                f"a long one of its class has {100.0 * (1.0 - share):.0f} % of its variance"
+                f"random road of {length:.4g} m has no waves longer than {longest:.3g} m, which make "
+                f"up {100.0 * (1.0 - share):.0f} % of the variance of a long road of its class"
             )

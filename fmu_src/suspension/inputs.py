@@ -1,10 +1,9 @@
-"""Inputs of a session: what the host has set, and how it goes on until the host says more.
+"""Inputs of a session: samples set by the host, and their extrapolation until the next one.
 
-A host gives samples. Held over a step, a sample makes the motion right to first order only; carried
-on by its slope, to second order. A road has its velocity as an input for that. Everything else, and
-a road without a velocity, goes on by the smaller of the slopes of its last two intervals, and not at
-all where their signs differ: that is the slope to first order wherever the course is smooth, and
-leaves jumps as they are given.
+Held over a step, a sample makes the motion accurate to first order only; extrapolated by its slope, to
+second order. A road has its velocity as an input for that. All other inputs, and a road without a
+velocity, are extrapolated by the smaller of the slopes of their last two intervals, and held if the
+signs of these differ. This is the slope to first order where the course is smooth, and keeps jumps.
 """
 
 from __future__ import annotations
@@ -13,8 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-_SAMPLES = 3  # as many as two slopes take
-_LONGEST = 2.0  # times the interval that a slope was taken over: how long it is carried on
+_SAMPLES = 3  # for two slopes
+_LONGEST = 2.0  # duration of the extrapolation, in intervals of the last slope
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,29 +22,29 @@ class Course:
 
     Parameters
     ----------
-    value : as the host reads it back
-    samples : (instant in s, value) of the last calls that set it, at most three instants; a call
-        counts even if it repeats the value before
+    value : the value that the host reads back
+    samples : (time in s, value) of the last calls that set it, at most three times; a call counts
+        even if it repeats the previous value
     """
 
     value: float = 0.0
     samples: tuple[tuple[float, float], ...] = ()
 
     def set(self, time: float, value: float) -> Course:
-        """The course after one more call, s; a later call at the same instant replaces an earlier one."""
+        """Return the course after another call at `time`, s; it replaces a call at the same time."""
         before = tuple(sample for sample in self.samples if sample[0] < time)
         return Course(value, (*before[1 - _SAMPLES :], (time, value)))
 
     @property
     def since(self) -> float | None:
-        """The instant at which it was set last, s; None if it never was."""
+        """The time at which it was last set, s; None if it never was."""
         return self.samples[-1][0] if self.samples else None
 
     def slope(self, until: float) -> float:
-        """Its rate of change for a step that ends at `until`, s.
+        """Return its rate of change for a step that ends at `until`, s.
 
-        0 where the step ends later than twice the last interval after the sample: a host that is
-        silent for so long says that nothing changes.
+        0 if the step ends more than two intervals after the last sample: a host that sets nothing
+        for so long means that nothing changes.
         """
         if len(self.samples) < _SAMPLES:
             return 0.0
@@ -67,17 +66,17 @@ class Line:
     slope: float = 0.0
 
     def at(self, time: float) -> float:
-        """The value at an instant."""
+        """Return the value at `time`, s."""
         return self.value + self.slope * (time - self.origin)
 
     def continues(self, before: Line) -> bool:
-        """Whether it is the same course as another one, from which nothing changes."""
+        """Return whether it is the same course as an earlier one."""
         level = self.slope == before.slope == 0.0
         return self == before or (level and self.value == before.value)
 
 
 def carried(course: Course, until: float) -> Line:
-    """How an input goes on that has no rate of its own, for a step that ends at `until`, s."""
+    """Extrapolate an input without a rate, for a step that ends at `until`, s."""
     since = course.since
     return Line(0.0 if since is None else since, course.value, course.slope(until))
 
@@ -85,14 +84,14 @@ def carried(course: Course, until: float) -> Line:
 def carried_road(
     elevation: Course, velocity: Course, before: Line, now: float, until: float
 ) -> Line:
-    """How a road goes on for a step from `now` to `until`, s.
+    """Extrapolate a road for a step from `now` to `until`, s.
 
-    Once its velocity has been set the road follows it from each elevation on. Where velocities come
-    without elevations, the road goes by their mean over each interval.
+    Once its velocity has been set, the road follows it from each elevation. If velocities are set
+    without elevations, the road follows their mean over each interval.
 
     Parameters
     ----------
-    before : how it went until now
+    before : its course until now
     """
     if not velocity.samples:
         return carried(elevation, until)
@@ -105,12 +104,12 @@ def carried_road(
 
 
 def to_plain(courses: Mapping[str, Course]) -> dict[str, Any]:
-    """Courses as data that JSON takes."""
+    """Return courses as data for JSON."""
     return {name: [course.value, course.samples] for name, course in courses.items()}
 
 
 def from_plain(kept: Mapping[str, Any]) -> dict[str, Course]:
-    """The courses that `to_plain` was given."""
+    """Return the courses from which `to_plain` made the data."""
     return {
         name: Course(value, tuple((t, x) for t, x in samples))
         for name, (value, samples) in kept.items()

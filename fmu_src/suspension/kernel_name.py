@@ -9,7 +9,7 @@ KERNEL = Path(__file__).parent / "kernel"
 
 
 def kernel_name(folder: Path = KERNEL) -> str:
-    """The name under which the kernel's modules are imported: it changes with any of its sources."""
+    """Return the name under which the kernel is imported; it changes with any of its sources."""
     digest = sha256()
     for path in sorted((*folder.glob("*.py"), *folder.glob("*.pxd"))):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())

@@ -1,7 +1,7 @@
-"""Numbers that many runs have in place of one, so that a system is made once for all of them.
+"""Arrays of one number in many runs, with which a system is built once for all of them.
 
-What makes systems from parameters only calculates and compares. Given arrays it calculates with all runs
-at once, as long as every comparison turns out the same for all; where one does not, the runs part.
+The functions that build systems from parameters only calculate and compare. Given arrays they calculate
+for all runs at once, as long as every comparison has the same result in all; if not, the runs part.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ Whatever = TypeVar("Whatever")
 
 
 class PartingError(Exception):
-    """A comparison that does not turn out the same for all runs.
+    """A comparison with different results in different runs.
 
     Parameters
     ----------
-    which : of each run, how it turned out for that one
+    which : its result in each run
     """
 
     def __init__(self, which: npt.NDArray[np.bool_]) -> None:
-        super().__init__("a comparison turns out differently from run to run")
+        super().__init__("a comparison has different results in different runs")
         self.which = which
 
 
 class Many(np.ndarray[Any, np.dtype[np.float64]]):
     """The values of one number in several runs.
 
-    Arithmetic gives each run what floats give it, to the bit. It is no float: what needs one, such as
-    a function of `math`, raises a TypeError.
+    Arithmetic gives the same results for each run as with floats, to the bit. It is not a float: a
+    function that needs one, such as those of `math`, raises a TypeError.
     """
 
     def __bool__(self) -> bool:
@@ -43,7 +43,7 @@ class Many(np.ndarray[Any, np.dtype[np.float64]]):
         return False
 
     def __iadd__(self, other: Any) -> Any:  # type: ignore[misc]
-        """Another number, as of floats: nobody who has the old one sees it change."""
+        """Return a new number, as floats do: other references to the old one are not affected."""
         return self + other
 
     def __isub__(self, other: Any) -> Any:  # type: ignore[misc]
@@ -60,13 +60,13 @@ class Many(np.ndarray[Any, np.dtype[np.float64]]):
 
 
 def many(values: npt.NDArray[np.float64]) -> float | Many:
-    """One number if all of them are equal, else all of them."""
+    """Return a single number if all values are equal, else all of them."""
     first = values[0]
     return float(first) if (values == first).all() else values.view(Many)
 
 
 def of_run(whatever: Whatever, run: int) -> Whatever:
-    """The same with the number of one run in place of those of many, also within tuples."""
+    """Replace the numbers of many runs by that of one run, also within tuples."""
     return cast("Whatever", _of_run(whatever, run))
 
 
@@ -83,7 +83,7 @@ def _of_run(whatever: object, run: int) -> object:
 
 
 def table(numbers: list[float | Many], runs: int) -> npt.NDArray[np.float64]:
-    """A row for each run with its own of all numbers."""
+    """Return the numbers of each run, (runs, numbers)."""
     rows = np.empty((runs, len(numbers)))
     rows[:] = [0.0 if isinstance(x, Many) else x for x in numbers]
     for k, x in enumerate(numbers):

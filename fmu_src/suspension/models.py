@@ -1,6 +1,6 @@
-"""The systems with names, each as data made from its public parameters (AP57 eqs. 1 to 39).
+"""The named systems, built from their public parameters (AP57 eqs. 1 to 39).
 
-What they are made of stands in `systems` and can be had from here too.
+Their parts are defined in `systems` and can be imported from here too.
 """
 
 from __future__ import annotations
@@ -43,17 +43,17 @@ __all__ = [
 ]
 
 _LEAST_INERTIA = 1e-12  # M1 M2 - M3^2 = (rho M / L)^2 over M1 M2: below, it is lost in rounding
-_SMALL = 1e-3  # m, to measure errors by where neither road nor weight gives a displacement
+_SMALL = 1e-3  # m, scale of errors if neither road nor weight gives a displacement
 
 
 def _body_forces(p: Mapping[str, Value]) -> dict[str, Signal]:
-    """The force on the body from outside, and that of its table, if there is one."""
+    """Return the external force on the body, and that of its table, if there is one."""
     course = force_course(p, "body_force.table")
     return {"body_force": roads.LEVEL} | ({} if course is None else {"body_force_table": course})
 
 
 def one_dof(p: Mapping[str, Value]) -> System:
-    """Body on a suspension that stands on the road itself (AP57 eqs. 2 to 11).
+    """Return a body on a suspension that stands directly on the road (AP57 eqs. 2 to 11).
 
     M x'' + Phi(x' - xi', x - xi) + F(x - xi) = 0
 
@@ -74,7 +74,7 @@ def one_dof(p: Mapping[str, Value]) -> System:
 
 
 def quarter_car(p: Mapping[str, Value]) -> System:
-    """Body and wheel with elastic coupling, on a tyre that cannot pull (AP57 eqs. 12 to 14, 26, 29).
+    """Return body and wheel, coupled elastically, on a tyre that cannot pull (AP57 eqs. 12-14, 26, 29).
 
     M x1'' + Phi + F = 0;  m x2'' - Phi - F + k2 (x2' - xi') + c2 (x2 - xi) = 0
 
@@ -97,7 +97,7 @@ def quarter_car(p: Mapping[str, Value]) -> System:
 
 
 def _load(p: Mapping[str, Value]) -> float:
-    """Weight on the tyre of a quarter car, N."""
+    """Return the weight on the tyre of a quarter car, N."""
     return (number(p, "sprung_mass") + number(p, "unsprung_mass")) * number(p, "gravity")
 
 
@@ -108,7 +108,7 @@ def _tyre_of_quarter_car(p: Mapping[str, Value]) -> Element:
 def axle_masses(
     sprung_mass: float, pitch_radius_of_gyration: float, cg_to_front: float, cg_to_rear: float
 ) -> tuple[float, float, float]:
-    """The body as masses over its two axles: front_mass, rear_mass, coupling_mass (AP57 eqs. 33, 34).
+    """Return the body's masses over its axles: front, rear and coupling mass (AP57 eqs. 33, 34).
 
     M1 = (rho^2 + b^2) M / L^2,  M2 = (rho^2 + a^2) M / L^2,  M3 = (a b - rho^2) M / L^2
 
@@ -131,8 +131,8 @@ class _Body:
     Parameters
     ----------
     masses : M1, M2, M3, kg
-    shares : b / L and a / L, of its weight on the axles; also the displacement of its centre of
-        gravity, and what a force there does to the two coordinates
+    shares : b / L and a / L, the axles' shares of its weight; also the coefficients of the centre of
+        gravity's displacement, and of a force there, in the two coordinates
     wheelbase : L, m
     signals : both roads, and the force
     """
@@ -154,8 +154,8 @@ class _Body:
             > _LEAST_INERTIA * over_front * over_rear
         ):
             raise ParameterError(
-                f"pitch_radius_of_gyration = {radius:g}: beside cg_to_front = {front:g} and "
-                f"cg_to_rear = {rear:g} m the body would move as if it had one mass only; "
+                f"pitch_radius_of_gyration = {radius:g}: too far from cg_to_front = {front:g} and "
+                f"cg_to_rear = {rear:g} m, the mass matrix is singular to rounding; "
                 f"take one of the order of {sqrt(front) * sqrt(rear):g} m"
             )
         return cls(
@@ -166,7 +166,7 @@ class _Body:
         )
 
     def motions(self, wheels: int) -> tuple[Motion, ...]:
-        """Bounce of the centre of gravity, and pitch, in as many coordinates as there are."""
+        """Return bounce of the centre of gravity, and pitch, with zeros for so many wheels."""
         rest = (0.0,) * wheels
         slope = 1.0 / self.wheelbase
         return (
@@ -178,13 +178,13 @@ class _Body:
 
 
 def _roads(p: Mapping[str, Value]) -> dict[str, Signal]:
-    """The road under both axles; the rear one meets it later."""
+    """Return the road under both axles, delayed at the rear one."""
     road, wheelbase = road_from(p), number(p, "cg_to_front") + number(p, "cg_to_rear")
     return {"front_road": road, "rear_road": road.delayed(wheelbase / number(p, "speed"))}
 
 
 def _loads(p: Mapping[str, Value]) -> tuple[float, float]:
-    """Weights on the tyres of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind."""
+    """Return the tyre loads of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind."""
     a, b, body = number(p, "cg_to_front"), number(p, "cg_to_rear"), number(p, "sprung_mass")
     front, rear = (
         (share / (a + b) * body + number(p, f"{axle}.unsprung_mass")) * number(p, "gravity")
@@ -202,7 +202,7 @@ def _tyres_of_half_car(p: Mapping[str, Value]) -> tuple[Element, Element]:
 
 
 def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
-    """Body on two suspensions that stand on the road itself: inertial coupling (AP57 eqs. 33 to 39).
+    """Return a body on two suspensions that stand directly on the road (AP57 eqs. 33 to 39).
 
     M1 x1'' + M3 x2'' + Phi1 + F1 = 0;  M3 x1'' + M2 x2'' + Phi2 + F2 = 0,  y_i = x_i - xi_i
 
@@ -232,10 +232,10 @@ def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
 
 
 def half_car(p: Mapping[str, Value]) -> System:
-    """Body and two wheels with tyres, each of which may leave the road by itself (AP57 eq. 1).
+    """Return a body and two wheels on tyres, each of which may leave the road (AP57 eq. 1).
 
-    Each axle as in `quarter_car`, the body as in `half_car_rigid_tyres`; at rest the tyres bear
-    (b M / L + m1) g in front and (a M / L + m2) g behind.
+    Each axle is modelled as in `quarter_car`, the body as in `half_car_rigid_tyres`. At rest the
+    tyres carry (b M / L + m1) g in front and (a M / L + m2) g behind.
 
     Parameters
     ----------
@@ -281,9 +281,9 @@ def half_car(p: Mapping[str, Value]) -> System:
 
 
 def elastoplastic(p: Mapping[str, Value]) -> System:
-    """Oscillator whose spring yields (H83 example 40; CP75).
+    """Return an oscillator whose spring yields (H83 example 40; CP75).
 
-    m u'' + C u' + q(u) = f(t), q elastic up to the yield force, then flowing with `hardening`
+    m u'' + C u' + q(u) = f(t), q elastic up to the yield force, then with the slope `hardening`
 
     Parameters
     ----------
@@ -319,17 +319,17 @@ def _linear_damper(p: Mapping[str, Value]) -> Element:
 
 
 def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:
-    """Refuse a set at which the spring would start beyond its yield force: it could not have come so."""
+    """Refuse a permanent set with which the spring would start beyond its yield force."""
     displacement, permanent_set = (
         number(p, f"initial.{name}") for name in ("displacement", "permanent_set")
     )
-    # between the lines of flow, -+ yield force (1 - hardening / rate) + hardening u
+    # between the yield lines, -+ yield force (1 - hardening / rate) + hardening u
     room = yield_force * (1.0 - hardening / rate)
     middle = displacement * (1.0 - hardening / rate)
     if abs(rate * (displacement - permanent_set) - hardening * displacement) > room * (1.0 + 1e-12):
         low, high = middle - room / rate, middle + room / rate
         raise ParameterError(
-            f"initial.permanent_set = {permanent_set:g}: must be from {low:g} to {high:g} m where "
+            f"initial.permanent_set = {permanent_set:g}: must be from {low:g} to {high:g} m for "
             f"initial.displacement = {displacement:g}, or the spring would start beyond its yield "
             "force; give both"
         )
@@ -343,11 +343,11 @@ _BUILDERS = {
     "Elastoplastic": elastoplastic,
 }
 SYSTEMS = tuple(_BUILDERS)
-"""The models that are systems; the others of `variables.MODELS` only give signals."""
+"""The models that are systems and can be run."""
 
 
 def build(model: str, parameters: Mapping[str, object]) -> System:
-    """The system of a model with the given public parameters, the others at their defaults.
+    """Return the system of a model with the given public parameters, the others at their defaults.
 
     Raises
     ------
@@ -357,17 +357,17 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 
 
 def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
-    """The system of a model from all of its parameters, as `checked_parameters` gives them.
+    """Return the system of a model from all of its parameters, as returned by `checked_parameters`.
 
-    What it does with numbers it can do with those of many runs at once (see `many`).
+    The numbers may be those of many runs at once (see `many`).
 
     Raises
     ------
-    ParameterError : a model that is no system, such as a road.
+    ParameterError : a model that is not a system, such as a road.
     """
     if model not in _BUILDERS:
         raise ParameterError(
-            f"{model} is not a system that can be run; there are {', '.join(_BUILDERS)}"
+            f"{model} is not a system that can be run; systems are {', '.join(_BUILDERS)}"
             + nearest(model, _BUILDERS)
         )
     return _BUILDERS[model](parameters)

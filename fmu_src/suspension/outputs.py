@@ -1,7 +1,6 @@
-"""What there is to be read of a system: motions, deflections, forces, contact, and how the run goes.
+"""Outputs of a system: motions, deflections, forces, contact, and the state of the run.
 
-Outputs go by the names of the system's own coordinates, motions and axles, so that no model needs
-code here.
+They are named after the system's coordinates, motions and axles, so that no model needs code here.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop", "friction")
 
 @dataclass(slots=True)
 class Contact:
-    """What has become of one tyre's contact with the road up to the present time."""
+    """The contact of one tyre with the road, and its history up to the present time."""
 
     airborne: bool = False
     lift_offs: int = 0
@@ -31,7 +30,7 @@ class Contact:
     last_touchdown: float = -1.0
 
     def switch(self, instant: float, airborne: bool) -> None:
-        """Note that the tyre leaves the road or meets it again."""
+        """Record a lift-off or a touchdown."""
         self.airborne = airborne
         if airborne:
             self.lift_offs += 1
@@ -41,13 +40,13 @@ class Contact:
 
 
 class State:
-    """Motion, deflections and forces at the instant an integrator has sampled last.
+    """Motion, deflections and forces at the time that the integrator sampled last.
 
-    What is not asked for is not made. `q`, `v` and the like show the integrator's own numbers.
+    Everything is computed on request. `q`, `v` and the like are views of the integrator's arrays.
 
     Parameters
     ----------
-    system : what is stepped
+    system : the system being stepped
     integrator : its integrator
     """
 
@@ -60,11 +59,11 @@ class State:
         self.at(0.0, system.signals)
 
     def at(self, time: float, signals: Mapping[str, Signal]) -> None:
-        """Go on to another instant, s: the integrator has just sampled it."""
+        """Move to another time, s, which the integrator has just sampled."""
         self._time, self._sources = time, signals
         self._signals: dict[str, tuple[float, float, float, float]] | None = None
         self._deflections: list[tuple[float, float]] | None = None
-        self._known = False  # whether forces, accelerations and sets are those of this instant
+        self._known = False  # whether forces, accelerations and sets are those of this time
 
     @property
     def signals(self) -> dict[str, tuple[float, float, float, float]]:
@@ -88,7 +87,7 @@ class State:
         return self._deflections
 
     def _find_forces(self) -> None:
-        """Forces, accelerations and permanent sets, from the equation of motion."""
+        """Compute forces, accelerations and permanent sets from the equation of motion."""
         if not self._known:
             self._integrator.sample_forces(self._time)
             self._known = True
@@ -107,7 +106,7 @@ class State:
 
     @property
     def permanent_sets(self) -> Sequence[float]:
-        """Deflection at which each element that yields would be free of force."""
+        """Deflection at which the force of each yielding element would be zero."""
         self._find_forces()
         return self._set
 
@@ -118,7 +117,7 @@ def _along(direction: Sequence[float], vector: Sequence[float]) -> float:
 
 
 def _combination(direction: Sequence[float], vector: Sequence[float]) -> Callable[[], float]:
-    """b' x of a vector whose numbers change in place (most have two terms)."""
+    """Return a reader of b' x for a vector that changes in place (most have two terms)."""
     terms = [(b, i) for i, b in enumerate(direction) if b != 0.0]
     if len(terms) == 2:
         (b, i), (c, j) = terms
@@ -127,7 +126,7 @@ def _combination(direction: Sequence[float], vector: Sequence[float]) -> Callabl
 
 
 class Run(Protocol):
-    """What of a session its outputs are read from."""
+    """The part of a session from which its outputs are read."""
 
     time: float
     ok: bool
@@ -136,7 +135,7 @@ class Run(Protocol):
 
 
 def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
-    """For every output how to read it at the present time."""
+    """Return the function that reads each output at the present time."""
     read: dict[str, Read] = {
         "energy_residual": lambda: integrator.residual_at(run.time),
         "stable_step": integrator.stable_step,
@@ -169,7 +168,7 @@ def _of_coordinate(i: int, name: str, run: Run) -> dict[str, Read]:
 
 
 def _of_element(e: int, element: Element, integrator: Any, run: Run) -> dict[str, Read]:
-    """Force of an element, and how one stands that may yield."""
+    """Force of an element; permanent set and yielding of one that can yield."""
     read: dict[str, Read] = {f"{element.name}_force": lambda: run.state.forces[e]}
     if element.yield_force < inf:
         read["permanent_set"] = lambda: run.state.permanent_sets[e]

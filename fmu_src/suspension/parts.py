@@ -1,4 +1,4 @@
-"""Elements and roads made from public parameters: what the named systems have in common."""
+"""Elements and roads made from public parameters, shared by the named systems."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def points(name: str, text: str) -> list[tuple[float, float]]:
 
 
 class blaming:  # noqa: N801  (a context, written as one)
-    """Let what a parameter's value does not allow be said with its name."""
+    """Re-raise a ValueError as a ParameterError, with the parameter's name in front."""
 
     __slots__ = ("_name",)
 
@@ -50,12 +50,12 @@ class blaming:  # noqa: N801  (a context, written as one)
             raise ParameterError(f"{self._name}: {error}") from None
 
 
-_FASTEST = 100.0  # m/s, up to which a damper is looked at
+_FASTEST = 100.0  # m/s, up to which a damper is checked
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
 
 def _table(p: Mapping[str, Value], part: str) -> Characteristic | None:
-    """The characteristic that the table of a part gives, if it has one."""
+    """Return the characteristic given by the table of a part, if there is one."""
     text = str(p[f"{part}.table"])
     if not text:
         return None
@@ -68,14 +68,14 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
     rest = law.force(0.0)
     if abs(rest) > 1e-9 * max(abs(piece.coefficients[0]) for piece in law.pieces):
         raise ParameterError(
-            f"{name}: gives {rest:g} N at 0; forces count from static equilibrium, "
+            f"{name}: gives {rest:g} N at 0; forces are measured from static equilibrium, "
             "so the table must pass through 0:0"
         )
     return law
 
 
 def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
-    """The spring of one axle, from static equilibrium."""
+    """Return the spring of one axle, measured from static equilibrium."""
     part = f"{of}spring"
     table = _table(p, part)
     law = table or characteristics.cubic(number(p, f"{part}.rate"), number(p, f"{part}.cubic"))
@@ -84,23 +84,25 @@ def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
         return law if table is None else _through_zero(table, f"{part}.table")
     static = law.argument(-preload)
     if not abs(static) < inf:
-        raise ParameterError(f"{part}.preload = {preload:g}: the spring never bears {preload:g} N")
+        raise ParameterError(
+            f"{part}.preload = {preload:g}: the spring never reaches {preload:g} N in compression"
+        )
     return law.moved(static, -preload).resting()
 
 
 def _braking(law: Characteristic, name: str) -> Characteristic:
-    """Refuse a damper that somewhere pushes along, which would feed energy in."""
+    """Refuse a damper that adds energy at some rate."""
     for rate in (*law.corners, -_FASTEST, _FASTEST):
         if law.force(rate) * rate < 0.0:
             raise ParameterError(
-                f"{name}: gives {law.force(rate):g} N at {rate:g} m/s, which feeds energy in; the "
-                "force must have the sign of the rate, also where the table goes on straight"
+                f"{name}: gives {law.force(rate):g} N at {rate:g} m/s, which adds energy; the force "
+                "must have the sign of the rate, also where the table is extrapolated"
             )
     return law
 
 
 def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
-    """The damper of one axle: its table, or smooth up to a force, or straight with blow-off."""
+    """Return the damper of one axle: a table, or with smooth saturation, or linear with blow-off."""
     part = f"{of}damper"
     table = _table(p, part)
     if table is not None:
@@ -118,7 +120,7 @@ def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
 
 
 def _modulation(name: str, text: str) -> Characteristic:
-    """The factor on a damper over deflection."""
+    """Return the factor on the damper force over deflection."""
     if not text:
         return ALWAYS
     factors = points(name, text)
@@ -131,14 +133,14 @@ def _modulation(name: str, text: str) -> Characteristic:
 def suspension_elements(
     p: Mapping[str, Value], direction: tuple[float, ...], axle: str = "", road: str = ""
 ) -> tuple[Element, ...]:
-    """Spring, damper, end stops and dry friction of one axle; those that never act are left out.
+    """Return spring, damper, end stops and dry friction of one axle, without those that never act.
 
     Parameters
     ----------
     p : checked parameters
     direction : b
-    axle : empty, or what the names of its parameters (`front.`) and elements (`front_`) begin with
-    road : name of the signal under them if they stand on the road itself
+    axle : prefix of the names of its parameters (`front.`) and elements (`front_`), or empty
+    road : name of the signal under them if they stand directly on the road
     """
     found = (make(p, direction, axle, road) for make in _SUSPENSION)
     return tuple(element for element in found if element is not None)
@@ -164,7 +166,7 @@ def _damper_element(
 
 
 def _stop_element(name: str, make: Callable[[float, float], Characteristic]) -> _Make:
-    """An end stop, given its gap and stiffness."""
+    """Return the function that makes an end stop from its gap and stiffness."""
 
     def stop_element(
         p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
@@ -199,15 +201,15 @@ _SUSPENSION: tuple[_Make, ...] = (
 def tyre_element(
     p: Mapping[str, Value], direction: tuple[float, ...], static_load: float, axle: str = ""
 ) -> Element:
-    """The tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
+    """Return the tyre of one axle, which cannot pull (AP57 eqs. 26, 29) unless `lift_off` is false.
 
-    Where it touches the road, by `contact`, says `systems.Element`.
+    See `systems.Element` for the contact rule.
 
     Parameters
     ----------
     p : checked parameters
     direction : b
-    static_load : N; where it is zero (no gravity) there is no lift-off
+    static_load : N; if it is zero (no gravity) there is no lift-off
     axle : as for `suspension_elements`
     """
     of, prefix = _prefixes(axle)
@@ -241,17 +243,17 @@ def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
 
 
 def tyre_stiffness(p: Mapping[str, Value], axle: str = "") -> float:
-    """Stiffness of a tyre at rest, N/m."""
+    """Return the stiffness of a tyre at rest, N/m."""
     return _tyre(p, _prefixes(axle)[0]).tangent(0.0)
 
 
 def _prefixes(axle: str) -> tuple[str, str]:
-    """What the names of an axle's parameters and of all else of it begin with."""
+    """Return the prefixes of the names of an axle's parameters and of its elements and outputs."""
     return (f"{axle}.", f"{axle}_") if axle else ("", "")
 
 
 def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
-    """The force over time that a table of `time:force` gives, N; None without one."""
+    """Return the force over time given by a table of `time:force`, N; None without a table."""
     text = str(p[name])
     if not text:
         return None
@@ -260,7 +262,7 @@ def force_course(p: Mapping[str, Value], name: str) -> Signal | None:
 
 
 def road_from(p: Mapping[str, Value]) -> Signal:
-    """The road of `road.shape`; level where its signal comes from outside."""
+    """Return the road of `road.shape`; level if it is an input."""
     shape = str(p["road.shape"])
     if shape in ("input", "flat"):
         return roads.LEVEL
@@ -269,7 +271,7 @@ def road_from(p: Mapping[str, Value]) -> Signal:
 
 
 def _hump(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
-    """A road of height and length."""
+    """Return the function that makes a road from height and length."""
     return lambda p: make(
         number(p, "road.height"),
         number(p, "road.length"),
@@ -279,7 +281,7 @@ def _hump(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal
 
 
 def _plank(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signal]:
-    """A road of height, length and equal ramps at both ends."""
+    """Return the function that makes a road from height, length and equal ramps at both ends."""
     return lambda p: make(
         number(p, "road.height"), number(p, "road.length"), number(p, "speed"),
         number(p, "road.start"), number(p, "road.ramp_length"), number(p, "road.ramp_length"),
@@ -292,22 +294,22 @@ def _sweep(p: Mapping[str, Value]) -> Signal:
 
 
 def _random(p: Mapping[str, Value]) -> Signal:
-    told = (
+    given = (
         number(p, "road.roughness") or str(p["road.class"]), number(p, "road.profile_length"),
         number(p, "speed"), int(p["road.seed"]), number(p, "road.start"),
     )  # fmt: skip
-    plain = all(type(value) in (float, int, str) for value in told)  # not numbers of many runs
-    return (_known_road if plain else roads.random_profile)(*told)
+    plain = all(type(value) in (float, int, str) for value in given)  # not numbers of many runs
+    return (_known_road if plain else roads.random_profile)(*given)
 
 
-# one run asks for its road several times over: to check it, to step, to measure
+# a run asks for its road several times: to check it, to step, to measure
 _known_road = lru_cache(maxsize=2)(roads.random_profile)
 
 
 def _from_table(
     make: Callable[..., Signal], **more: str
 ) -> Callable[[Mapping[str, Value]], Signal]:
-    """A road through the points of `road.table`."""
+    """Return the function that makes a road through the points of `road.table`."""
 
     def road(p: Mapping[str, Value]) -> Signal:
         text = str(p["road.table"])
@@ -324,7 +326,7 @@ def _from_table(
     return road
 
 
-# How the parts of a sequence are made from their numbers and the speed; how many numbers they take.
+# Functions that make the parts of a sequence from their numbers and the speed; allowed counts of numbers.
 _IN_SEQUENCE: Mapping[str, tuple[Callable[..., Signal], tuple[int, ...]]] = {
     "bump": (roads.bump, (2,)),
     "obstacle": (roads.obstacle, (2,)),
@@ -337,7 +339,7 @@ _IN_SEQUENCE: Mapping[str, tuple[Callable[..., Signal], tuple[int, ...]]] = {
 
 
 def _sequence(p: Mapping[str, Value]) -> Signal:
-    """Roads one after the other, from `road.sequence`; gaps before the first one delay it."""
+    """Return the successive roads of `road.sequence`; gaps before the first one delay it."""
     speed, text = number(p, "speed"), str(p["road.sequence"])
     parts: list[Signal] = []
     gaps = [0.0]
@@ -345,7 +347,7 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
         name, *words = item.split() or [""]
         if name != "gap" and name not in _IN_SEQUENCE:
             raise ParameterError(
-                f"road.sequence = {text!r}: {item.strip()!r} is no part{nearest(name, _IN_SEQUENCE)}; "
+                f"road.sequence = {text!r}: {item.strip()!r} is unknown{nearest(name, _IN_SEQUENCE)}; "
                 f"write {', '.join(_IN_SEQUENCE)} or gap with numbers in m, such as "
                 "'bump 0.05 1, gap 3, plank 0.03 0.5'"
             )

@@ -24,17 +24,17 @@ _MOST_SAMPLES = 2**20
 _BAND = (0.01, 4.0)  # cycles/m: the spatial frequencies of a random road
 _LONGEST_FADE = 20.0  # m
 LONGEST = 0.125 / _BAND[1] * (_MOST_SAMPLES - 1)  # m, of a random road
-_ROADS_KEPT = 4  # a road is wanted several times over: checked, run, measured
+_ROADS_KEPT = 4  # in the cache: a road is checked, run and evaluated
 
 
 def table(points: Points, speed: float = 1.0, start: float = 0.0) -> Signal:
-    """Straight lines through (position, value) points, met at `speed`; constant before and after.
+    """Return straight lines through (position, value) points, passed at `speed`; constant outside.
 
-    With speed 1 the positions are times: a force table.
+    With speed 1 the positions are times, as in a force table.
 
     Raises
     ------
-    ValueError : no point at all, positions that do not ascend, or a number that is not finite.
+    ValueError : no points, positions that do not ascend, or a number that is not finite.
     """
     return straight_lines(_instants("table", points, speed, start), _largest(points))
 
@@ -45,21 +45,21 @@ def spline(
     start: float = 0.0,
     ends: Literal["natural", "level"] = "natural",
 ) -> Signal:
-    """Cubic spline through (position, value) points, met at `speed`; constant before and after.
+    """Return a cubic spline through (position, value) points, passed at `speed`; constant outside.
 
     Value, slope and curvature are continuous between the first and the last point.
 
     Parameters
     ----------
-    points : at least one (m, m) pair with ascending positions; with speed 1 (s, N), say
+    points : at least one (m, m) pair with ascending positions; with speed 1, for example (s, N)
     speed : m/s, > 0
-    start : instant at which the wheel reaches position 0, s
-    ends : `natural` has no curvature at the ends, and kinks where it meets the level road;
-        `level` has no slope there, so that it does not
+    start : time at which the wheel reaches position 0, s
+    ends : `natural`, no curvature at the ends, with kinks where the level road begins; or `level`,
+        no slope at the ends, without kinks
 
     Raises
     ------
-    ValueError : no point at all, positions that do not ascend, or a number that is not finite.
+    ValueError : no points, positions that do not ascend, or a number that is not finite.
     """
     if ends not in ("natural", "level"):
         raise ValueError(f"ends are 'natural' or 'level', {ends!r} given")
@@ -85,10 +85,10 @@ def spline(
 def _second_derivatives(
     widths: Sequence[float], slopes: Sequence[float], *, level: bool
 ) -> list[float]:
-    """Second derivatives of the cubic spline at its points, by elimination of the tridiagonal rows.
+    """Return the second derivatives of the cubic spline at its points, from a tridiagonal system.
 
-    Inside, w0 b0 + 2 (w0 + w1) b1 + w1 b2 = 6 (s1 - s0) makes the slopes meet; a level end is the
-    same row with nothing beyond it.
+    Inside, w0 b0 + 2 (w0 + w1) b1 + w1 b2 = 6 (s1 - s0) makes the slopes continuous; a level end has
+    the same equation with zero width beyond it.
     """
     if not widths:
         return [0.0]
@@ -111,7 +111,7 @@ def _second_derivatives(
 
 
 def _instants(kind: str, points: Points, speed: float, start: float) -> list[tuple[float, float]]:
-    """The points with the instants at which the wheel meets them, checked."""
+    """Check the points, and return them with the times at which the wheel reaches them."""
     if not points:
         raise ValueError(f"a road {kind} needs at least one point")
     passing_time(1.0, speed)
@@ -138,7 +138,7 @@ def read_points(
     value_unit: str,
     delimiter: str = ",",
 ) -> list[tuple[float, float]]:
-    """Two columns of a CSV file with a heading, in SI units: points for `table` or `spline`.
+    """Read two columns of a CSV file with a heading, in SI units: points for `table` or `spline`.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def read_points(
     position, value : headings of the two columns
     position_unit : of the first, a length, time or speed (`m`, `mm`, `s`, `m/s`, ...)
     value_unit : of the second, a length, force or number (`m`, `mm`, `N`, `kN`, `1`, ...)
-    delimiter : what separates the columns
+    delimiter : separator of the columns
 
     Returns
     -------
@@ -154,8 +154,8 @@ def read_points(
 
     Raises
     ------
-    ValueError : a column or unit that is not there, a cell that is no finite number, positions that
-        do not ascend, or no row at all; file and line are named.
+    ValueError : a missing column, an unknown unit, a cell that is not a finite number, positions that
+        do not ascend, or no rows; the message names file and line.
     OSError : the file cannot be read.
     """
     scales = (_size(position_unit, ("m", "s", "m/s")), _size(value_unit, ("m", "N", "1")))
@@ -185,7 +185,7 @@ def read_points(
 
 
 def _size(unit: str, kinds: tuple[str, ...]) -> float:
-    """What one of `unit` is in the SI unit of its kind."""
+    """Return the size of a unit in the SI unit of its kind."""
     for kind in kinds:
         try:
             return to_si(f"1 {unit}", kind)
@@ -218,7 +218,7 @@ def _number(where: str, column: str, cell: str) -> float:
 
 
 def class_roughness(road_class: str) -> float:
-    """Gd(n0) at the middle of a road class (ISO 8608): 16e-6 m3 for A, four times as much for each next.
+    """Return Gd(n0) at the middle of a road class (ISO 8608): 16e-6 m3 for A, four times more per class.
 
     Parameters
     ----------
@@ -243,26 +243,26 @@ def random_profile(
     spacing: float | None = None,
     fade: float | None = None,
 ) -> Signal:
-    """Random road with the spectral density Gd(n) = Gd(n0) (n/n0)^-2, n0 = 0.1 cycles/m (ISO 8608).
+    """Return a random road of density Gd(n) = Gd(n0) (n/n0)^-2, n0 = 0.1 cycles/m (ISO 8608).
 
     Harmonics with amplitudes sqrt(2 Gd(n) dn) and random phases are sampled, and the samples joined
-    by a cubic spline. A raised cosine leads from the level road into the profile and out of it.
-    The same arguments give the same road everywhere, but for rounding.
+    by a cubic spline. The profile fades in and out by a raised cosine. The same arguments give the
+    same road on every machine, except for rounding.
 
     Parameters
     ----------
-    roughness : class `A` to `H`, or Gd(n0) itself, m3
+    roughness : class `A` to `H`, or Gd(n0), m3
     length : m, > 0
     speed : m/s, > 0
-    seed : whole number, not negative; another one gives another road
-    start : instant at which the wheel reaches it, s
+    seed : whole number, not negative
+    start : time at which the wheel reaches it, s
     band : lowest and highest spatial frequency, cycles/m
     spacing : of the samples, m; at most a quarter of the shortest wave, by default an eighth
-    fade : length over which the profile comes and goes, m; by default that of `fade_length`
+    fade : length over which the profile fades in and out, m; by default that of `fade_length`
 
     Raises
     ------
-    ValueError : no such class, a number out of its range, or a band without any harmonic.
+    ValueError : unknown class, a number out of its range, or a band without a harmonic.
     """
     density = class_roughness(roughness) if isinstance(roughness, str) else roughness
     if not 0.0 < density < inf:
@@ -279,14 +279,14 @@ def random_profile(
     spacing = _default_spacing(band) if spacing is None else spacing
     if not 0.0 < spacing <= widest:
         raise ValueError(
-            f"samples {spacing:g} m apart do not show waves of {1.0 / highest:g} m; at most {widest:g} m"
+            f"samples {spacing:g} m apart cannot show waves of {1.0 / highest:g} m; at most {widest:g} m"
         )
     fade = fade_length(length) if fade is None else fade
     if not 0.0 < fade <= 0.5 * length:
         raise ValueError(f"fade must be positive and at most half the length, {fade:g} m given")
     if length / spacing > _MOST_SAMPLES - 1:
         raise ValueError(
-            f"{length:g} m every {spacing:g} m are more than {_MOST_SAMPLES} samples; "
+            f"a road of {length:g} m sampled every {spacing:g} m has more than {_MOST_SAMPLES} samples; "
             "take a wider spacing, or a shorter road"
         )
     profile = _known_profile if type(density) is type(length) is float else _profile
@@ -294,19 +294,19 @@ def random_profile(
 
 
 def fade_length(length: float) -> float:
-    """Length over which a random road comes and goes: a tenth of its own, at most 20 m."""
+    """Return the length over which a random road fades in and out: a tenth of its own, at most 20 m."""
     return min(0.1 * length, _LONGEST_FADE)
 
 
 def share_of_variance(length: float) -> tuple[float, float]:
-    """Share of a road class's variance in waves as short as those of a random road; the longest, m.
+    """Return the share of a class's variance that a random road of this length has, and its longest wave.
 
-    The variance of Gd(n) = Gd(n0) (n/n0)^-2 between two frequencies goes with 1/n1 - 1/n2. A short
-    road lacks the waves that do not fit into its period.
+    The variance of Gd(n) = Gd(n0) (n/n0)^-2 between two frequencies is proportional to 1/n1 - 1/n2. A
+    short road lacks the waves that do not fit into its period.
 
     Raises
     ------
-    ValueError : a length into which no wave fits.
+    ValueError : no wave fits into the length.
     """
     count = max(ceil(length / _default_spacing(_BAND)), 2)
     first, _, dn = _numbers(count, length / count, _BAND)
@@ -316,14 +316,14 @@ def share_of_variance(length: float) -> tuple[float, float]:
 
 
 def _default_spacing(band: tuple[float, float]) -> float:
-    """Of samples, m: an eighth of the shortest wave."""
+    """Return the default spacing of samples, m: an eighth of the shortest wave."""
     return 0.125 / band[1]
 
 
 def _profile(
     density: float, length: float, spacing: float, fade: float, band: tuple[float, float], seed: int
 ) -> tuple[tuple[float, float], ...]:
-    """Positions and elevations of a random road's samples."""
+    """Return positions and elevations of a random road's samples."""
     count = max(ceil(length / spacing), 2)
     spacing = length / count
     elevations = _harmonics(density, count, spacing, band, Random(seed))
@@ -338,15 +338,15 @@ _known_profile = lru_cache(_ROADS_KEPT)(_profile)
 
 
 def _numbers(count: int, spacing: float, band: tuple[float, float]) -> tuple[int, int, float]:
-    """Numbers of the first and the last harmonic, and the spacing of their frequencies, cycles/m.
+    """Return the numbers of the first and the last harmonic, and their spacing dn, cycles/m.
 
-    The period 1/dn is the power of two samples that holds them all, so that nothing repeats.
+    The period 1/dn is the least power of two that holds all samples, so that nothing repeats.
     """
     dn = 1.0 / (2 ** count.bit_length() * spacing)
     first, last = ceil(band[0] / dn), int(band[1] / dn)
     if first > last:
         raise ValueError(
-            f"no harmonic of a road of {count * spacing:g} m lies between {band[0]:g} and "
+            f"a road of {count * spacing:g} m has no harmonic between {band[0]:g} and "
             f"{band[1]:g} cycles/m; take a wider band, or a longer road"
         )
     return first, last, dn
@@ -355,7 +355,7 @@ def _numbers(count: int, spacing: float, band: tuple[float, float]) -> tuple[int
 def _harmonics(
     density: float, count: int, spacing: float, band: tuple[float, float], random: Random
 ) -> list[float]:
-    """Elevations at count + 1 samples: sum of sqrt(2 Gd(n) dn) cos(2 pi n x + phase), n = k dn.
+    """Return elevations at count + 1 samples: sum of sqrt(2 Gd(n) dn) cos(2 pi n x + phase), n = k dn.
 
     Over a period of a power of two samples the sum is a fast Fourier transform.
     """
@@ -370,7 +370,7 @@ def _harmonics(
 
 
 def _fourier_sum(spectrum: list[complex], turns: list[complex]) -> list[complex]:
-    """Sum over k of spectrum[k] exp(2 pi i j k / N) for all j; N a power of two (Cooley, Tukey 1965).
+    """Return sum over k of spectrum[k] exp(2 pi i j k / N), all j; N a power of two (Cooley, Tukey 1965).
 
     Parameters
     ----------
@@ -388,6 +388,6 @@ def _fourier_sum(spectrum: list[complex], turns: list[complex]) -> list[complex]
 
 
 def _raised_cosine(x: float, length: float, fade: float) -> float:
-    """1 inside, falling smoothly to 0 at both ends."""
+    """Return 1 inside, falling smoothly to 0 at both ends."""
     distance = min(x, length - x)
     return 1.0 if distance >= fade else 0.5 - 0.5 * cos(pi * distance / fade)

@@ -1,4 +1,4 @@
-"""A road as a source of signals for vehicles elsewhere: what the FMU `Road` does, without FMI."""
+"""A road as a source of signals for external vehicles: the FMU `Road` without FMI."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .variables import ParameterError, Value, checked_parameters, refuse_unknown
 
 
 class RoadSource:
-    """Elevation and velocity of a road under two axles, at the present time; no state but that.
+    """Elevation and velocity of a road under two axles; its only state is the present time.
 
-    It is handled as a `Session` is.
+    It has the methods of `Session`.
 
     Parameters
     ----------
     model : `Road`
     parameters : public parameters by name, in SI or as texts with units; the others at their defaults
     start_time : s
-    tolerance : not needed
+    tolerance : ignored
 
     Raises
     ------
@@ -49,7 +49,7 @@ class RoadSource:
         }
 
     def set_input(self, name: str, value: float) -> None:
-        """There are no inputs.
+        """Refuse any input: there are none.
 
         Raises
         ------
@@ -58,7 +58,7 @@ class RoadSource:
         raise ParameterError(f"{name} = {value}: {self.model} has no inputs")
 
     def set_parameter(self, name: str, value: object) -> None:
-        """No parameter is tunable.
+        """Refuse any change: no parameter is tunable.
 
         Raises
         ------
@@ -67,18 +67,18 @@ class RoadSource:
         raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
 
     def advance(self, until: float) -> None:
-        """Go on to `until`, s.
+        """Step to the time `until`, s.
 
         Raises
         ------
-        SimulationError : an instant that is none.
+        SimulationError : `until` is not finite.
         """
         if not isfinite(until):
-            raise SimulationError(f"cannot step to {until} s")
+            raise SimulationError(f"cannot step to {until} s: the time must be finite")
         self.time = until
 
     def value(self, name: str) -> Value:
-        """An output or parameter at the present time; at a joint of the road, of what follows it.
+        """Return an output or parameter at the present time; at a joint of the road, the value after it.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class RoadSource:
         return self.parameters[name]
 
     def snapshot(self) -> bytes:
-        """The whole state as bytes (JSON)."""
+        """Return the whole state as bytes (JSON)."""
         return json.dumps({"time": self.time, "ok": self.ok}).encode()
 
     def restore(self, state: bytes) -> None:

@@ -1,7 +1,7 @@
-"""Roads under a wheel as functions of time: the named shapes, and chains of them.
+"""Roads under a wheel as functions of time: the named shapes, and sequences of them.
 
-Measured and random profiles come from `profiles`; what all of them are made of stands in `signals`.
-Everything a road or a load needs can be had from here.
+Measured and random profiles are in `profiles`, the signals that they consist of in `signals`. All
+functions for roads and loads can be imported from here.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def bump(height: float, length: float, speed: float, start: float = 0.0) -> Sign
     ----------
     height, length : m; length > 0
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
 
     Raises
     ------
@@ -69,7 +69,7 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
     ----------
     height, length : m; T = length / speed is the time it takes to pass
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
 
     Raises
     ------
@@ -92,7 +92,7 @@ def obstacle(height: float, length: float, speed: float, start: float = 0.0) -> 
 
 
 def sine(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
-    """Endless sine of wave length `length` and double amplitude `height`, rising from zero at `start`.
+    """Endless sine of wavelength `length` and double amplitude `height`, rising from zero at `start`.
 
     Raises
     ------
@@ -118,15 +118,15 @@ def sweep(
 ) -> Signal:
     """Sine whose frequency changes linearly in time: (height/2) sin(2 pi (f0 t + (f1 - f0) t^2 / 2T)).
 
-    It rises from zero; afterwards the elevation stays where it is, which is at zero if
-    (f0 + f1) T is a whole number.
+    It rises from zero. Afterwards the elevation is constant, and zero if (f0 + f1) T is a whole
+    number.
 
     Parameters
     ----------
     height : double amplitude, m
     first_frequency, last_frequency : f0 and f1, Hz; >= 0
     duration : T, s; > 0
-    start : instant at which it begins, s
+    start : time at which it begins, s
 
     Raises
     ------
@@ -153,15 +153,15 @@ def wave_length_sweep(
     speed: float,
     start: float = 0.0,
 ) -> Signal:
-    """Waves between two lengths, their number per metre changing linearly along the road.
+    """Sine between two wavelengths, whose spatial frequency changes linearly along the road.
 
     Parameters
     ----------
     height : double amplitude, m
-    first_length, last_length : wave lengths at both ends, m; > 0
+    first_length, last_length : wavelengths at both ends, m; > 0
     length : of the whole road, m; > 0
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
 
     Raises
     ------
@@ -172,14 +172,14 @@ def wave_length_sweep(
 
 
 def ramp(height: float, length: float, speed: float, start: float = 0.0) -> Signal:
-    """Straight ramp to another level, as a curb; of no length it is a step.
+    """Straight ramp to another level, such as a kerb; with a length of 0 it is a step.
 
     Parameters
     ----------
     height : of the new level above the old one, m; negative leads down
     length : of the ramp, m; >= 0
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
 
     Raises
     ------
@@ -206,9 +206,9 @@ def plank(
 
     Parameters
     ----------
-    height, length : of the plank, ramps included, m; length > 0
+    height, length : of the plank, including its ramps, m; length > 0
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
     up_length, down_length : of the two ramps, m; together no longer than the plank
 
     Raises
@@ -218,7 +218,7 @@ def plank(
     passing_time(length, speed)
     top = length - up_length - down_length
     if abs(top) <= 1e-12 * length:
-        top = 0.0  # the ramps meet, and no sliver of rounding is left between them
+        top = 0.0  # the ramps meet: no sliver from rounding between them
     if top < 0.0:
         raise ValueError(
             f"ramps of {up_length:g} m and {down_length:g} m do not fit on {length:g} m"
@@ -242,9 +242,9 @@ def pothole(
 
     Parameters
     ----------
-    depth, length : of the hole, ramps included, m; length > 0
+    depth, length : of the hole, including its ramps, m; length > 0
     speed : m/s, > 0
-    start : instant at which the wheel reaches it, s
+    start : time at which the wheel reaches it, s
     down_length, up_length : of the two ramps, m; together no longer than the hole
 
     Raises
@@ -260,16 +260,16 @@ def sequence(
     speed: float = 1.0,
     start: float = 0.0,
 ) -> Signal:
-    """Roads one after the other, each at the level at which the one before ended.
+    """Successive roads, each starting at the level at which the previous one ended.
 
-    Where a part lies by itself does not matter: it is moved to its place.
+    The parts' own start times do not matter: each part is moved to its place.
 
     Parameters
     ----------
-    parts : at least one; level before its first joint and, but for the last part, after its last
+    parts : at least one; level before its first joint and, except for the last part, after its last
     gaps : level road between the parts, m; one number for all, or one for each pair of neighbours
-    speed : m/s, > 0, the same that the parts were made for
-    start : instant at which the wheel reaches the first part, s
+    speed : m/s, > 0, the speed for which the parts were made
+    start : time at which the wheel reaches the first part, s
 
     Raises
     ------
@@ -290,13 +290,13 @@ def sequence(
         first, last = part.segments[0], part.segments[-1]
         if not part.joints or not first.level or not (last.level or number == len(parts)):
             raise ValueError(
-                f"road {number} of the sequence has no beginning or end: only the last may go on "
-                "for ever, and every one must start from level road"
+                f"road {number} of the sequence has no beginning or end: only the last may be "
+                "endless, and each must start from level road"
             )
         ends_at = chain[-1].coefficients[0]
         begin = end + wait
         if number > 1 and not begin > end:
-            chain.pop()  # no level road between the two
+            chain.pop()  # no gap between the two
         rise = ends_at - first.coefficients[0]
         delay = begin - part.joints[0]
         chain += (_raised(segment, rise) for segment in part.delayed(delay).segments[1:])
@@ -306,6 +306,6 @@ def sequence(
 
 
 def _raised(segment: Segment, rise: float) -> Segment:
-    """The same segment at another level."""
+    """Return the segment at another level."""
     c0, c1, c2, c3 = segment.coefficients
     return segment._replace(coefficients=(c0 + rise, c1, c2, c3))

@@ -1,7 +1,7 @@
-"""Outputs over whole runs as columns, from the arrays that the integrator fills in one go.
+"""Outputs over whole runs as columns, from the arrays that the integrator fills in one batch.
 
-Every output over time that is a number is linear in displacements, velocities, accelerations, forces of
-the elements and the road; contact follows from the instants at which it was lost and regained.
+Every numeric output over time is linear in displacements, velocities, accelerations, forces of the
+elements and the road; contact follows from the times at which it was lost and regained.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from .signals import Segment, Signal
 from .systems import System
 
 _OF_CONTACT = KINDS.index("contact")
-_MOST_RUNS = 64  # in one go
-_MOST_FILLED = 50_000  # numbers that the integrator fills in one
+_MOST_RUNS = 64  # in one batch
+_MOST_FILLED = 50_000  # numbers that the integrator fills in one batch
 DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
 _ORDERS = ("displacement", "velocity", "acceleration")
 _CONTACT = {  # attributes of `Contact` by the outputs' names
@@ -42,10 +42,10 @@ class Line:
 
     Parameters
     ----------
-    kind : what x is: DISPLACEMENT, VELOCITY, ACCELERATION or FORCE
+    kind : the kind of x: DISPLACEMENT, VELOCITY, ACCELERATION or FORCE
     direction : b by the index of the coordinate or element
-    road : name of the signal u, or empty; of velocities its rate
-    axle : number of the axle whose static load is the offset; None for no offset
+    road : name of the signal u, or empty; for velocities its rate is used
+    axle : index of the axle whose static load is the offset; None for no offset
     """
 
     kind: int
@@ -55,12 +55,12 @@ class Line:
     axle: int | None = None
 
     def is_alone(self) -> bool:
-        """Whether it is one of x and no more."""
+        """Return whether it is a single entry of x."""
         return not self.road and self.axle is None and list(self.direction.values()) == [1.0]
 
 
 def lines(system: System) -> dict[str, Line]:
-    """The outputs of a system that are linear."""
+    """Return the linear outputs of a system."""
     return dict(_lines(system))
 
 
@@ -101,17 +101,17 @@ def _terms(direction: Sequence[float]) -> dict[int, float]:
 
 
 def over_time(system: System) -> list[str]:
-    """Names of the outputs that `Series.go` gives."""
+    """Return the names of the outputs of `Series.go`."""
     return [*lines(system), *_of_tyres(system, _CONTACT)]
 
 
 def at_the_end(system: System) -> list[str]:
-    """Names of the outputs that `Series.ends` gives."""
+    """Return the names of the outputs of `Series.ends`."""
     return ["step_count", *_of_tyres(system, ("airborne_time", *_CONTACT))]
 
 
 def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[int | None, str]]:
-    """What there is to be told of every tyre: the number of its element, and what."""
+    """Return the element and the quantity of each contact output of every tyre."""
     return {
         f"{a.prefix}{name}": (system.element(a.tyre), name)
         for a in system.axles if a.tyre for name in names
@@ -119,15 +119,15 @@ def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[int | Non
 
 
 class Ended(NamedTuple):
-    """How a run has ended.
+    """The end of a run.
 
     Parameters
     ----------
-    status : 0, or the key of `engine.FAILURES` that says why it could not go on
-    filled : how many instants it reached
-    time : where it ended, s
-    steps : how many it took
-    log_end : where its switches end in the log of the go
+    status : 0, or the key of its failure in `engine.FAILURES`
+    filled : number of times that it reached
+    time : at which it ended, s
+    steps : number of steps taken
+    log_end : index at which its switches end in the log of the batch
     """
 
     status: int
@@ -138,16 +138,16 @@ class Ended(NamedTuple):
 
 
 class Series:
-    """The columns of runs over the same instants, which one integrator makes one after the other.
+    """The columns of runs over the same times, made one after the other by one integrator.
 
     Parameters
     ----------
-    integrator : makes them
-    system : what is to be stepped, one or many (see `many`); others may differ in their numbers
+    integrator : the integrator
+    system : the system of one or many runs (see `many`); other systems may differ in their numbers
     times : s, ascending
-    names : the outputs that are wanted over time
-    at_end : those that are wanted at the last instant
-    corners : whether `switches` and `joints` are wanted
+    names : outputs over time
+    at_end : outputs at the last time
+    corners : whether `switches` and `joints` are needed
     """
 
     def __init__(
@@ -162,8 +162,8 @@ class Series:
         self._times, self._names, self._at_end = times, names, at_end
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
         self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
-        told = {what for name, (_, what) in self._tyres.items() if name in {*names, *at_end}}
-        self._tells = corners or not told <= {"airborne_time"}
+        wanted = {what for name, (_, what) in self._tyres.items() if name in {*names, *at_end}}
+        self._logged = corners or not wanted <= {"airborne_time"}
         self._integrator = integrator
         self.enter(system)
         kinds = {line.kind for line in self._lines if line is not None}
@@ -176,29 +176,29 @@ class Series:
         self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
         filled = (self._filled.get(kind) for kind in range(4))
         integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
-        self._rows = Rows(integrator, self._tells)
+        self._rows = Rows(integrator, self._logged)
 
     def enter(self, system: System) -> None:
-        """Get ready for runs of another system."""
+        """Prepare for runs of another system."""
         self._system = system
         found = dict(_lines(system))
         self._lines = [found.get(name) for name in self._names]
         self._alone = [line is not None and line.is_alone() for line in self._lines]
 
     def take(self, numbers: npt.NDArray[np.float64]) -> None:
-        """Keep the `row` of each run, (runs, numbers)."""
+        """Store the `row` of each run, (runs, numbers)."""
         self._rows.take(numbers.reshape(-1).data, self._times[0])
 
     def go(self, first: int, into: npt.NDArray[np.float64]) -> list[Ended]:
-        """Make the runs from `first` on, at least one, and say how those made have ended.
+        """Make at least one run, from `first` on, and return the ends of the runs made.
 
         Parameters
         ----------
-        into : the columns of all runs, (outputs, runs, instants); those of a run that has failed are
-            right as far as it came
+        into : the columns of all runs, (outputs, runs, times); those of a failed run are valid up to
+            its end
         """
         ended = [*map(Ended._make, self._rows.go(first, into.shape[1]))]
-        self._logs = self._taken_apart(ended) if self._tells else []
+        self._logs = self._taken_apart(ended) if self._logged else []
         last = first + len(ended)
         with np.errstate(all="ignore"):  # a motion may have diverged
             for k, line in enumerate(self._lines):
@@ -215,20 +215,20 @@ class Series:
         return ended
 
     def _taken_apart(self, ended: Sequence[Ended]) -> list[_Log]:
-        """The switches of each run of the last go."""
+        """Return the switches of each run of the last batch."""
         log, ends = self._integrator.log, [0, *(one.log_end for one in ended)]
         return [log[a:b] for a, b in pairwise(ends)]
 
     def ends(self, k: int, ended: Ended) -> dict[str, float]:
-        """The outputs at the last instant of run k of the last go, of those that add up over it."""
+        """Return the outputs at the last time of run k of the last batch."""
         return {name: self._end(name, k, ended) for name in self._at_end}
 
     def switches(self, k: int) -> list[float]:
-        """The instants at which an element changed its branch in run k of the last go, s."""
+        """Return the times at which an element changed its branch in run k of the last batch, s."""
         return [instant for instant, *_ in self._logs[k]]
 
     def joints(self, runs: int) -> Column:
-        """The instants at which roads and loads have joints, s, ascending, (runs, joints)."""
+        """Return the times at which roads and loads have joints, s, ascending, (runs, joints)."""
         starts = [
             np.broadcast_to(np.asarray(segment.start), runs)
             for signal in self._system.signals.values()
@@ -237,7 +237,7 @@ class Series:
         return np.sort(np.array(starts, float).reshape(-1, runs).T, axis=1)
 
     def _fill(self, column: Column, line: Line, first: int) -> None:
-        """A column of so many runs, (runs, instants), of which this is the first one."""
+        """Fill the column of successive runs, (runs, times), from run `first` on."""
         runs, filled = len(column), self._filled[line.kind]
         column[:] = 0.0
         for i, b in line.direction.items():
@@ -249,7 +249,7 @@ class Series:
             column += _of_runs(self._system.axles[line.axle].static_load, first, runs)
 
     def _under(self, road: str, order: int, run: int) -> Column:
-        """A road or its rate at all instants, found once for as long as it is the same road."""
+        """Return a road or its rate at all times; cached while the road is the same."""
         segments = of_run(self._system.signals[road].segments, run)
         known = self._roads.get((road, order))
         if known is None or known[0] is not segments:
@@ -259,7 +259,7 @@ class Series:
         return known[1]
 
     def _of_contact(self, name: str, times: array[float], log: _Log, run: int) -> array[float]:
-        """Contact as it stands at these instants, from the switches located in a run of the last go."""
+        """Return a contact output at given times, from the switches in a run of the last batch."""
         tyre, what = self._tyres[name]
         read = attrgetter(_CONTACT[what])
         switches = [
@@ -286,7 +286,7 @@ class Series:
 
 
 def _of_runs(number: float, first: int, runs: int) -> float | npt.NDArray[np.float64]:
-    """A number of so many runs, for columns of them."""
+    """Return the numbers of successive runs, shaped for their columns."""
     if isinstance(number, Many):
         return np.asarray(number)[first : first + runs, None]
     return number

@@ -1,9 +1,8 @@
 """One model being stepped: parameters in, communication steps, named outputs out.
 
-This is what an FMU does, without FMI. With a road of its own the integrator steps as it likes, ahead
-of the communication points, and outputs are read off its interpolant; with signals from outside it
-stops on every communication point, because what comes after it is not known, and carries them on
-within each step (see `inputs`).
+This is an FMU without FMI. With an internal road the integrator chooses its steps freely, ahead of
+the communication points, and outputs are interpolated. With inputs it stops at every communication
+point, because the inputs after it are unknown, and extrapolates them within each step (see `inputs`).
 """
 
 from __future__ import annotations
@@ -26,23 +25,23 @@ from .systems import System
 from .variable import number
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
-_AT_REST = 1e-12  # s by which a communication point may lie before the present, from rounding
+_AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 
 
-_MOST_EVENTS = 100_000  # that are remembered
+_MOST_EVENTS = 100_000  # stored per run
 
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """An element that went over from one of its branches to another.
+    """The switch of an element from one of its branches to another.
 
     Parameters
     ----------
     time : s
     element : its name
-    kind : what of it: one of `engine.KINDS`
-    before, after : numbers of the branches: pieces of a law from below; contact 0 on and 1 off the
-        road; friction -1 and 1 slipping, 0 sticking
+    kind : one of `engine.KINDS`
+    before, after : numbers of the branches: pieces of a law in ascending order; contact 0 on and 1
+        off the road; friction -1 and 1 slipping, 0 sticking
     """
 
     time: float
@@ -53,7 +52,7 @@ class Event:
 
 
 class SimulationError(RuntimeError):
-    """A step that could not be made; the message says when and why."""
+    """A step that failed; the message says when and why."""
 
 
 class Session:
@@ -64,7 +63,7 @@ class Session:
     model : a key of `variables.MODELS`, such as `QuarterCar`
     parameters : public parameters by name, in SI or as texts with units; the others at their defaults
     start_time : s
-    tolerance : the host's tolerance; counts where `solver.tolerance` is left at its default
+    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default
 
     Raises
     ------
@@ -102,12 +101,11 @@ class Session:
         self._sample()
 
     def _start_moving(self) -> None:
-        """Start from equilibrium on the road as it is, and as the initial values say.
+        """Start from equilibrium on the present road, plus the initial values.
 
-        A wheel may hang in the air then: it has not lifted off during the run, so that counts as no
-        lift-off.
+        A wheel may start in the air; this does not count as a lift-off.
         """
-        now = replace(self._system, signals=self._signals)  # with what the inputs say
+        now = replace(self._system, signals=self._signals)  # with the present inputs
         rest = [0.0] * len(now.coordinates)
         state = start_state(now, self.parameters, self.time) or (rest, rest)
         self._integrator.sample(self.time)
@@ -118,7 +116,7 @@ class Session:
             self.contacts[axle] = Contact(airborne=self._integrator.at_limit(tyre))
 
     def _new_integrator(self, system: System) -> Any:
-        """An integrator at the present time, by the solver's parameters."""
+        """Return an integrator at the present time, with the solver's parameters."""
         p = self.parameters
         wanted = p["solver.tolerance"]
         default = next(v.start for v in variables(self.model) if v.name == "solver.tolerance")
@@ -139,7 +137,7 @@ class Session:
             raise ParameterError(str(error)) from None
 
     def _attach(self, system: System, integrator: Any) -> None:
-        """Make a system and its integrator those of this session."""
+        """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
         self._behind = integrator.snapshot()
         self._tyres = {
@@ -148,15 +146,15 @@ class Session:
             if (element := system.element(axle.tyre)) is not None
         }
         self.state = State(system, integrator)
-        self.readers = readers(system, integrator, self)  # of outputs, while all is well
+        self.readers = readers(system, integrator, self)  # of outputs, while `ok`
 
     # -- inputs and stepping -------------------------------------------------------------------------
 
     def set_input(self, name: str, value: float) -> None:
-        """Give an input its value from the present time on.
+        """Set an input from the present time on.
 
-        A call counts as a sample also if the value is the one before; how it goes on between
-        samples says `inputs`.
+        A call counts as a sample even if the value is unchanged. See `inputs` for the course between
+        samples.
 
         Raises
         ------
@@ -168,13 +166,13 @@ class Session:
         self._inputs[name] = self._inputs[name].set(self.time, value)
 
     def set_parameter(self, name: str, value: object) -> None:
-        """Give a tunable parameter its value from the present time on.
+        """Set a tunable parameter from the present time on.
 
-        The next `advance` makes the system anew and takes motion, contacts, road and energy over.
+        The next `advance` rebuilds the system and keeps motion, contacts, road and energy.
 
         Raises
         ------
-        ParameterError : no such parameter, one that is fixed, or a value that it cannot have.
+        ParameterError : unknown or fixed parameter, or a value that it cannot have.
         """
         refuse_unknown([name], self.parameters, f"{self.model} has no parameter")
         variable = next(v for v in variables(self.model) if v.name == name)
@@ -183,19 +181,19 @@ class Session:
         self._tuned[name] = variable.checked(value)
 
     def advance(self, until: float) -> None:
-        """Go on to `until`, s.
+        """Step to the time `until`, s.
 
         Raises
         ------
-        SimulationError : the motion diverged, or a step could not be made; `ok` is false from then on.
-        ParameterError : parameters that were given during the run do not fit together.
+        SimulationError : the motion diverged, or a step failed; `ok` is false from then on.
+        ParameterError : parameters set during the run are inconsistent.
         """
         if not self.ok:
-            raise SimulationError(f"the run failed before, at {self.time:.9g} s")
+            raise SimulationError(f"the run has already failed, at {self.time:.9g} s")
         if not isfinite(until) or until < self.time - _AT_REST:
             raise SimulationError(
-                f"cannot step from {self.time:.9g} s to {until:.9g} s: steps go forward, "
-                "to a finite instant"
+                f"cannot step from {self.time:.9g} s to {until:.9g} s: the end of a step must be "
+                "finite and not before its start"
             )
         if self._tuned:
             self._take_parameters()
@@ -228,12 +226,12 @@ class Session:
             raise SimulationError(reason)
 
     def _forget_events(self) -> None:
-        """Leave those that were before the integrator's present."""
+        """Delete the events after the integrator's present time."""
         while self.events and self.events[-1].time > self._integrator.time:
             self.events.pop()
 
     def _note_stability(self) -> None:
-        """Say once that the fixed step was found too long."""
+        """Report once that the fixed step is too long."""
         beyond = self._integrator.beyond_stable()
         if beyond is not None and not self._warned:
             self._warned = True
@@ -242,7 +240,7 @@ class Session:
                 (
                     "info",
                     f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
-                    f"{since:.6g} s on: taken in parts of at most {stable:.3g} s",
+                    f"{since:.6g} s on: it is divided into parts of at most {stable:.3g} s",
                 )
             )
 
@@ -259,7 +257,7 @@ class Session:
             )
 
     def _take_parameters(self) -> None:
-        """From the present time on another system moves on, from the present state."""
+        """Rebuild the system with the parameters set, and continue from the present state."""
         tuned, self._tuned = self._tuned, {}
         parameters = {**self.parameters, **tuned}
         if parameters == self.parameters:
@@ -278,16 +276,16 @@ class Session:
         self._compare_contacts()
 
     def _compare_contacts(self) -> None:
-        """A contact may end or begin without motion, by another tyre."""
+        """Note contacts that end or begin because the tyre's parameters changed."""
         for tyre, axle in self._tyres.items():
             airborne = self._integrator.at_limit(tyre)
             if airborne != self.contacts[axle].airborne:
                 self._ahead.append((self.time, axle, airborne))
 
     def _take_inputs(self, until: float) -> None:
-        """Hand the inputs to the integrator, at the present time, for a step that ends at `until`."""
+        """Pass the inputs to the integrator, at the present time, for a step that ends at `until`."""
         if not self._sampled:
-            # of an internal road the inputs are not looked at; forces may set in at any time
+            # inputs of an internal road are ignored; forces may set in at any time
             now = [self._signals[name].segments[0].coefficients[0] for name in self._forces]
             if now == [self._inputs[name].value for name in self._forces]:
                 return
@@ -296,24 +294,24 @@ class Session:
         self._hand_over(until)
 
     def _line(self, signal: str) -> Line:
-        """How a signal from outside goes on at present."""
+        """Return the present course of an input signal."""
         now = self._signals[signal].segments[0]
         return Line(now.origin, *now.coefficients[:2])
 
     def _stop_here(self) -> None:
-        """The integrator may have gone ahead as if nothing would change: repeat that up to now."""
+        """Return to the present: repeat the steps up to now if the integrator has gone ahead."""
         if self._integrator.time <= self.time:
             return
-        said = len(self.messages)
+        reported = len(self.messages)
         self._integrator.restore(self._behind)
         self._forget_events()
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
         self._ahead = []
-        del self.messages[said:]
+        del self.messages[reported:]
 
     def _hand_over(self, until: float) -> None:
-        """What the inputs say for a step that ends at `until`."""
+        """Set the integrator's signals from the inputs, for a step that ends at `until`."""
         lines = {name: carried(self._inputs[name], until) for name in self._forces}
         for road in self._roads:
             elevation, velocity = (self._inputs[f"{road}_{x}"] for x in ("elevation", "velocity"))
@@ -325,13 +323,13 @@ class Session:
             moved = True
             coefficients = (lines[name].at(self.time), lines[name].slope, 0.0, 0.0)
             self._signals[name] = Signal((Segment(-inf, self.time, coefficients),))
-            # a road that is elsewhere at the start has always been there: no jump
+            # a road that is not at 0 at the start has always been there: no jump
             self._integrator.set_signal(signal, coefficients, self.time > self._start)
         if self.time > self._start:
             self._note_switches()
         elif moved:
             self._start_moving()
-            self._integrator.take_log()  # where the road is from the start on, nothing switches
+            self._integrator.take_log()  # the initial level of the road switches nothing
 
     def _note_switches(self) -> None:
         log = self._integrator.take_log()
@@ -348,18 +346,18 @@ class Session:
 
     @property
     def integrator(self) -> Any:
-        """The integrator at work, for what there is to be read of it besides the outputs."""
+        """The integrator, for quantities that are not outputs."""
         return self._integrator
 
     @property
     def sources(self) -> tuple[str, ...]:
-        """The roads and loads that bring energy in, in the order of the ledger."""
+        """The roads and loads that do work on the system, in the order of the energy ledger."""
         return tuple(self._system.signals)
 
     # -- outputs -------------------------------------------------------------------------------------
 
     def _sample(self) -> None:
-        """Read the state at the present time off the integrator's interpolant."""
+        """Interpolate the state at the present time."""
         while self._ahead and self._ahead[0][0] <= self.time:
             instant, axle, airborne = self._ahead.pop(0)
             self.contacts[axle].switch(instant, airborne)
@@ -369,7 +367,7 @@ class Session:
         self.state.at(self.time, self._signals)
 
     def value(self, name: str) -> Value:
-        """An output, input or parameter at the present time; not a number once the run has failed.
+        """Return an output, input or parameter at the present time; NaN once the run has failed.
 
         Raises
         ------
@@ -388,7 +386,7 @@ class Session:
     # -- whole state ---------------------------------------------------------------------------------
 
     def snapshot(self) -> bytes:
-        """The whole state as bytes (JSON); `restore` continues from it to the bit."""
+        """Return the whole state as bytes (JSON); `restore` continues from it to the bit."""
         return json.dumps(
             {
                 "model": self.model,
@@ -415,7 +413,7 @@ class Session:
 
         Raises
         ------
-        ValueError : a snapshot of another model, or made with other parameters.
+        ValueError : a snapshot of another model or with other parameters.
         """
         kept = json.loads(state)
         if (kept["model"], kept["parameters"]) != (self.model, self.parameters):
@@ -438,13 +436,13 @@ class Session:
 def start_state(
     system: System, parameters: Mapping[str, Value], time: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-    """Where a run starts: static equilibrium on the road as it is just before, plus what is given.
+    """Return the initial state: static equilibrium on the road just before, plus the initial values.
 
-    Forces from outside act from the start on: what they do is no equilibrium.
+    External forces act from the start on and are not part of the equilibrium.
 
     Returns
     -------
-    Displacements (m) and velocities (m/s), or None where all of them are zero.
+    Displacements (m) and velocities (m/s), or None if all of them are zero.
     """
     levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
@@ -460,7 +458,7 @@ def start_state(
 
 @cache
 def _initial(coordinates: tuple[str, ...]) -> list[list[str]]:
-    """Names of the parameters that displacements and velocities at the start have."""
+    """Return the names of the parameters of the initial displacements and velocities."""
     return [
         [f"initial.{name}_{what}".replace("._", ".") for name in coordinates]
         for what in ("displacement", "velocity")
@@ -473,7 +471,7 @@ def simulate(
     times: Iterable[float],
     outputs: Iterable[str],
 ) -> dict[str, list[Value]]:
-    """Run a model over ascending instants, in this process, and collect outputs.
+    """Run a model over ascending times, in this process, and collect outputs.
 
     Parameters
     ----------
@@ -486,12 +484,12 @@ def simulate(
 
     Raises
     ------
-    ValueError : no instant at all.
+    ValueError : `times` is empty.
     ParameterError, SimulationError : as `Session`.
     """
     times = list(times)
     if not times:
-        raise ValueError("there is nothing to simulate: give at least one instant")
+        raise ValueError("there is nothing to simulate: give at least one time")
     session = Session(model, parameters, times[0])
     columns: dict[str, list[Value]] = {"time": list(times), **{name: [] for name in outputs}}
     for time in times:

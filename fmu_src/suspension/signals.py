@@ -1,8 +1,8 @@
-"""Functions of time made of segments, with their derivatives and the instants where these jump.
+"""Functions of time made of segments, with their derivatives and the times at which these jump.
 
 A signal is a chain of segments, each a cubic polynomial plus one cosine whose phase may be
-quadratic in time. Bumps, obstacles, sines, sweeps, tables and forces are all of that kind, so the
-integrator evaluates every one of them by one formula and lands on every joint.
+quadratic in time. Bumps, obstacles, sines, sweeps, tables and forces all have this form, so the
+integrator evaluates them by one formula and ends a step on every joint.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _GAUSS = (  # five nodes on (0, 1) and their weights
     (0.76923465505284155, 0.23931433524968324),
     (0.95308992296933199, 0.11846344252809454),
 )
-_ROUNDING = 64.0 * 2.0**-52  # what a difference of two rounded sums may be, relative to the terms
+_ROUNDING = 64.0 * 2.0**-52  # of a difference of two rounded sums, relative to the terms
 
 
 class Segment(NamedTuple):
@@ -34,7 +34,7 @@ class Segment(NamedTuple):
     phase: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def derivatives(self, t: float) -> tuple[float, float, float, float]:
-        """Value and the first three time derivatives at t."""
+        """Return the value and the first three time derivatives at t."""
         s = t - self.origin
         c0, c1, c2, c3 = self.coefficients
         value = c0 + s * (c1 + s * (c2 + s * c3))
@@ -54,11 +54,11 @@ class Segment(NamedTuple):
 
     @property
     def level(self) -> bool:
-        """Whether the value never changes."""
+        """Whether the value is constant."""
         return self.amplitude == 0.0 and not any(self.coefficients[1:])
 
     def rounding(self, t: float) -> float:
-        """How far rounding, of the instants too, may have moved the value at t."""
+        """Return the possible rounding error of the value at t, including that of the times."""
         s = abs(t - self.origin)
         terms = sum(abs(c) * s**k for k, c in enumerate(self.coefficients))
         if self.amplitude != 0.0:
@@ -67,7 +67,7 @@ class Segment(NamedTuple):
         return _ROUNDING * (terms + abs(self.derivatives(t)[1] * t))
 
     def integral(self, t0: float, t1: float) -> float:
-        """Integral of the value from t0 to t1."""
+        """Return the integral of the value from t0 to t1."""
         s0, s1 = t0 - self.origin, t1 - self.origin
         width = s1 - s0
         middle = 0.5 * (s0 + s1)
@@ -83,7 +83,7 @@ class Segment(NamedTuple):
             half = 0.5 * p1 * width
             sinc = sin(half) / half if half != 0.0 else 1.0
             return total + self.amplitude * width * cos(p0 + p1 * middle) * sinc
-        # A phase quadratic in time gives Fresnel integrals: by Gauss, in panels of half a radian.
+        # A quadratic phase gives Fresnel integrals: Gauss quadrature in panels of half a radian.
         turn = max(abs(p1 + 2.0 * p2 * s0), abs(p1 + 2.0 * p2 * s1)) * abs(width)
         panels = int(2.0 * turn) + 1
         part = width / panels
@@ -115,14 +115,14 @@ class Signal:
 
     @property
     def joints(self) -> tuple[float, ...]:
-        """The instants at which two segments meet, s, ascending."""
+        """The times at which two segments meet, s, ascending."""
         return tuple(segment.start for segment in self.segments[1:])
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:
-        """The joints at which the value itself jumps: instant in s and height, new less old value.
+        """The joints at which the value jumps: time in s and height, new minus old value.
 
-        A difference that rounding alone explains is none.
+        Differences within rounding are ignored.
         """
         found = []
         for left, right in pairwise(self.segments):
@@ -133,29 +133,29 @@ class Signal:
         return tuple(found)
 
     def derivatives(self, t: float) -> tuple[float, float, float, float]:
-        """Value and the first three derivatives at t (to the right of a joint)."""
+        """Return the value and the first three derivatives at t (to the right of a joint)."""
         here = bisect_right(self.segments, t, lo=1, key=_start) - 1
         return self.segments[here].derivatives(t)
 
     def value(self, t: float) -> float:
-        """Elevation in m (or force in N) at t."""
+        """Return the elevation in m (or force in N) at t."""
         return self.derivatives(t)[0]
 
     def before(self, t: float) -> float:
-        """Value that the signal comes from at t: to the left of a joint."""
+        """Return the value at t to the left of a joint."""
         here = bisect_left(self.segments, t, lo=1, key=_start) - 1
         return self.segments[here].derivatives(t)[0]
 
     def rate(self, t: float) -> float:
-        """First derivative at t."""
+        """Return the first derivative at t."""
         return self.derivatives(t)[1]
 
     def acceleration(self, t: float) -> float:
-        """Second derivative at t."""
+        """Return the second derivative at t."""
         return self.derivatives(t)[2]
 
     def integral(self, t0: float, t1: float) -> float:
-        """Integral of the value from t0 to t1, joint by joint."""
+        """Return the integral of the value from t0 to t1, joint by joint."""
         if t1 < t0:
             return -self.integral(t1, t0)
         here = bisect_right(self.segments, t0, lo=1, key=_start)
@@ -167,7 +167,7 @@ class Signal:
         return total + self.segments[here - 1].integral(t0, t1)
 
     def delayed(self, delay: float) -> Signal:
-        """The same signal, `delay` seconds later: the rear axle meets the front axle's road."""
+        """Return the signal delayed by `delay` seconds, as the rear axle meets the front axle's road."""
         return replace(
             self,
             segments=tuple(
@@ -178,18 +178,18 @@ class Signal:
 
 
 def constant(value: float = 0.0) -> Signal:
-    """A signal that never changes: the flat road, the absent force."""
+    """Return a constant signal, such as a flat road or a zero force."""
     return Signal((Segment(-inf, 0.0, (value, 0.0, 0.0, 0.0)),), abs(value))
 
 
 LEVEL = constant()
-"""The flat road, the absent force."""
+"""A flat road, or a zero force."""
 
 
 def straight_lines(points: Sequence[tuple[float, float]], scale: float) -> Signal:
-    """Straight lines through (instant, value) points, level before and after.
+    """Return straight lines through (time, value) points, constant before and after.
 
-    Two points at one instant make a jump.
+    Two points at the same time make a jump.
     """
     segments = [Segment(-inf, 0.0, (points[0][1], 0.0, 0.0, 0.0))]
     for (t, value), (t_next, value_next) in pairwise(points):
@@ -201,11 +201,11 @@ def straight_lines(points: Sequence[tuple[float, float]], scale: float) -> Signa
 
 
 def passing_time(length: float, speed: float, *, or_zero: bool = False) -> float:
-    """Time in s that a wheel at `speed` takes for `length`.
+    """Return the time in s that a wheel at `speed` takes for `length`.
 
     Raises
     ------
-    ValueError : a speed that is not positive, or a length that is not (with `or_zero` may be zero).
+    ValueError : a speed that is not positive, or a length that is not (zero is allowed by `or_zero`).
     """
     if not 0.0 < speed < inf:
         raise ValueError(f"speed must be positive, {speed:g} m/s given")

@@ -1,9 +1,9 @@
-"""What a system is: a mass matrix and elements, each acting along one direction.
+"""A system: a mass matrix and elements, each acting along one direction.
 
     M q'' + sum b f(b' q - u, b' q' - u') = p(t),   tangents K = sum k b b', B = sum c b b'
 
-with u the road under the element. A new system is a new `System`; nothing else knows its equations.
-How to write one shows the full car in the description of `System`.
+with u the road under the element. A new model needs only a new `System`. See the full car in the
+description of `System` for an example.
 """
 
 from __future__ import annotations
@@ -24,33 +24,33 @@ CONTACTS = ("gap", "force")
 
 @dataclass(frozen=True, slots=True)
 class Element:
-    """A spring and a damper side by side along one direction of the coordinates.
+    """A spring and a damper in parallel along one direction of the coordinates.
 
     Parameters
     ----------
-    name : what its force is called
+    name : name of its force
     direction : b, one entry per coordinate; the deflection is b' q - u, extension positive
     spring, damper : force over deflection (N, m) and over its rate (N, m/s)
     road : name of the signal u under the element, or empty
     limit : the largest force it can have, N: a tyre pulls at most with its static load (AP57 eq. 26),
         so that the road presses on it with N = limit - force >= 0
-    yield_force : the force at which a linear spring begins to flow, N (H83 example 40)
-    hardening : its slope while it flows, N/m, below that of the spring; kinematic: the range between
-        the two lines of flow keeps its height
-    permanent_set : the deflection at which such a spring is free of force at the start, m
+    yield_force : the force at which a linear spring begins to yield, N (H83 example 40)
+    hardening : its slope while it yields, N/m, below that of the spring; kinematic: the range between
+        the two yield lines keeps its height
+    permanent_set : the deflection at which the force of such a spring is zero at the start, m
     modulation : factor on the damper over deflection (1, m), for damping Phi = D(v) m(d)
-    friction : dry (Coulomb) friction, N: that force against the rate while it slips; it sticks for as
-        long as no more is needed
-    contact : when an element with a limit touches what it stands on. `gap`: there is no force where it
-        is longer than its free length; contact ends where N falls to zero or the gap opens, and begins
-        where the gap closes or, at less than the free length, N would become positive. `force`: N is
-        positive wherever spring and damper together make it so, across a gap as well (AP57 eq. 28 for
-        both ends of the flight)
+    friction : dry (Coulomb) friction, N: this force against the rate while it slips, at most this
+        force while it sticks
+    contact : contact rule of an element with a limit. `gap`: there is no force where the element is
+        longer than its free length; contact ends when N falls to zero or the gap opens, and begins
+        when the gap closes or, below the free length, N would become positive. `force`: contact
+        while spring and damper together make N positive, even across a gap (AP57 eq. 28 for both
+        ends of the flight)
 
     Raises
     ------
-    ValueError : an element that yields and has anything but a linear spring and damper, a limit, or
-        a hardening that is not below its spring rate; an unknown rule of contact.
+    ValueError : an element that yields and has a nonlinear spring or damper, a limit, or a hardening
+        that is not below its spring rate; an unknown contact rule.
     """
 
     name: str
@@ -81,7 +81,9 @@ class Element:
         if len(self.spring.pieces) > 1 or self.spring.force(1.0) != rate or rate <= 0.0:
             raise ValueError(f"{self.name}: only a linear spring can yield")
         if self.damper.corners or self.limit < inf or self.is_modulated:
-            raise ValueError(f"{self.name}: what yields has a plain linear damper and no limit")
+            raise ValueError(
+                f"{self.name}: an element that yields must have a linear damper and no limit"
+            )
         if not (self.yield_force > 0.0 and 0.0 <= self.hardening < rate):
             raise ValueError(
                 f"{self.name}: yield_force = {self.yield_force:g} must be positive and hardening = "
@@ -95,13 +97,13 @@ class Element:
 
     @property
     def free_length(self) -> float:
-        """Deflection at which the spring alone reaches the limit, m; 0 if it has none or never does."""
+        """Deflection at which the spring alone reaches the limit, m; 0 if there is none."""
         free = self.spring.argument(self.limit) if self.limit < inf else 0.0
         return free if abs(free) < inf else 0.0
 
     @property
     def opening(self) -> float:
-        """Deflection beyond which there is a gap and no force, m; infinite if there never is."""
+        """Deflection beyond which there is a gap and no force, m; infinite if there is none."""
         if not self.limit < inf or self.contact == "force":
             return inf
         return self.spring.argument(self.limit)
@@ -113,15 +115,15 @@ def damper_family(
     curves: Mapping[float, Characteristic],
     road: str = "",
 ) -> tuple[Element, ...]:
-    """A damper given by its curves at fixed deflections, interpolated between them (AP57 section 3).
+    """Return a damper given by curves at fixed deflections, interpolated between them (AP57 section 3).
 
-    Phi(v, d) = sum D_i(v) m_i(d), m_i the hat that is 1 at d_i and 0 at the other given deflections;
-    beyond the first and the last one their curves hold.
+    Phi(v, d) = sum D_i(v) m_i(d), m_i the hat function that is 1 at d_i and 0 at the other given
+    deflections; beyond the first and the last deflection their curves hold.
 
     Parameters
     ----------
-    name : the elements are called after it, numbered from 1
-    direction, road : as of `Element`
+    name : prefix of the elements' names, which are numbered from 1
+    direction, road : as for `Element`
     curves : force over rate (N, m/s) by deflection (m); at least one
 
     Raises
@@ -142,7 +144,7 @@ def damper_family(
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """A force from outside along one direction: `signal` names its course in time, N."""
+    """An external force along one direction; `signal` is the name of its course in time, N."""
 
     direction: tuple[float, ...]
     signal: str
@@ -150,12 +152,12 @@ class Load:
 
 @dataclass(frozen=True, slots=True)
 class Axle:
-    """A place at which a system stands on its road, for whoever reads its outputs.
+    """A place at which a system stands on its road; it defines the outputs of an axle.
 
     Parameters
     ----------
-    prefix : before the names of its elements, inputs and outputs: empty, `front_` or `rear_`
-    suspension : b, the suspension deflection being b' q; without a tyre, b' q less the road
+    prefix : prefix of the names of its elements, inputs and outputs: empty, `front_` or `rear_`
+    suspension : b; the suspension deflection is b' q, without a tyre b' q minus the road
     road : name of the signal under it; its inputs are named after it
     tyre : name of the tyre's element, or empty
     static_load : force of the road on the tyre at rest, N
@@ -174,7 +176,7 @@ class Motion:
 
     Parameters
     ----------
-    names : of the three
+    names : of displacement, rate and acceleration
     direction : b
     """
 
@@ -184,16 +186,16 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """What the integrator steps.
+    """A system of equations of motion, which the integrator steps.
 
     Parameters
     ----------
     coordinates : names, one per degree of freedom
     mass : symmetric positive definite matrix, kg
-    elements, loads : what acts
+    elements, loads : elements and external forces
     signals : roads (m) and forces (N) by name
-    scales : a displacement to measure errors by, for each coordinate, m, before anything has moved
-    axles, motions : what there is to be read besides coordinates; the integrator does without
+    scales : for each coordinate, m, the scale of errors until something has moved
+    axles, motions : definitions of further outputs; the integrator does not use them
 
     Examples
     --------
@@ -227,7 +229,7 @@ class System:
     ...     scales=7 * (0.05,),
     ... )
     >>> integrator = Integrator(car)
-    >>> integrator.advance(0.2)  # 0: it arrived
+    >>> integrator.advance(0.2)  # 0: no failure
     0
     >>> integrator.sample(0.2)
     >>> heave, pitch, roll = integrator.sample_q[:3]
@@ -243,5 +245,5 @@ class System:
     motions: tuple[Motion, ...] = ()
 
     def element(self, name: str) -> int | None:
-        """The number of the element of that name, if the system has it."""
+        """Return the index of the element of that name, or None."""
         return next((i for i, element in enumerate(self.elements) if element.name == name), None)

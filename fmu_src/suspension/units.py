@@ -1,6 +1,6 @@
-"""Units of the public variables: SI throughout, with the display units a value may be given in.
+"""Units of the public variables: SI throughout, with display units in which a value may be given.
 
-One table serves the FMUs (unit definitions) and the scenes (`height = "5 cm"`).
+The FMUs (unit definitions) and the scenes (`height = "5 cm"`) use the same table.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class UnitError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Unit:
-    """An SI unit as a product of powers, and what else may be written or shown for it.
+    """An SI unit as a product of powers, and its display units.
 
     Parameters
     ----------
@@ -60,12 +60,12 @@ def to_si(quantity: str, unit: str) -> float:
 
     Parameters
     ----------
-    quantity : a number and, after it, a unit of the same kind; without one it is taken as SI
+    quantity : a number followed by a unit of the same kind; SI if there is no unit
     unit : key of `UNITS`
 
     Raises
     ------
-    UnitError : no number, or a unit that does not fit.
+    UnitError : not a number, or a unit of another kind.
     """
     match = _QUANTITY.match(quantity)
     if match is None:
@@ -84,6 +84,6 @@ def to_si(quantity: str, unit: str) -> float:
 
 
 def nearest(name: str, names: object) -> str:
-    """A hint that names the closest known name, or nothing."""
+    """Return a hint with the closest known name, or an empty text."""
     close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]
     return f"; did you mean {close[0]!r}?" if close else ""

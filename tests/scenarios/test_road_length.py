@@ -65,7 +65,7 @@ def test_other_roads_have_no_length_to_fit(car: Path) -> None:
 
 def test_a_road_that_ends_is_said_in_report_and_summary(car: Path) -> None:
     summary = run(load_scene(str(car), [f"{LENGTH}=200 m"])).summary
-    said = "road ends at 9 s of 20 s (fading out from 8.1 s); it is level from there on"
+    said = "road ends at 9 s of 20 s (fading out from 8.1 s); it is level afterwards"
     assert summary["remarks"] == [said]
     told = report({**summary, "drawn": None, "problems": [], "files": []}, Path("out"))
     assert f"note             {said}" in told

@@ -136,7 +136,7 @@ def with_strut(**changes: object) -> System:
         (with_strut(direction=(1.0,)), "must have 2 finite numbers"),
         (with_strut(direction=(1.0, nan)), "must have 2 finite numbers"),
         (with_strut(limit=-1.0), "limit = -1 must be positive"),
-        (with_strut(damper=law.linear(-50.0)), "feeds energy in"),
+        (with_strut(damper=law.linear(-50.0)), "adds energy"),
         (with_strut(modulation=law.table([(0.0, 1.0), (0.1, -1.0)])), "modulation: negative at"),
         (with_strut(spring=law.linear(-2e4)), "rest is unstable"),
         (with_strut(spring=Fake(law.linear(100.0).pieces, "tangent")), "strut.spring: tangent"),

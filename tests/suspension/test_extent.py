@@ -66,17 +66,17 @@ def test_what_is_said() -> None:
         return list(extent.remarks(parameters(**road), duration))
 
     assert said(20.0, shape="table", table="0:0, 3:0.02, 124:0") == [
-        "road ends at 6.2 s of 20 s; it is level from there on"
+        "road ends at 6.2 s of 20 s; it is level afterwards"
     ]
     assert said(20.0, shape="random") == [
-        "road ends at 10 s of 20 s (fading out from 9 s); it is level from there on"
+        "road ends at 10 s of 20 s (fading out from 9 s); it is level afterwards"
     ]
     assert said(9.5, shape="random") == ["road fades out from 9 s of 9.5 s"]
     assert said(9.0, shape="random") == []
     short = said(0.5, shape="random", profile_length=20.0)
     assert short == [
-        "random road of 20 m has no waves longer than 32 m, in which a long one of its class has "
-        "68 % of its variance"
+        "random road of 20 m has no waves longer than 32 m, which make up 68 % of the "
+        "variance of a long road of its class"
     ]
 
 

@@ -296,5 +296,7 @@ def test_the_energy_balance_closes(model: str, mass: float, rate: float, height:
     ],
 )
 def test_a_road_alone_is_not_run(start: Callable[[], object]) -> None:
-    with pytest.raises(ParameterError, match="Road is not a system that can be run; there are One"):
+    with pytest.raises(
+        ParameterError, match="Road is not a system that can be run; systems are One"
+    ):
         start()

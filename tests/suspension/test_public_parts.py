@@ -86,7 +86,7 @@ def test_preload_finds_the_static_deflection() -> None:
     assert spring.force(0.05) == pytest.approx(
         2e4 * (static + 0.05) + 1e6 * (static + 0.05) ** 3 + 3000.0, rel=1e-9
     )
-    with pytest.raises(ParameterError, match="never bears"):
+    with pytest.raises(ParameterError, match="never reaches"):
         build("QuarterCar", {"spring.table": "-0.1:-500, -0.05:-500, 0:0", "spring.preload": 600.0})
 
 

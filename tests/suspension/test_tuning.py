@@ -152,5 +152,5 @@ def test_a_run_that_failed_stays_failed() -> None:
     with pytest.raises(SimulationError):
         session.advance(1.0)
     session.set_parameter("spring.cubic", 0.0)
-    with pytest.raises(SimulationError, match="failed before"):
+    with pytest.raises(SimulationError, match="has already failed"):
         session.advance(1.1)

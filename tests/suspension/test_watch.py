@@ -137,7 +137,7 @@ def test_a_session_says_once_that_its_step_is_too_long() -> None:
         session.advance(0.1 * k)
     said = [text for _, text in session.messages if "not stable" in text]
     assert said == [
-        "solver.step = 0.2 s is not stable from 0 s on: taken in parts of at most 0.0467 s"
+        "solver.step = 0.2 s is not stable from 0 s on: it is divided into parts of at most 0.0467 s"
     ]
     refusing = Session(
         "QuarterCar",

@@ -225,7 +225,7 @@ def test_what_cannot_yield_is_refused(given_: dict[str, object], complaint: str)
 
 
 def test_a_start_beyond_the_yield_force_is_refused_and_any_set_may_be_started_from() -> None:
-    with pytest.raises(ParameterError, match=r"must be from -0\.0012 to 0\.0012 m where"):
+    with pytest.raises(ParameterError, match=r"must be from -0\.0012 to 0\.0012 m for"):
         simulate("Elastoplastic", {"initial.permanent_set": 0.01}, [0.0], ["displacement"])
     start = {"initial.permanent_set": 0.01, "initial.displacement": 0.01}
     found = simulate("Elastoplastic", start, [0.0, 0.1], ["displacement", "permanent_set"])
