@@ -1,8 +1,8 @@
 """Graphical constructions in the phase plane, step by step, as plain geometry (AP57).
 
-A construction (`OneDofPlane`, `QuarterCarPlanes`, ...) says which points belong to a state; a step
-rule (`RULES`) goes from there to the next state; `march` and `frames` string the steps together, and
-`overlay` lays the same geometry over a motion that is known already.
+A construction (`OneDofPlane`, `QuarterCarPlanes`, ...) gives the points that belong to a state; a step
+rule (`RULES`) gives the next state. `march` and `frames` make successive steps, and `overlay` lays the
+same geometry over a known motion.
 """
 
 import lazy_loader

@@ -27,7 +27,7 @@ class BodyMasses:
     coupling_mass: float
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the masses."""
         check_positive(self, ("front_mass", "rear_mass"))
         check_finite(self, ("coupling_mass",))
         if not self.determinant > 0.0:
@@ -43,15 +43,15 @@ class BodyMasses:
 
     @property
     def compliances(self) -> tuple[float, float]:
-        """M2 / Delta and M1 / Delta: what a force over an axle accelerates the body there by, 1/kg."""
+        """M2 / Delta and M1 / Delta, 1/kg: acceleration over an axle per force over the same axle."""
         return self.rear_mass / self.determinant, self.front_mass / self.determinant
 
     @property
     def cross_compliance(self) -> float:
-        """M3 / Delta: what a force over one axle accelerates the body over the other by, 1/kg."""
+        """M3 / Delta, 1/kg: acceleration over an axle per force over the other axle."""
         return self.coupling_mass / self.determinant
 
     def accelerations(self, front_force: float, rear_force: float) -> tuple[float, float]:
-        """x1'' and x2'' under the forces S1 and S2 of the struts, m/s^2 (AP57 eq. 34)."""
+        """Return x1'' and x2'' under the forces S1 and S2 of the struts, m/s^2 (AP57 eq. 34)."""
         own, cross = self.compliances, self.cross_compliance
         return cross * rear_force - own[0] * front_force, cross * front_force - own[1] * rear_force

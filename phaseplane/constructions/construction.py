@@ -1,4 +1,4 @@
-"""What every construction tells the march, and what it may leave out."""
+"""The interface between a construction and the stepping loop, with the defaults it may leave."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ JOLT = "jolt"
 
 
 class Window(NamedTuple):
-    """The time that a construction is made for; with no duration, the instant."""
+    """The interval for which a construction is made; with no duration, an instant."""
 
     start: float
     duration: float = 0.0
 
     @property
     def end(self) -> float:
-        """Where it ends, s."""
+        """The end of the interval, s."""
         return self.start + self.duration
 
 
 class Construction(Protocol):
-    """What the march has to know of a construction.
+    """The interface that `march` needs of a construction.
 
-    The state points are named by `Plane.state`, "P" and the plane's number; all other points carry
-    the same numbers. Behind the state points `States` may hold points that stay where they are
-    during a step: what a spring remembers.
+    The state points are named by `Plane.state`, "P" and the plane's number; all other points have
+    the same numbers. After the state points `States` may contain points that are constant during a
+    step: the memory of a spring.
     """
 
     @property
@@ -44,7 +44,7 @@ class Construction(Protocol):
 
     @property
     def schemes(self) -> Mapping[str, Scheme]:
-        """How the points are joined, by mode, without what a step rule adds."""
+        """How the points are joined, by mode, without the additions of a step rule."""
 
     @property
     def initial(self) -> States:
@@ -55,7 +55,7 @@ class Construction(Protocol):
         """The vertex of the turn angles on the sheet."""
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """The construction at these state points, the excitation as its mean over the window."""
+        """Construct the points for these state points, with the mean excitation over the window."""
 
     def readings(
         self,
@@ -65,45 +65,45 @@ class Construction(Protocol):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """What is read off at an instant; what is integrated goes on from the previous readings."""
+        """Return the readings at an instant; integrals continue from the previous readings."""
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """What stays on the sheet, as far as these frames reach."""
+        """Return the curves that stay on the sheet, over the range of these frames."""
 
-    # Modes: one and for ever, unless a construction says otherwise.
+    # Modes: a single one by default.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """The mode that these states are in, where it is not said already.
+        """Return the mode of these states.
 
         Parameters
         ----------
-        airborne : whether each wheel is off the road, where that is known
+        airborne : whether each wheel is off the road, if known
         """
         return CONTACT
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """What is left until the mode ends, for each limit that it has: it ends below zero."""
+        """Return the margin to each limit of the mode, which ends when a margin falls below zero."""
         return ()
 
     def succeeding(self, mode: str, limit: int) -> str:
-        """The mode that follows when one of the limits, counted as in `margins`, is reached."""
+        """Return the mode that follows when a limit, numbered as in `margins`, is reached."""
         return mode
 
     def event(self, mode: str, successor: str) -> str:
-        """The name of what happens where one mode follows another."""
+        """Return the name of the event at which one mode follows another."""
         return successor
 
     def remembered(self, states: States, before: States | None) -> States:
-        """State points that were given, with what a spring remembers of those before."""
+        """Return the state points with the spring's memory of the previous ones."""
         return states
 
-    # Jolts: none, unless a construction says otherwise.
+    # Jolts: none by default.
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which the state points jump, s, ascending."""
+        """The times at which the state points jump, s, ascending."""
         return ()
 
     def jolted(self, mode: str, states: States, time: float) -> States:
-        """The state points after the jump."""
+        """Return the state points after the jump."""
         return states

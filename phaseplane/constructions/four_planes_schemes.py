@@ -85,7 +85,7 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
         shift,
         ("The normals of the integral curves.", strokes("normal", normals)),
         (
-            "Their lengths on the common arm of the turn angles: the arcs are the ways to go.",
+            "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps.",
             turn_arcs(("11", "12", "21", "22")),
         ),
     )

@@ -38,7 +38,7 @@ def inertial_scheme() -> Scheme:
             strokes("normal", "H1-P1 H2-P2"),
         ),
         (
-            "Their lengths on the common arm of the turn angles: the arcs are the ways to go.",
+            "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps.",
             turn_arcs(("1", "2")),
         ),
     )

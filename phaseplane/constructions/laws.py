@@ -1,4 +1,4 @@
-"""The characteristics that a construction takes, and the checks where they enter."""
+"""The characteristics of a construction, and the checks of its parameters."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Segment, Signal, constant
 from phaseplane.suspension.systems import CONTACTS
 
-_ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are none
+_ROUNDING = 1e-9  # of the terms of a road's velocity: smaller differences are ignored
 
 LEVEL_ROAD = constant()
-"""The road without an obstacle."""
+"""A level road."""
 
 Damper = Characteristic | Callable[[float, float], float]
 """Damping force Phi(y', y) in N: a law of the rate, or any function of rate and deflection."""
@@ -22,7 +22,7 @@ Damper = Characteristic | Callable[[float, float], float]
 
 @dataclass(frozen=True)
 class Strut:
-    """A spring F(y) = c y + G(y) and a damper Phi(y', y) side by side (AP57 section 3).
+    """A spring F(y) = c y + G(y) and a damper Phi(y', y) in parallel (AP57 section 3).
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class Strut:
     damper: Damper
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the laws."""
         check_laws(self.spring, self.damper)
 
     @cached_property
@@ -53,21 +53,21 @@ class Strut:
 
     @property
     def corners(self) -> tuple[float, ...]:
-        """The rates at which the damper is known to bend, m/s."""
+        """The known corners of the damper, m/s."""
         return self.damper.corners if isinstance(self.damper, Characteristic) else ()
 
     def force(self, rate: float, deflection: float) -> float:
-        """Phi + F, N."""
+        """Return Phi + F, N."""
         return self.damping(rate, deflection) + self.spring.force(deflection)
 
     def damping_rate(self, rate: float) -> float:
-        """The slope of Phi for rates of this sign that are beyond all measure, N s/m."""
+        """Return the asymptotic slope of Phi for large rates of this sign, N s/m."""
         fast = 1e6 * rate
         return (self.damping(2.0 * fast, 0.0) - self.damping(fast, 0.0)) / fast
 
 
 def damping_force(damper: Damper) -> Callable[[float, float], float]:
-    """The damper as a function of rate (m/s) and deflection (m)."""
+    """Return the damper as a function of rate (m/s) and deflection (m)."""
     if isinstance(damper, Characteristic):
         force = damper.force
         return lambda rate, deflection: force(rate)
@@ -75,11 +75,11 @@ def damping_force(damper: Damper) -> Callable[[float, float], float]:
 
 
 def check_number(name: str, value: float, least: float = -inf, *, exclusive: bool = False) -> None:
-    """Refuse what is not a finite number, or too small.
+    """Refuse a number that is not finite or too small.
 
     Raises
     ------
-    ValueError : with name, value and range.
+    ValueError : the number is out of range; the message has name, value and range.
     """
     if not isfinite(value) or value < least or (exclusive and value == least):
         relation = "greater than" if exclusive else "at least"
@@ -98,19 +98,19 @@ def check_contact(rule: str) -> None:
 
 
 def check_positive(owner: object, names: Sequence[str]) -> None:
-    """Refuse what is not positive and finite among the attributes of these names."""
+    """Refuse attributes that are not positive and finite."""
     for name in names:
         check_number(name, getattr(owner, name), 0.0, exclusive=True)
 
 
 def check_finite(owner: object, names: Sequence[str]) -> None:
-    """Refuse what is not finite among the attributes of these names."""
+    """Refuse attributes that are not finite."""
     for name in names:
         check_number(name, getattr(owner, name))
 
 
 def check_pairs(owner: object, names: Sequence[str], *, positive: bool = False) -> None:
-    """Refuse what is not finite, or not positive, in the attributes of these names, two values each."""
+    """Refuse attributes of two values that are not finite, or not positive."""
     for name in names:
         for which, value in zip(("first", "second"), getattr(owner, name), strict=True):
             least = 0.0 if positive else -inf
@@ -118,7 +118,7 @@ def check_pairs(owner: object, names: Sequence[str], *, positive: bool = False) 
 
 
 def check_laws(spring: Characteristic, damper: Damper) -> None:
-    """Refuse characteristics that a phase plane cannot be drawn for.
+    """Refuse characteristics for which a phase plane cannot be drawn.
 
     Raises
     ------
@@ -143,7 +143,7 @@ def check_laws(spring: Characteristic, damper: Damper) -> None:
 
 
 def _rate_terms(segment: Segment, t: float) -> float:
-    """The sum of the magnitudes of what the velocity of a segment is the sum of, m/s."""
+    """Return the sum of the magnitudes of the terms in a segment's velocity, m/s."""
     s = t - segment.origin
     _, c1, c2, c3 = segment.coefficients
     _, p1, p2 = segment.phase
@@ -153,7 +153,7 @@ def _rate_terms(segment: Segment, t: float) -> float:
 
 @dataclass(frozen=True)
 class Jumps:
-    """Where a road is not smooth: the heights by which its elevation and its velocity jump.
+    """The jumps of a road's elevation and velocity.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ class Jumps:
 
     @cached_property
     def table(self) -> dict[float, tuple[float, float]]:
-        """Jump of elevation (m) and velocity (m/s) by instant (s), after the start of the motion."""
+        """Jump of elevation (m) and velocity (m/s) by time (s), after the start of the motion."""
         heights = dict(self.road.jumps)
         found = {}
         for left, right in zip(self.road.segments, self.road.segments[1:], strict=False):
@@ -177,12 +177,12 @@ class Jumps:
         return found
 
     def mean_acceleration(self, start: float, duration: float) -> float:
-        """Mean of xi'' without its jumps: the change of xi' over the duration; with none, xi'', m/s^2."""
+        """Return the mean of xi'' over the duration without jumps; with no duration, xi'', m/s^2."""
         if duration == 0.0:
             return self.road.acceleration(start)
         end = start + duration
         return (self.road.rate(end) - self.road.rate(start) - self.at(end)[1]) / duration
 
     def at(self, time: float) -> tuple[float, float]:
-        """Jump of elevation (m) and velocity (m/s) at an instant."""
+        """Return the jump of elevation (m) and velocity (m/s) at an instant."""
         return self.table.get(time, (0.0, 0.0))

@@ -1,9 +1,8 @@
-"""The march along the integral curves: one loop for any number of coupled planes.
+"""Steps along the integral curves: one loop for any number of coupled planes.
 
-A construction supplies the sheet and the points for given state points; a step rule goes from them
-to the successors; the march strings the steps together. It ends a step wherever the construction
-changes its mode, so that lift-off U and touchdown V are state points themselves, and wherever the
-road jumps.
+A construction supplies the sheet and the points for given state points, a step rule their successors,
+and the loop makes successive steps. A step ends wherever the construction changes its mode, so that
+lift-off U and touchdown V are state points, and wherever the road jumps.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.switching import first_end
 
-_LEAST_PART = 1e-9  # of a step: what is shorter is rounding
+_LEAST_PART = 1e-9  # of a step: anything shorter is rounding
 _LARGEST_TURN = 0.5 * pi
 
 
@@ -30,7 +29,7 @@ class StepError(ValueError):
 
 
 class Start(NamedTuple):
-    """Where a march begins."""
+    """The start of a construction."""
 
     time: float
     mode: str
@@ -48,24 +47,23 @@ def frames(
     start: Start | None = None,
     ending: list[Frame] | None = None,
 ) -> Iterator[Frame]:
-    """The steps of a construction one after another, each complete when it is given.
+    """Yield the steps of a construction one after another, each complete.
 
     Parameters
     ----------
-    construction : one of this package
-    rule : how a successor is found
+    construction : any construction of this package
+    rule : the step rule
     step : s; steps end at its multiples, at the end of the motion, where the mode changes and where
         the road jumps
-    duration, steps : length of the motion in s or in whole steps; one of them
-    start : where it begins; left out, at time 0 in the construction's initial state
-    ending : takes where the motion ends, as a step of no duration
+    duration, steps : length of the motion in s or in whole steps; give one of them
+    start : by default time 0 in the construction's initial state
+    ending : list that receives the end of the motion, as a step of no duration
 
     Raises
     ------
-    StepError : a step that is not positive, or with which a normal would turn by more than a right
-        angle.
+    StepError : a step that is not positive, or that turns a normal by more than a right angle.
     ValueError : a duration that is not positive, both or neither of duration and steps.
-    ArithmeticError : the construction leaves every sheet, as with a step too long for a stiff stop.
+    ArithmeticError : the construction diverges, for example if the step is too long for a stiff stop.
     """
     _check_step(construction, step)
     length = _length(step, duration, steps)
@@ -102,8 +100,7 @@ def _frames(
             readings = construction.readings(mode, states, time, readings, elapsed)
         except OverflowError:
             raise ArithmeticError(
-                f"the construction leaves the sheet after {time:.6g} s; "
-                f"try a step shorter than {step:g} s"
+                f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s"
             ) from None
         yield Frame(number, time, window.duration, mode, points, readings, event)
         number += 1
@@ -135,9 +132,9 @@ def march(
     duration: float | None = None,
     steps: int | None = None,
 ) -> Drawing:
-    """The whole construction by itself, from rest or its given initial state.
+    """Make a whole construction from its initial state.
 
-    Parameters and what is raised are those of `frames`.
+    See `frames` for the parameters and the errors raised.
     """
     ending: list[Frame] = []
     made = frames(construction, rule, step=step, duration=duration, steps=steps, ending=ending)
@@ -148,7 +145,7 @@ def march(
 def drawing(
     construction: Construction, rule: Rule, made: tuple[Frame, ...], step: float, words: str
 ) -> Drawing:
-    """The sheet with these frames and what stays on it; the turn angles are those of the step."""
+    """Return the drawing of these frames and the fixed curves, with the turn angles of the step."""
     planes = construction.planes
     return Drawing(
         f"{construction.title}: rule {rule.name.replace('_', ' ')}, {words}",
@@ -161,13 +158,13 @@ def drawing(
 
 def _check_step(construction: Construction, step: float) -> None:
     if not (isfinite(step) and step > 0.0):
-        raise StepError(f"step = {step!r} s: it must be positive and finite")
+        raise StepError(f"step = {step!r} s: must be positive and finite")
     fastest = max(construction.planes, key=lambda plane: plane.angular_frequency)
     if step * fastest.angular_frequency > _LARGEST_TURN:
         raise StepError(
             f"step = {step:g} s would turn the normal of the plane {fastest.name} by "
             f"{step * fastest.angular_frequency:.3g} rad; at most a right angle is allowed, "
-            f"that is {_LARGEST_TURN / fastest.angular_frequency:.4g} s; "
+            f"that is, a step of {_LARGEST_TURN / fastest.angular_frequency:.4g} s; "
             f"try {0.2 / fastest.angular_frequency:.2g} s"
         )
 
@@ -177,9 +174,9 @@ def _length(step: float, duration: float | None, steps: int | None) -> float:
         raise ValueError("give either the duration or the number of steps")
     if duration is not None:
         if not (isfinite(duration) and duration > 0.0):
-            raise ValueError(f"duration = {duration!r} s: it must be positive and finite")
+            raise ValueError(f"duration = {duration!r} s: must be positive and finite")
         return duration
     assert steps is not None
     if steps < 1:
-        raise ValueError(f"steps = {steps!r}: there must be at least one")
+        raise ValueError(f"steps = {steps!r}: must be at least 1")
     return steps * step

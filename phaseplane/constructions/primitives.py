@@ -1,8 +1,8 @@
-"""What a construction consists of: named points on a sheet, and the scheme that joins them.
+"""The parts of a construction: named points on a sheet, and the scheme that joins them.
 
 A sheet is the complex plane in metres of paper: x to the right, y upwards. A frame is one step of a
-construction: its named points and the numbers read off them. How points are joined is the same in
-every step, so it is said once, in the scheme. Nothing here draws, and nothing knows of a canvas.
+construction: its named points and the numbers read off them. Points are joined in the same way in
+every step, as defined by the scheme. This module draws nothing and is independent of the canvas.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A lettered point: `point` names it in the frame, `label` is what is written beside it."""
+    """A lettered point: `point` is its name in the frame, `label` its lettering."""
 
     role: str
     point: str
@@ -55,8 +55,8 @@ class Curve:
 class Axis:
     """One axis of a plane: its zero on the sheet, its positive direction, its scale and its name.
 
-    `direction` is a unit complex number; `scale` is paper per unit (a or b of AP57), so a value v
-    stands at origin + direction * scale * v.
+    `direction` is a complex number of modulus 1; `scale` is paper per unit (a or b of AP57). A value
+    v is at origin + direction * scale * v.
     """
 
     label: str
@@ -66,11 +66,11 @@ class Axis:
     scale: float
 
     def at(self, value: float) -> complex:
-        """The place of a value on this axis."""
+        """Return the point of a value on this axis."""
         return self.origin + self.direction * self.scale * value
 
     def read(self, point: complex) -> float:
-        """The value at the foot of a point on this axis."""
+        """Return the value at the foot of a point on this axis."""
         return ((point - self.origin) * self.direction.conjugate()).real / self.scale
 
 
@@ -80,7 +80,7 @@ class Plane:
 
     Parameters
     ----------
-    name : of the displacement it shows, e.g. `suspension_deflection`
+    name : of its displacement, e.g. `suspension_deflection`
     angular_frequency : its natural angular frequency Omega, rad/s
     displacement, scaled_velocity : its axes y and y' / Omega (AP57 eq. 4), both in m
     state, foot : the names in a frame's points of the state point P and of the foot of its normal
@@ -95,17 +95,17 @@ class Plane:
 
     @property
     def number(self) -> str:
-        """What all letters of this plane end with: nothing where there is one plane alone."""
+        """The number that all letters of this plane end with; empty if there is only one plane."""
         return self.state[1:]
 
 
 @dataclass(frozen=True, slots=True)
 class Scheme:
-    """How the points of a frame are joined, in the order in which one draws.
+    """How the points of a frame are joined, in the order of drawing.
 
     Parameters
     ----------
-    stages : what is done in each stage, in words; the primitives count stages from 0
+    stages : description of each stage; the primitives count stages from 0
     """
 
     stages: tuple[str, ...]
@@ -125,8 +125,8 @@ class Frame:
     duration : s
     scheme : key into the drawing's schemes, e.g. `contact` or `flight`
     points : the named points on the sheet, m of paper
-    readings : what is read off at the start of the step by the source's formulas, SI
-    event : what happens at the start of this step (`lift_off`, `touchdown`), or nothing
+    readings : quantities read off at the start of the step by the source's formulas, SI
+    event : event at the start of this step (`lift_off`, `touchdown`), or empty
     """
 
     step: int
@@ -140,16 +140,16 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A whole construction: the sheet with what stays on it, the schemes, and the frames.
+    """A whole construction: the sheet with its fixed curves, the schemes, and the frames.
 
     Parameters
     ----------
     title : one line
     planes : the phase planes on the sheet
-    curves : what is drawn once
+    curves : the fixed curves
     schemes : by key
-    frames : in the order of time; the last one's successors are the end of the motion
-    end : the points and readings there, as a step of no duration; none where they are not known
+    frames : in the order of time; the successors of the last one are the end of the motion
+    end : points and readings at the end, as a step of no duration; None if unknown
     """
 
     title: str
@@ -161,7 +161,7 @@ class Drawing:
 
     @property
     def instants(self) -> tuple[Frame, ...]:
-        """All points of the motion with their readings, that of its end included."""
+        """All points of the motion with their readings, including its end."""
         return self.frames if self.end is None else (*self.frames, self.end)
 
     def __iter__(self) -> Iterator[Frame]:

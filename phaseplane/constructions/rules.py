@@ -1,4 +1,4 @@
-"""Step rules: a way to step along the integral curves, and how it is drawn (AP57 figure 4)."""
+"""Step rules: ways to step along the integral curves, and their drawings (AP57 figure 4)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from phaseplane.constructions.primitives import Arc, Mark, Plane, Scheme, Stroke
 from phaseplane.constructions.steps import Construct, Move, States
 
 REPEATED = "~"
-"""Ends the names of the points of the construction that a rule repeats within the step."""
+"""Suffix of the points' names in a construction that a rule repeats within the step."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +23,9 @@ class Rule:
     name : as in this module
     order : of the error after a given time, in powers of the step
     move : (states, feet, turn angles in rad, construction) -> Move
-    stages, marks, strokes, arcs : how it is drawn; {n} stands for a plane's number, {foot} for the
-        letter of the foot of its normal, stages count from 0
-    repeats : the stage in which the construction is repeated, if it is
+    stages, marks, strokes, arcs : its drawing; {n} is replaced by a plane's number, {foot} by the
+        letter of the foot of its normal; stages count from 0
+    repeats : the stage in which the construction is repeated, or None
     """
 
     name: str
@@ -38,7 +38,7 @@ class Rule:
     repeats: int | None = field(default=None, repr=False)
 
     def drawn_after(self, scheme: Scheme, planes: Sequence[Plane]) -> Scheme:
-        """The scheme of a construction with the stages of this rule in these planes."""
+        """Return the scheme of a construction followed by the stages of this rule in these planes."""
         first = len(scheme.stages)
         again = () if self.repeats is None else tuple(
             Stroke("construction", s.start + REPEATED, s.end + REPEATED, first + self.repeats)
@@ -57,7 +57,7 @@ Part = TypeVar("Part", Mark, Stroke, Arc)
 
 
 def _placed(parts: Sequence[Part], first: int, planes: Sequence[Plane]) -> tuple[Part, ...]:
-    """The parts once for each plane, their stages counted from `first`."""
+    """Return the parts for each plane, with stages counted from `first`."""
     return tuple(
         replace(
             part,
@@ -82,7 +82,7 @@ _PREDICTED = (
     Mark("construction", "P{n}~", 0, "P{n}'*"),
     Mark("construction", "{foot}{n}~", 1, "{foot}{n}'*"),
 )
-_PREDICTION = "On the tangents, as far as the arcs are long: the predicted points P'*."
+_PREDICTION = "The lengths of the arcs on the tangents: the predicted points P'*."
 _REPETITION = "The construction repeated at P'*: the feet {foot}'* of the new normals."
 _ON_TANGENT = Stroke("construction", "P{n}", "P{n}~", 0)
 _NEW_NORMAL = Stroke("construction", "{foot}{n}~", "P{n}~", 1)
@@ -98,7 +98,7 @@ tangent = Rule(
     "tangent",
     1,
     steps.tangent,
-    ("On the tangents, as far as the arcs are long: the successors P'.",),
+    ("The lengths of the arcs on the tangents: the successors P'.",),
     (_successor(0),),
     (Stroke(_SUCCESSOR, "P{n}", "P{n}'", 0),),
 )
@@ -116,8 +116,8 @@ velocity = Rule(
         Stroke(_SUCCESSOR, "P{n}", "P{n}'", 0),
     ),
 )
-"""P' on the tangent where y has changed by y-bar dtau (AP57 section 3): the point of `tangent`,
-found without measuring a normal, except where the tangent is too steep to be cut well."""
+"""P' on the tangent where y has changed by y-bar dtau (AP57 section 3): the point of `tangent`, found
+without measuring a normal, unless the tangent is too steep for a clear intersection."""
 
 mean_normal = Rule(
     "mean_normal",
@@ -126,7 +126,7 @@ mean_normal = Rule(
     (
         _PREDICTION,
         _REPETITION,
-        "On the first tangents, as far as the mean of both normals wants: the successors P'.",
+        "On the first tangents, a length given by the mean of both normals: the successors P'.",
     ),
     (*_PREDICTED, _successor(2)),
     (_ON_TANGENT, _NEW_NORMAL, Stroke(_SUCCESSOR, "P{n}", "P{n}'", 2)),
@@ -141,11 +141,11 @@ auto_mean_normal = replace(
     stages=(
         _PREDICTION,
         _REPETITION,
-        "Where a normal has changed by more than a tenth, on its first tangent as far as the mean "
-        "of both wants, elsewhere at P'*: the successors P'.",
+        "Where a normal has changed by more than a tenth, on its first tangent a length given by the "
+        "mean of both, elsewhere at P'*: the successors P'.",
     ),
 )
-"""`mean_normal` where |DP| changes by more than a tenth within the step, `tangent` elsewhere: AP57
+"""`mean_normal` where |DP| changes by more than a tenth within the step, `tangent` elsewhere, as AP57
 takes the mean where the difference is too large."""
 
 osculating_circle = Rule(
@@ -187,8 +187,8 @@ midpoint_circle = Rule(
     (_ON_CIRCLE,),
     repeats=1,
 )
-"""P' on the circle about S through P, seen from the midpoint of D and D'* under dtau. Not AP57's:
-a variant of its osculating circle that is of second order."""
+"""P' on the circle about S through P, seen from the midpoint of D and D'* under dtau. Not in AP57:
+a second-order variant of its osculating circle."""
 
 mean_arc_circle = replace(
     osculating_circle,
@@ -197,12 +197,12 @@ mean_arc_circle = replace(
     move=steps.mean_arc_circle,
     stages=(
         *osculating_circle.stages[:3],
-        "On the circles, as far as the mean of both normals wants: the successors P'.",
+        "On the circles, an arc given by the mean of both normals: the successors P'.",
     ),
     strokes=(_ON_TANGENT, _NEW_NORMAL),
 )
 """P' on the circle about S through P, the arc PP' being the mean of |DP| and |D'*P'*| times dtau.
-Not AP57's: the other variant of its osculating circle that is of second order."""
+Not in AP57: the other second-order variant of its osculating circle."""
 
 delta = Rule(
     "delta",
@@ -247,7 +247,7 @@ RULES: Mapping[str, Rule] = {
 
 
 def rule_named(name: str) -> Rule:
-    """The rule of that name.
+    """Return the rule of that name.
 
     Raises
     ------
@@ -256,4 +256,4 @@ def rule_named(name: str) -> Rule:
     try:
         return RULES[name]
     except KeyError:
-        raise ValueError(f"rule {name!r} is not known; there are {', '.join(RULES)}") from None
+        raise ValueError(f"rule {name!r} is unknown; rules are {', '.join(RULES)}") from None

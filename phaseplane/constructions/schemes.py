@@ -1,4 +1,4 @@
-"""How schemes are written down: stage after stage, points and lines by their letters."""
+"""A notation for schemes: stage by stage, points and lines by their letters."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ Part = Mark | Stroke | Arc
 
 
 def marks(role: str, letters: str) -> Iterator[Mark]:
-    """Lettered points: `"P1 Q1"`."""
+    """Return lettered points from text such as `"P1 Q1"`."""
     return (Mark(role, letter, 0, letter) for letter in letters.split())
 
 
 def strokes(role: str, ends: str) -> Iterator[Stroke]:
-    """Straight lines: `"P1-Q1 A1-A1*"`."""
+    """Return straight lines from text such as `"P1-Q1 A1-A1*"`."""
     lines = (line.split("-") for line in ends.split())
     return (Stroke(role, start, end, 0) for start, end in lines)
 
 
 def turn_arcs(numbers: tuple[str, ...]) -> Iterator[Arc]:
-    """The arcs of the turn angles, one for each plane."""
+    """Return the arcs of the turn angles, one for each plane."""
     return (Arc("arc", "W", f"N{n}", f"N{n}'", 0) for n in numbers)
 
 
 def scheme(*stages: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
-    """A scheme of stages, each given by what is done in words and by what it adds to the sheet."""
+    """Return a scheme from stages, each a description followed by the parts it adds to the sheet."""
     placed = [
         (i, part) for i, (_, *added) in enumerate(stages) for parts in added for part in parts
     ]
@@ -40,5 +40,5 @@ def scheme(*stages: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
 
 
 def with_mark(scheme: Scheme, role: str, letter: str) -> Scheme:
-    """The scheme with one more lettered point from its first stage on."""
+    """Return the scheme with one more lettered point from its first stage on."""
     return replace(scheme, marks=(*scheme.marks, Mark(role, letter, 0, letter)))

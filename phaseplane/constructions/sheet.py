@@ -22,7 +22,7 @@ def plane_at(
     label: str = "y",
     unit: str = "m",
 ) -> Plane:
-    """A phase plane whose y axis points to the right (sense 1) or left (-1), its y-bar axis upwards."""
+    """Return a phase plane; its y axis points to the right (sense 1) or left (-1), y-bar upwards."""
     return Plane(
         name,
         angular_frequency,
@@ -34,14 +34,14 @@ def plane_at(
 
 
 def state_point(plane: Plane, displacement: float, velocity: float) -> complex:
-    """P of a displacement, m, and its rate, m/s: y-bar = y' / Omega (AP57 eq. 4)."""
+    """Return P of a displacement, m, and its rate, m/s: y-bar = y' / Omega (AP57 eq. 4)."""
     foot = plane.displacement.at(displacement)
     axis = plane.scaled_velocity
     return foot + axis.direction * axis.scale * velocity / plane.angular_frequency
 
 
 def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
-    """The state points of a plane, with the end of the motion."""
+    """Return the state points of a plane, including the end of the motion."""
     return [
         *(frame.points[plane.state] for frame in frames),
         frames[-1].points[plane.state + "'"],
@@ -50,13 +50,13 @@ def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """What happens at the start of a step.
+    """An event at the start of a step.
 
     Parameters
     ----------
-    name : `lift_off`, `touchdown` and the like, `front_lift_off` where one axle is concerned
-    kind, axle : the two parts of the name; the axle, `front_` or `rear_`, is empty if there is but one
-    planes : the planes in which it happens, those of its axle
+    name : `lift_off`, `touchdown` and the like; of one of two axles, such as `front_lift_off`
+    kind, axle : the two parts of the name; `axle` is `front_`, `rear_`, or empty if there is only one
+    planes : the planes of its axle
     """
 
     name: str
@@ -66,7 +66,7 @@ class Event:
 
 
 def events_of(frame: Frame, planes: Sequence[Plane]) -> list[Event]:
-    """The events at the start of a frame, one for each axle."""
+    """Return the events at the start of a frame, one for each axle."""
     found = []
     for name in filter(None, frame.event.split(", ")):
         axle = next((a for a in ("front_", "rear_") if name.startswith(a)), "")
@@ -76,22 +76,22 @@ def events_of(frame: Frame, planes: Sequence[Plane]) -> list[Event]:
 
 
 def reach(axis: Axis, points: Iterable[complex]) -> tuple[float, float]:
-    """Smallest and largest value on an axis among the points; zero is always included."""
+    """Return the smallest and the largest value of the points on an axis, including zero."""
     values = [axis.read(point) for point in points]
     return min(0.0, *values), max(0.0, *values)
 
 
 def round_step(span: float, count: int) -> float:
-    """1, 2 or 5 times a power of ten that divides a span into about so many parts."""
+    """Return 1, 2 or 5 times a power of ten that divides a span into about `count` parts."""
     rough = span / count
     decade = 10.0 ** floor(log10(rough))
     return next(s * decade for s in (1.0, 2.0, 5.0, 10.0) if s * decade >= rough * (1.0 - 1e-9))
 
 
 def turn_angles(planes: Sequence[Plane], frames: Sequence[Frame], step: float) -> tuple[Curve, ...]:
-    """The turn angles of all planes on a common arm, which is divided in centimetres of paper.
+    """Return the turn angles of all planes on a common arm, divided in centimetres of paper.
 
-    The arc whose radius is a normal is as long as the way along the integral curve (AP57 figures 8
+    The arc whose radius is a normal is as long as the step along the integral curve (AP57 figures 8
     and 13).
     """
     vertex = frames[0].points["W"]

@@ -1,7 +1,7 @@
-"""AP57's shortcut for the end of a flight, drawn beside the touchdown that is right.
+"""AP57's shortcut for the end of a flight, drawn beside the correct touchdown.
 
-Where the obstacle lies behind, AP57 (section 5) ends the flight at x2 = x2st. That drops the tyre's
-damping and with it the continuity of its force, so nothing is ever integrated on from there.
+After the obstacle, AP57 (section 5) ends the flight at x2 = x2st. This neglects the tyre's damping and
+makes its force discontinuous, so the motion is never continued from there.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ _LONGEST = 10.0  # s of flight
 
 @dataclass(frozen=True)
 class _InFlight(QuarterCarPlanes):
-    """A quarter car that flies on until x2 = x2st."""
+    """A quarter car whose flight ends at x2 = x2st."""
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """What x2 is above x2st, m."""
+        """Return x2 - x2st, m."""
         return (self.axle.wheel.displacement(states[1]) - self.static_tyre_deflection,)
 
 
 def shortcut_flights(
     construction: QuarterCarPlanes, made: Sequence[Frame], rule: Rule = delta, *, step: float
 ) -> list[tuple[Frame, ...]]:
-    """For every lift-off of a march the flight from U to where x2 = x2st.
+    """Return the flight from U to x2 = x2st for every lift-off of a construction.
 
     Returns
     -------
-    the frames of each flight; the last one ends at the V of AP57's shortcut. A flight that begins
-    below x2st, or does not come down within 10 s, has none.
+    The frames of each flight; the last one ends at the V of AP57's shortcut. A flight that begins
+    below x2st, or does not come down within 10 s, is omitted.
     """
     car = _InFlight(**{name: getattr(construction, name) for name in construction.__match_args__})
     flights = []
@@ -60,15 +60,15 @@ def shortcut_flights(
 def with_shortcuts(
     drawing: Drawing, construction: object, rule: Rule = delta, step: float | None = None
 ) -> Drawing:
-    """The drawing with each flight continued to AP57's V, as a curve `shortcut` in either plane.
+    """Return the drawing with each flight continued to AP57's V, as a curve `shortcut` in both planes.
 
     Parameters
     ----------
-    construction, rule, step : those of the march; the step by default its longest one, s
+    construction, rule, step : those of the drawing; `step` is by default its longest step, s
 
     Raises
     ------
-    ValueError : not a quarter car with a linear tyre, the one for which AP57 has the shortcut.
+    ValueError : not a quarter car with a linear tyre.
     """
     if not (isinstance(construction, QuarterCarPlanes) and construction.tyre is None):
         raise ValueError("AP57's shortcut for touchdown is for quarter cars with linear tyres")

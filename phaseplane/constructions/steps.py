@@ -1,8 +1,8 @@
 """Steps from the state points and the feet of their normals to the next state points.
 
-Every step works on any number of coupled planes at once. It is given the state points P, the feet D
-of their normals, the signed angles through which the normals turn, and the construction itself, so
-that it can be repeated at other state points; all planes are predicted before any is corrected.
+Every step works on any number of coupled planes at once. Its arguments are the state points P, the
+feet D of their normals, the signed angles through which the normals turn, and the construction, which
+can be repeated at other state points. All planes are predicted before any is corrected.
 The y axes of the planes are parallel to the real axis of the sheet. (AP57 section 3, figure 4.)
 """
 
@@ -24,15 +24,15 @@ Points = dict[str, complex]
 Construct = Callable[[States], tuple[States, Points]]
 """The construction for the time of one step: feet of the normals, and all its points."""
 
-_FAR = 1e6  # stands for infinity: a circle of so many normals is a straight line on any sheet
-_STEEP = 0.05  # sine of the angle between tangent and y-bar axis below which they cross badly
-_TOO_DIFFERENT = 0.1  # part of a normal by which the next may differ before their mean is taken
+_FAR = 1e6  # normals; a circle of this radius is a straight line on any sheet
+_STEEP = 0.05  # sine of the angle between tangent and y-bar axis below which they are near parallel
+_TOO_DIFFERENT = 0.1  # relative change of a normal above which the mean of both is taken
 
 
 class Move(NamedTuple):
-    """Where a step goes: the successors P', the points it drew, the construction it repeated.
+    """The result of a step: the successors P', auxiliary points, the repeated construction.
 
-    `helpers` holds one point for each plane by a name in which {n} stands for the plane's number.
+    `helpers` has one point for each plane by a name in which {n} is the plane's number.
     """
 
     successors: States
@@ -51,7 +51,7 @@ class Prediction(NamedTuple):
 
     @property
     def mean_share(self) -> float:
-        """Mean of both normals over the first of them."""
+        """Mean of both normals, relative to the first."""
         length = abs(self.p - self.d)
         return 0.5 * (1.0 + abs(self.p_new - self.d_new) / length) if length > 0.0 else 1.0
 
@@ -64,7 +64,7 @@ class Prediction(NamedTuple):
 
 
 def along_tangent(state: complex, foot: complex, turn: float) -> complex:
-    """The way along the tangent that is as long as the normal times the angle (AP57 eq. 8)."""
+    """Return the step along the tangent, as long as the normal times the angle (AP57 eq. 8)."""
     return 1j * turn * (state - foot)
 
 
@@ -77,7 +77,7 @@ def tangent(states: States, feet: States, turns: Sequence[float], construct: Con
 def _predicted(
     states: States, feet: States, turns: Sequence[float], construct: Construct
 ) -> tuple[list[Prediction], Points]:
-    """The tangents' ends in all planes, and the construction repeated there."""
+    """Predict the ends of the tangents in all planes, and repeat the construction there."""
     ends, _, _ = tangent(states, feet, turns, construct)
     new_feet, repeated = construct(ends)
     planes = zip(states, feet, turns, ends, new_feet, strict=True)
@@ -100,7 +100,7 @@ def velocity(states: States, feet: States, turns: Sequence[float], construct: Co
 
 
 def mean_normal(states: States, feet: States, turns: Sequence[float], construct: Construct) -> Move:
-    """P' on the tangent, as far as the mean of both normals wants."""
+    """P' on the tangent, at a distance given by the mean of both normals."""
     predictions, repeated = _predicted(states, feet, turns, construct)
     ends = [s.p + s.mean_share * along_tangent(s.p, s.d, s.turn) for s in predictions]
     return Move(tuple(ends), {}, repeated)
@@ -158,7 +158,7 @@ def midpoint_circle(
 def mean_arc_circle(
     states: States, feet: States, turns: Sequence[float], construct: Construct
 ) -> Move:
-    """P' on the circle about S, as far from P as the mean of both normals wants."""
+    """P' on the circle about S, at an arc from P given by the mean of both normals."""
     predictions, repeated = _predicted(states, feet, turns, construct)
     successors, centres = [], []
     for step in predictions:
@@ -173,7 +173,7 @@ def mean_arc_circle(
             inwards = (radius * normal.conjugate()).real  # negative where S lies beyond P
             length = step.mean_share * abs(normal) * step.turn
             angle = copysign(1.0, inwards) * length / abs(radius)
-            # the chord, which is exact however far the centre
+            # the chord, which is accurate for any distance of the centre
             successors.append(step.p + 2j * sin(0.5 * angle) * exp(0.5j * angle) * radius)
         centres.append(centre)
     return Move(tuple(successors), {"S{n}": tuple(centres)}, repeated)
@@ -184,7 +184,7 @@ def _far_centre(step: Prediction) -> complex:
 
 
 def delta(states: States, feet: States, turns: Sequence[float], construct: Construct) -> Move:
-    """P turned about D of the mean state, which lies on the arc about D, half the turn angle on."""
+    """P turned about D of the mean state, which is half the turn angle ahead on the arc about D."""
     middle = tuple([turned(p, d, 0.5 * t) for p, d, t in zip(states, feet, turns, strict=True)])
     mean_feet, repeated = construct(middle)
     steps = zip(states, mean_feet, turns, strict=True)

@@ -3,9 +3,9 @@
     M x1'' + Phi(y', y) + F(y) = 0
     m x2'' - Phi(y', y) - F(y) + k2 (x2' - xi') + c2 (x2 - xi) = 0,    y = x1 - x2     (AP57 eq. 14)
 
-Plane 1 shows y1 = y, plane 2 y2 = x2, one under the other and with y axes of opposite senses. While
-the wheel is off the road the tyre's part is the constant (M + m) g (AP57 eq. 29). A tyre that is not
-linear, f(x2 - xi) + phi(x2' - xi'), is drawn over y2 = x2 - xi, and the road enters as xi''.
+Plane 1 shows y1 = y; plane 2, below it and with the y axis in the opposite direction, shows y2 = x2.
+While the wheel is off the road the tyre's part is the constant (M + m) g (AP57 eq. 29). A nonlinear
+tyre, f(x2 - xi) + phi(x2' - xi'), is drawn over y2 = x2 - xi, and the road enters as xi''.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from phaseplane.suspension.roads import Signal
 
 @dataclass(frozen=True)
 class QuarterCarPlanes(Construction):
-    """Body and wheel on a tyre that may leave the road, and the sheet they are drawn on.
+    """Body and wheel on a tyre that may leave the road, and the sheet on which they are drawn.
 
     Parameters
     ----------
@@ -53,19 +53,19 @@ class QuarterCarPlanes(Construction):
     tyre_stiffness, tyre_damping : c2, N/m, and k2, N s/m
     road : xi(t), m; where it jumps, the tyre's damper pushes the wheel
     gravity : m/s^2
-    lift_off : whether the wheel may leave the road; AP57's figure 13 is drawn without
-    contact : when its tyre touches the road: `gap`, nowhere beyond its free length, or `force`, wherever
-        its spring and damper together press (AP57 eq. 28 for U and V)
+    lift_off : whether the wheel may leave the road; not in AP57's figure 13
+    contact : contact rule of its tyre: `gap`, none beyond its free length, or `force`, while its spring
+        and damper together press on the road (AP57 eq. 28 for U and V)
     plane_scales : paper per displacement in plane 1 and plane 2 (a : 1 and b : 1)
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
     plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
     initial_deflection, initial_deflection_rate : y and y' at time 0, m and m/s
     initial_wheel_displacement, initial_wheel_velocity : x2 and x2' at time 0, m and m/s
-    protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below plane 2
+    protractor_at : vertex of the turn angles on the sheet, m of paper; by default below plane 2
     auxiliary_levels : the y_i of the auxiliary curves of plane 1, m, between which A1 is
-        interpolated; none: A1 lies on the curve of P1's own y
-    tyre : in place of stiffness and damping, f(x2 - xi) and phi(x2' - xi', x2 - xi) of a tyre that is
-        not linear
+        interpolated; by default A1 is on the curve for the y of P1
+    tyre : f(x2 - xi) and phi(x2' - xi', x2 - xi) of a nonlinear tyre, in place of stiffness and
+        damping
 
     Raises
     ------
@@ -97,7 +97,7 @@ class QuarterCarPlanes(Construction):
     title: ClassVar[str] = "Quarter car in two phase planes"
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("sprung_mass", "unsprung_mass", "plane_distance"))
         check_contact(self.contact)
         if self.tyre is None:
@@ -116,7 +116,7 @@ class QuarterCarPlanes(Construction):
 
     @cached_property
     def axle(self) -> Axle:
-        """Both planes with all that acts in them."""
+        """Both planes with the forces in them."""
         return Axle(
             strut=Strut(self.spring, self.damper),
             tyre=self.tyre or Strut(linear(self.tyre_stiffness), linear(self.tyre_damping)),
@@ -140,12 +140,12 @@ class QuarterCarPlanes(Construction):
 
     @property
     def coupling(self) -> float:
-        """kappa = (c2 / c1) M / (M + m), what plane 2 weighs in plane 1 (AP57 eq. 18)."""
+        """kappa = (c2 / c1) M / (M + m), the weight of plane 2 in plane 1 (AP57 eq. 18)."""
         return self.axle.coupling
 
     @property
     def line_distances(self) -> tuple[float, float]:
-        """How far lines I and II lie from the y1 axis, m of paper (AP57 section 4).
+        """Distances of lines I and II from the y1 axis, m of paper (AP57 section 4).
 
         They divide l in the ratios r : c2/c1 and r : kappa from the y2 axis, r = b / a.
         """
@@ -160,7 +160,7 @@ class QuarterCarPlanes(Construction):
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Plane 1 with its origin in that of the sheet, and plane 2 under it."""
+        """Plane 1 with its origin at that of the sheet, and plane 2 below it."""
         return self.axle.suspension.plane, self.axle.wheel.plane
 
     @cached_property
@@ -191,56 +191,55 @@ class QuarterCarPlanes(Construction):
     # The construction.
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """P, Q, A, A*, B, C and D of figures 7 and 10, the road as its mean over the window.
+        """Construct P, Q, A, A*, B, C and D of figures 7 and 10, with the mean road over the window.
 
         Returns
         -------
-        the points on the sheet, in contact with C1 and C2 on lines I and II, in flight with C1 alone
-        and B0 in the part of B2; with a tyre that is not linear A2* is in the part of B2, and there
-        is H2 beside D2
+        The points on the sheet: in contact with C1 and C2 on lines I and II, in flight with C1 alone
+        and B0 in place of B2. With a nonlinear tyre A2* replaces B2, and H2 is added to D2.
         """
         return self.axle.points(mode == FLIGHT, states[0], states[1], window)
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary curves of both planes, and lines I and II."""
+        """Return the auxiliary curves of both planes, and lines I and II."""
         return self.axle.curves(frames)
 
     # Lift-off U and touchdown V.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """In flight where the rule of contact says so, if the wheel may leave the road at all."""
+        """Return FLIGHT if the contact rule says so and the wheel may leave the road, else CONTACT."""
         if not self.lift_off:
             return CONTACT
         flies = self.axle.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
         return FLIGHT if flies else CONTACT
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """What the clearance is away from zero, on the side where the mode goes on, m."""
+        """Return the clearance with the sign that is positive while the mode lasts, m."""
         if not self.lift_off:
             return ()
         clearance = self.axle.clearance(states[1], time)
         return (clearance if mode == FLIGHT else -clearance,)
 
     def succeeding(self, mode: str, limit: int) -> str:
-        """Flight follows contact, and contact flight."""
+        """Return the mode that follows: flight after contact, contact after flight."""
         return FLIGHT if mode == CONTACT else CONTACT
 
     def event(self, mode: str, successor: str) -> str:
-        """Contact ends with lift-off U, flight with touchdown V."""
+        """Return lift-off (U) at the start of a flight, touchdown (V) at its end."""
         return LIFT_OFF if successor == FLIGHT else TOUCHDOWN
 
-    # Where the road jumps.
+    # Jumps of the road.
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which the state points jump, s."""
+        """The times at which the state points jump, s."""
         return self.axle.jolts
 
     def jolted(self, mode: str, states: States, time: float) -> States:
-        """The state points after a kerb."""
+        """Return the state points after a kerb."""
         return self.axle.jolted(mode == FLIGHT, states, time)
 
-    # What is read off.
+    # Readings.
 
     def readings(
         self,
@@ -250,7 +249,7 @@ class QuarterCarPlanes(Construction):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """All motions off the sheet (AP57 eqs. 21 to 24), SI, with the control by eq. 25."""
+        """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
         points = self.points(mode, states, Window(time))
         read = self.axle.readings(mode == FLIGHT, points, time)
         body = self.axle.body_motion(read)

@@ -6,11 +6,11 @@ from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
 
 _NORMALS = "are the normals of the integral curves."
-_TURN = "Their lengths on the common arm of the turn angles: the arcs are the ways to go."
+_TURN = "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps."
 
 
 def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
-    """Figure 7 (contact) or figure 10 (flight) of AP57, for a linear tyre or any other."""
+    """Return figure 7 (contact) or figure 10 (flight) of AP57, for a linear or a nonlinear tyre."""
     states = (
         "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
         marks("state", "P1 P2"),
@@ -24,15 +24,15 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
         strokes("construction", "P1-A1 A1-A1* P2-A2 A2-A2*"),
     )
     road = (
-        "From A2* along the y2 axis by h2/c2 of the road, its mean over the step: B2."
-        + (" Where B2 meets B0, the wheel is back (V)." if flies else ""),
+        "From A2* along the y2 axis by the road's mean h2/c2 over the step: B2."
+        + (" The wheel touches down (V) where B2 meets B0." if flies else ""),
         marks("excitation", "B2"),
         strokes("excitation", "A2*-B2"),
     )
     weight = (
-        "B0 lies b x2st from Q2 against the y2 axis and takes the place of "
+        "From Q2 against the y2 axis by b x2st: B0, which replaces "
         + ("B2. " if linear_tyre else "A2*. ")
-        + "D1 lies a M g/c1 from A1* along the y1 axis.",
+        + "From A1* along the y1 axis by a M g/c1: D1.",
         marks("excitation", "B0"),
         marks("normal", "D1"),
         strokes("excitation", "Q2-B0 A1*-D1"),
@@ -40,7 +40,7 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
     end = "B0" if flies else "B2" if linear_tyre else "A2*"
     foot = "D2" if linear_tyre else "H2"
     projection = (
-        f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is idle."
+        f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is not used."
         if flies
         else f"A1*{end} cuts line I in C1 and line II in C2. "
         "Q1 through C1 gives D2, Q2 through C2 gives D1.",
@@ -50,7 +50,7 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
         strokes("projection", f"A1*-{end} Q1-D2" + ("" if flies else " Q2-D1")),
     )
     shift = (
-        "From D2 against the y2 axis by xi''/Omega2^2 of the road, its mean over the step: H2.",
+        "From D2 against the y2 axis by the road's mean xi''/Omega2^2 over the step: H2.",
         marks("normal", "H2"),
         strokes("excitation", "D2-H2"),
     )

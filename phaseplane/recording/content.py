@@ -81,10 +81,10 @@ class Content:
             scheme, columns without `time` or of unequal length.
         """
         if self.detail not in DETAILS:
-            raise ValueError(f"detail {self.detail!r} is not known; there are {', '.join(DETAILS)}")
+            raise ValueError(f"detail {self.detail!r} is unknown; details are {', '.join(DETAILS)}")
         for view in self.views:
             if view not in VIEWS:
-                raise ValueError(f"view {view!r} is not known; there are {', '.join(VIEWS)}")
+                raise ValueError(f"view {view!r} is unknown; views are {', '.join(VIEWS)}")
         if self.drawing is None:
             if not self.histories:
                 raise ValueError(f"{self.title!r} has neither steps nor columns: nothing to record")

@@ -184,7 +184,7 @@ def test_a_view_that_is_not_wanted_is_not_logged(tmp_path: Path, view: str) -> N
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"views": ("plans",)}, "'plans' is not known; there are planes"),
+        ({"views": ("plans",)}, "'plans' is unknown; views are planes"),
         ({"histories": {}}, "neither steps nor columns"),
         ({"pairs": (("body", "no"),)}, "no column 'no' for a phase plane"),
     ],

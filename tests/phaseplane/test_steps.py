@@ -247,7 +247,7 @@ def test_a_rule_converges_with_its_order(rule, end_of_the_nonlinear_oscillation)
 
 def test_rules_are_found_by_name():
     assert rule_named("delta") is delta
-    with pytest.raises(ValueError, match=r"'delte' is not known; there are tangent, .*delta"):
+    with pytest.raises(ValueError, match=r"'delte' is unknown; rules are tangent, .*delta"):
         rule_named("delte")
 
 
