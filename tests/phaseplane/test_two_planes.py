@@ -486,7 +486,5 @@ def test_between_the_curves_of_a_family_the_point_is_interpolated():
 
 def test_a_step_too_long_for_a_stiff_stop_says_when_it_leaves_the_sheet():
     car = ap57(spring=linear(C1) + bump_stop(0.02, 1e9))
-    with pytest.raises(
-        ArithmeticError, match=r"diverges after 0\.0\d+ s; try a step shorter"
-    ):
+    with pytest.raises(ArithmeticError, match=r"diverges after 0\.0\d+ s; try a step shorter"):
         march(car, step=STEP, duration=0.5)
