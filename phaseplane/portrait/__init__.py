@@ -1,6 +1,6 @@
 """Phase portraits of x'' + f(x', x, t) = 0: field, equilibria, separatrices, cycles, sections.
 
-Everything is computed here as plain data, and nothing is drawn.
+Everything is computed as plain data; nothing is drawn here.
 """
 
 import lazy_loader

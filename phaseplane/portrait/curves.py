@@ -1,4 +1,4 @@
-"""Curves of the plane: nullclines, isoclines, levels of energy."""
+"""Curves in the plane: nullclines, isoclines, energy levels."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _IN_WELLS = 3  # levels in each well below its lower rim
 
 
 def nullcline(system: PhaseSystem, window: Window, resolution: int = 300) -> Curves:
-    """Where x'' = 0: f(x', x, 0) = 0. The other nullcline, x' = 0, is the x axis."""
+    """Return the curves x'' = 0: f(x', x, 0) = 0. The other nullcline, x' = 0, is the x axis."""
     return isocline(system, window, 0.0, resolution)
 
 
 def isocline(system: PhaseSystem, window: Window, slope: float, resolution: int = 300) -> Curves:
-    """Where integral curves have a given slope dx'/dx = -f / x': f + slope x' = 0 (AP57 section 3)."""
+    """Return the curves of equal slope dx'/dx = -f / x': f + slope x' = 0 (AP57 section 3)."""
     return isoclines(system, window, [slope], resolution)[0]
 
 
 def isoclines(
     system: PhaseSystem, window: Window, slopes: Sequence[float], resolution: int = 300
 ) -> list[Curves]:
-    """The isoclines of several slopes."""
+    """Return the isoclines of several slopes."""
     x, v = window.grid(resolution, resolution)
     forces = system.forces(x, v)
     return [_levels(x, v, forces + slope * v, [0.0])[0] for slope in slopes]
@@ -39,13 +39,13 @@ def isoclines(
 def energy_levels(
     system: PhaseSystem, window: Window, levels: Sequence[float] | int = 12, resolution: int = 401
 ) -> tuple[Grid, list[Curves]]:
-    """Curves of constant energy x'^2 / 2 + U(x), U' = f(0, x, 0), U least at 0.
+    """Return curves of constant energy x'^2 / 2 + U(x), U' = f(0, x, 0), with min U = 0.
 
-    Without damping they are the integral curves themselves.
+    Without damping they are the integral curves.
 
     Parameters
     ----------
-    levels : energies over the least one in the window, or how many
+    levels : energies above the minimum in the window, or their number
 
     Returns
     -------
@@ -53,7 +53,7 @@ def energy_levels(
     """
     x, v = window.grid(resolution, resolution)
     energy = 0.5 * v**2 + potential(system, x[0])
-    if isinstance(levels, int):  # evenly spaced in velocity, so that curves lie evenly
+    if isinstance(levels, int):  # evenly spaced in velocity, and so in the plane
         energies = np.linspace(0.0, np.sqrt(np.nanmax(energy)), levels + 2)[1:-1] ** 2
     else:
         energies = np.array(levels, float)
@@ -61,7 +61,7 @@ def energy_levels(
 
 
 def levels_in_wells(system: PhaseSystem, window: Window) -> list[float]:
-    """Energies between the bottom and the lower rim of each of several wells, over the least one."""
+    """Return energies between the bottom and the lower rim of each well, above the minimum."""
     well = potential(system, np.linspace(window.left, window.right, 2001))
     tops = 1 + np.flatnonzero((well[1:-1] > well[:-2]) & (well[1:-1] >= well[2:]))
     if not len(tops):

@@ -1,4 +1,4 @@
-"""Limit cycles, as fixed points of the return to the x axis."""
+"""Limit cycles, as fixed points of the return map on the x axis."""
 
 from __future__ import annotations
 
@@ -13,25 +13,25 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
 _STARTS = 400  # of the search, over the width of the window
 _COARSE, _FINE = 1e-7, 1e-10  # tolerances of a step, in windows
-_ROUNDING = 1e-6  # of the width: a turn that ends so near its start may be closed
-_NARROW = 0.01  # of the width: turns within it are left to the kind of their equilibrium
-_LEAST = 1e-12  # of a multiplier: what is less is rounding
-_ZOOMS, _PARTS = 3, 12  # into how many parts an interval is divided, and how often
-_CLOSED = 3  # neighbouring closed turns: no cycle, which is alone
+_ROUNDING = 1e-6  # of the width: a turn that ends within it of its start may be closed
+_NARROW = 0.01  # of the width: smaller turns are judged by the kind of their equilibrium
+_LEAST = 1e-12  # of a multiplier: smaller values are rounding
+_ZOOMS, _PARTS = 3, 12  # how often an interval is divided, and into how many parts
+_CLOSED = 3  # neighbouring closed turns: not a limit cycle, which is isolated
 
 
 @dataclass(frozen=True, slots=True)
 class Cycle:
-    """A closed curve of the plane, alone in its neighbourhood.
+    """An isolated closed curve in the plane.
 
     Parameters
     ----------
-    crossing : where it crosses the x axis downwards, its largest x
+    crossing : its largest x, where it crosses the x axis downwards
     period : s
-    multiplier : by which the distance from it grows in one turn: it attracts where that is below 1
+    multiplier : growth of the distance from it in one turn; it attracts if this is below 1
     curve : shape (points, 2): x and x'
-    semistable : whether it attracts from one side and repels on the other; two cycles that lie too
-        close to be told apart look the same
+    semistable : whether it attracts from one side and repels on the other; two cycles too close to
+        be separated look the same
     """
 
     crossing: float
@@ -42,23 +42,23 @@ class Cycle:
 
     @property
     def attracts(self) -> bool:
-        """Whether motions nearby approach it, from both sides."""
+        """Whether nearby motions approach it from both sides."""
         return not self.semistable and abs(self.multiplier) < 1.0
 
     @property
     def kind(self) -> str:
-        """In words."""
+        """Its stability, as a phrase."""
         if self.semistable:
             return "attracts from one side"
         return "attracts" if self.attracts else "repels"
 
 
 def limit_cycles(system: PhaseSystem, window: Window) -> list[Cycle]:
-    """The limit cycles that cross the x axis in a window, inside out.
+    """Return the limit cycles that cross the x axis in a window, from the inside outwards.
 
-    Where the gain of a turn over its start changes sign lies a cycle; where it comes near zero
-    without a change, two may lie close together, or one that attracts from one side: there the search
-    goes into parts of the interval. What repels is sought in reversed time, in which it attracts.
+    A cycle is where the gain of a turn, its end minus its start, changes sign. Where the gain comes
+    near zero without a change of sign, there may be two cycles close together or a semistable one, and
+    the interval is refined. Repelling cycles are sought in reversed time, in which they attract.
     """
     if conserves(system, window):
         return []
@@ -77,7 +77,7 @@ def limit_cycles(system: PhaseSystem, window: Window) -> list[Cycle]:
 
 
 def _fixed(system: PhaseSystem, window: Window, backwards: bool) -> list[tuple[float, bool]]:
-    """Where turns end where they started, about, and whether from one side only."""
+    """Return approximate starts of closed turns, and whether they attract from one side only."""
     x = np.linspace(window.left, window.right, _STARTS + 1)
     gain = _gains(system, window, x, backwards, _COARSE)
     crossings = _crossings(x, gain, window)
@@ -96,9 +96,9 @@ def _fixed(system: PhaseSystem, window: Window, backwards: bool) -> list[tuple[f
 
 
 def _gains(system: PhaseSystem, window: Window, x: Grid, backwards: bool, tolerance: float) -> Grid:
-    """How much farther out one turn from each (x, 0) ends; not a number where none begins or ends.
+    """Return how much farther out a turn from each (x, 0) ends; NaN if no turn begins or ends there.
 
-    Turns that are narrower than rounding would allow to judge count as none.
+    Turns too narrow to be judged within rounding are ignored.
     """
     gain = np.full(len(x), np.nan)
     starts = system.forces(x, 0.0 * x) > 0.0
@@ -110,9 +110,9 @@ def _gains(system: PhaseSystem, window: Window, x: Grid, backwards: bool, tolera
 
 
 def _crossings(x: Grid, gain: Grid, window: Window) -> list[tuple[float, float]]:
-    """Intervals in which the gain goes from above zero to below it: turns close in from both sides.
+    """Return intervals in which the gain falls through zero, so that turns approach from both sides.
 
-    Between them it may vanish to rounding, but not over several points: there every turn is closed.
+    It may vanish within rounding, but not over several points, where every turn is closed.
     """
     sure = np.flatnonzero(~(np.abs(gain) <= _ROUNDING * window.width))
     return [
@@ -123,7 +123,7 @@ def _crossings(x: Grid, gain: Grid, window: Window) -> list[tuple[float, float]]
 
 
 def _turnings(x: Grid, gain: Grid, window: Window) -> list[tuple[float, float]]:
-    """Intervals in which the gain comes nearest to zero, and by its bend might reach it."""
+    """Return intervals in which the gain is nearest to zero and, by its curvature, might reach it."""
     found = []
     for k in range(1, len(x) - 1):
         a, b, c = gain[k - 1 : k + 2]
@@ -140,8 +140,8 @@ def _turnings(x: Grid, gain: Grid, window: Window) -> list[tuple[float, float]]:
 def _closer(
     system: PhaseSystem, window: Window, a: float, b: float, backwards: bool
 ) -> list[tuple[float, float]] | float:
-    """A closer look where the gain only comes near zero: two crossings, or one touch, or neither."""
-    tiny = 1e-2 * _ROUNDING * window.width  # what errors of the turns may make of zero
+    """Refine an interval where the gain comes near zero: two crossings, one touch, or neither."""
+    tiny = 1e-2 * _ROUNDING * window.width  # possible error of a zero gain
     x = np.array([a, b])
     for zoom in range(_ZOOMS):
         x = np.linspace(x[0], x[-1], 2 * _PARTS + 1)
@@ -161,7 +161,7 @@ def _closer(
 def _within(
     system: PhaseSystem, window: Window, a: float, b: float, backwards: bool
 ) -> float | None:
-    """The crossing in an interval; none where the gain jumps across zero."""
+    """Return the crossing in an interval; None if the gain jumps across zero."""
     x = np.linspace(a, b, _PARTS + 1)
     gain = _gains(system, window, x, backwards, _COARSE)
     falls = np.flatnonzero((gain[:-1] >= 0.0) & (gain[1:] <= 0.0))
@@ -169,7 +169,7 @@ def _within(
         return None
     k = int(falls[0])
     before, after = float(gain[k]), float(gain[k + 1])
-    # in a cycle's neighbourhood the gain falls at most as fast as the start moves out
+    # near a cycle the gain falls at most as fast as the start moves out
     if before - after > 3.0 * (b - a):
         return None
     return float(x[k] + (x[k + 1] - x[k]) * before / (before - after or 1.0))
@@ -178,7 +178,7 @@ def _within(
 def _precise(
     system: PhaseSystem, window: Window, at: float, backwards: bool, semistable: bool
 ) -> Cycle | None:
-    """The cycle near a crossing: Newton on the turn, with the neighbours for its slope."""
+    """Return the cycle near a crossing, by Newton's method with the slope from neighbouring turns."""
     h = 3e-5 * window.width
     made = slope = None
     for tolerance in (_COARSE, _FINE):
@@ -188,7 +188,7 @@ def _precise(
             system, window, x, backwards=backwards, tolerance=tolerance, into=points
         )  # fmt: skip
         if not np.isfinite(closer.back).all():
-            break  # so stiff that many more steps would have to be made: the one before will do
+            break  # too stiff for the fine tolerance: keep the coarse result
         made, slope = closer, float(closer.back[2] - closer.back[0]) / (2.0 * h)
         curve = points[1]
         if semistable:

@@ -1,4 +1,4 @@
-"""What a motion gains and loses: the potential of f(0, x), and the power that damping takes."""
+"""Energy of a motion: the potential of f(0, x), and the power dissipated by damping."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _ROUNDING = 1e-12  # of force times velocity: below it nothing is dissipated
 
 
 def potential(system: PhaseSystem, x: Grid) -> Grid:
-    """U over ascending x, U' = f(0, x, 0), from its least value on; not a number where f is none."""
+    """Return U over ascending x, U' = f(0, x, 0), with min U = 0; NaN where f is not finite."""
     forces = system.forces(x, 0.0 * x)
     known = np.isfinite(forces)
     energy = cumulative_simpson(np.where(known, forces, 0.0), x=x, initial=0.0)
@@ -21,7 +21,7 @@ def potential(system: PhaseSystem, x: Grid) -> Grid:
 
 
 def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
-    """What is dissipated for each unit of mass, (f(x', x) - f(0, x)) x'; 0 where rounding explains it."""
+    """Return the power dissipated per unit mass, (f(x', x) - f(0, x)) x'; 0 within rounding."""
     x, v = np.asarray(x, float), np.asarray(v, float)
     moving, still = system.forces(x, v), system.forces(x, 0.0 * v)
     lost = (moving - still) * v
@@ -30,7 +30,7 @@ def power(system: PhaseSystem, x: npt.ArrayLike, v: npt.ArrayLike) -> Grid:
 
 
 def conserves(system: PhaseSystem, window: Window) -> bool:
-    """Whether nothing is dissipated anywhere in a window."""
+    """Return whether nothing is dissipated anywhere in a window."""
     x, v = window.grid(61, 61)
     lost = power(system, x, v)
     return not np.any(lost[np.isfinite(lost)])

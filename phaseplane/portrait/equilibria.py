@@ -1,4 +1,4 @@
-"""States of rest with their kinds, also on corners and in stretches, and the separatrices of saddles."""
+"""Equilibria and their kinds, also on corners and over intervals, and the separatrices of saddles."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from phaseplane.portrait.trajectories import followed
 
 _STEP = 1e-6  # of the window's width, for differences
 _SAME = 1e-9  # of the window's width
-_AWAY = 1e-4  # of the window's sides: where a separatrix is started beside its saddle
-_FAR = 1e-2  # the same, of a saddle without a linear part; and how far others are looked at
-_LONGEST = 30.0  # windows that a separatrix is followed
-_NO_SLOPE = 1e-6  # of the mean slope of f over the window: less is none
-_TOUCH = 1e-10  # of the largest f: a least |f| below it is a root
-_STRETCH = 3  # points of the search grid that rest makes a stretch of
+_AWAY = 1e-4  # of the window's sides: distance of a separatrix's start from its saddle
+_FAR = 1e-2  # the same for a saddle without a linear part; also the range of tests by f itself
+_LONGEST = 30.0  # windows over which a separatrix is followed
+_NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count as 0
+_TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
+_STRETCH = 3  # least number of grid points at rest that make a stretch
 
 STRETCH = "stretch of rest"
 CUSP, SADDLE_NODE = "cusp", "saddle-node"
@@ -28,14 +28,14 @@ CUSP, SADDLE_NODE = "cusp", "saddle-node"
 
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
-    """A state of rest (x, 0), or a stretch of them.
+    """An equilibrium (x, 0), or a stretch of them.
 
     Parameters
     ----------
-    x : its displacement; of a stretch the left end
-    kinds : as seen from the sides (x above, x' above), (x above, x' below), (x below, x' above),
-        (x below, x' below); all the same unless it lies on a corner
-    eigenvalues : of the same sides; none of a stretch
+    x : its displacement; the left end of a stretch
+    kinds : on the sides (x above, x' above), (x above, x' below), (x below, x' above), (x below,
+        x' below); all the same unless it is on a corner
+    eigenvalues : on the same sides; empty for a stretch
     until : the right end of a stretch, otherwise x
     """
 
@@ -46,7 +46,7 @@ class Equilibrium:
 
     @property
     def stretches(self) -> bool:
-        """Whether rest is possible over a stretch."""
+        """Whether it is a stretch."""
         return self.until > self.x
 
     @property
@@ -56,19 +56,19 @@ class Equilibrium:
 
     @property
     def kind(self) -> str:
-        """Its kind; on a corner those of all sides, each once."""
+        """Its kind; on a corner the different kinds of its sides."""
         return " / ".join(dict.fromkeys(self.kinds))
 
 
 def equilibria(system: PhaseSystem, window: Window, resolution: int = 2000) -> list[Equilibrium]:
-    """All states of rest in a window, at time 0: f(0, x, 0) = 0.
+    """Return all equilibria in a window, at time 0: f(0, x, 0) = 0.
 
-    Rest is possible, too, where f jumps at x' = 0 from below zero to above it, as dry friction does.
-    Where that is so, or f vanishes, over several neighbouring points, they make a stretch.
+    Rest is also possible where f jumps at x' = 0 from below zero to above it, as with dry friction.
+    Several neighbouring points of either kind make a stretch.
 
     Parameters
     ----------
-    resolution : into how many parts the window is divided in the search
+    resolution : number of parts into which the window is divided in the search
     """
     corners = [c for c in system.corners if window.left <= c <= window.right]
     points = np.unique(
@@ -99,7 +99,7 @@ def _largest(forces: Grid) -> float:
 
 
 def _roots(system: PhaseSystem, points: Grid) -> list[float]:
-    """Where f(0, x, 0) vanishes: through zero, or touching it."""
+    """Return the roots of f(0, x, 0), by a change of sign or by touching zero."""
 
     def force(x: float) -> float:
         return float(system.forces(x, 0.0))
@@ -130,12 +130,12 @@ def _roots(system: PhaseSystem, points: Grid) -> list[float]:
 
 
 def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equilibrium]:
-    """Neighbouring points at which rest is possible, with the ends found by bisection."""
+    """Return stretches of neighbouring points of rest, with their ends found by bisection."""
     slow = 1e-12 * window.height
 
     def rests(x: Grid) -> Grid:
         low, high = system.forces(x, 0.0 * x - slow), system.forces(x, 0.0 * x + slow)
-        tiny = 4e-16 * window.height  # what damping may do at a velocity that is next to none
+        tiny = 4e-16 * window.height  # possible effect of damping at the velocity `slow`
         jumps = (low < -tiny) & (high > tiny) & (high - low > 1e-9 * (np.abs(low) + np.abs(high)))
         return (system.forces(x, 0.0 * x) == 0.0) | (jumps & (low < 0.0) & (high > 0.0))
 
@@ -159,12 +159,12 @@ def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equili
 def _classified(
     system: PhaseSystem, window: Window, x: float, steepest: float, room: float
 ) -> Equilibrium:
-    """The kinds on the four sides: by the linear part, where it vanishes by what f does farther out.
+    """Classify an equilibrium on its four sides by the linear part or, if it vanishes, by f farther out.
 
     Parameters
     ----------
-    steepest : largest f over the window's width, 1/s^2: what a slope is compared with
-    room : how far from the equilibrium there is no other one
+    steepest : largest f over the window's width, 1/s^2, the scale of slopes
+    room : distance within which there is no other equilibrium
     """
     h = _STEP * window.width
     sides = [(sx, sv) for sx in (1.0, -1.0) for sv in (1.0, -1.0)]
@@ -192,7 +192,7 @@ def _classified(
         # f touches zero: the equilibrium of a double root
         undamped = all(pair[0] == pair[1] == 0.0 for pair in values)
         kinds = [CUSP if undamped else SADDLE_NODE] * 4
-    if "degenerate" in kinds:  # on the edge of where f is a number
+    if "degenerate" in kinds:  # on the edge of the domain of f
         kinds = ["degenerate"] * 4
     elif set(kinds) == {"centre"}:
         kinds = [_turning_kind(system, window, x, room)] * 4
@@ -200,14 +200,14 @@ def _classified(
 
 
 def _slope(system: PhaseSystem, x: float, along_x: float, along_v: float) -> float:
-    """Change of f over one step, of second order from one side: exact on parabolic pieces."""
+    """Return the one-sided change of f over a step, of second order: exact on parabolic pieces."""
     k = np.arange(3.0)
     f = system.forces(x + k * along_x, k * along_v)
     return float((4.0 * f[1] - f[2] - 3.0 * f[0]) / 2.0)
 
 
 def _bent_kind(restores: bool, damping: float) -> str:
-    """The kind on a side where f has no slope but drives back, or away."""
+    """Return the kind on a side where f has no slope but restores, or repels."""
     if not restores:
         return "saddle"
     if damping == 0.0:
@@ -216,7 +216,7 @@ def _bent_kind(restores: bool, damping: float) -> str:
 
 
 def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) -> str:
-    """Of what turns without linear damping: by what is dissipated around it, at last by a turn."""
+    """Return the kind of a centre of the linear part, by the dissipation around it, then by a turn."""
     angle = np.linspace(0.0, 2.0 * np.pi, 65)[:-1]
     size = np.array([0.1, 0.3, 1.0])[:, None] * room
     force = _largest(system.forces(x + np.array([room, -room]), np.zeros(2)))
@@ -237,7 +237,7 @@ def _turning_kind(system: PhaseSystem, window: Window, x: float, room: float) ->
 
 
 def kind_of(first: complex, second: complex) -> str:
-    """The kind of an equilibrium by its two eigenvalues."""
+    """Return the kind of an equilibrium by its two eigenvalues."""
     size = max(abs(first), abs(second))
     real = max(abs(first.real), abs(second.real)) > 1e-7 * size
     if size == 0.0 or min(abs(first), abs(second)) <= 1e-9 * size:
@@ -254,15 +254,15 @@ def kind_of(first: complex, second: complex) -> str:
 def separatrices(
     system: PhaseSystem, window: Window, *saddles: Equilibrium, ends: tuple[float, ...] = ()
 ) -> list[Grid]:
-    """The curves that run into saddles or out of them, four for each, of shape (points, 2).
+    """Return the curves into and out of saddles, four for each, of shape (points, 2).
 
     Parameters
     ----------
-    ends : displacements of saddles in which a curve may end, as in a system that conserves energy
+    ends : displacements of saddles in which a curve may end, for a conservative system
 
     Raises
     ------
-    ValueError : an equilibrium that is a saddle from no side.
+    ValueError : an equilibrium that is not a saddle on any side.
     """
     starts = [start for saddle in saddles for start in _starts(system, window, saddle)]
     if not starts:
@@ -277,9 +277,9 @@ def separatrices(
 def _starts(
     system: PhaseSystem, window: Window, saddle: Equilibrium
 ) -> list[tuple[float, float, float, float]]:
-    """Where the curves of a saddle are started beside it: its x, then x, x' and the sense of time."""
+    """Return the starts of a saddle's curves: its x, then x, x' and the direction of time."""
     if "saddle" not in saddle.kinds:
-        raise ValueError(f"the equilibrium at {saddle.x:g} is no saddle but a {saddle.kind}")
+        raise ValueError(f"the equilibrium at {saddle.x:g} is not a saddle but a {saddle.kind}")
     starts = []
     for side, (kind, pair) in enumerate(zip(saddle.kinds, saddle.eigenvalues, strict=True)):
         if kind != "saddle":
@@ -297,9 +297,9 @@ def _starts(
 def _rates(
     system: PhaseSystem, window: Window, x: float, sx: float, pair: tuple[complex, complex]
 ) -> list[tuple[float, float]]:
-    """Slopes x'/x of the curves through a saddle on one side, and how far out they are taken.
+    """Return slopes x'/x of the curves through a saddle on one side, and the distance of their starts.
 
-    Without a linear part they are those of the energy: x'^2 / 2 = -U, seen from some way off.
+    Without a linear part they follow from the energy at some distance: x'^2 / 2 = -U.
     """
     if min(abs(pair[0]), abs(pair[1])) > 0.0:
         return [(value.real, _AWAY) for value in pair]

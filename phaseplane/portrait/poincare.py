@@ -1,4 +1,4 @@
-"""Motions under periodic excitation, looked at once in each period."""
+"""Poincare sections: motions under periodic excitation, sampled once per period."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from scipy.optimize import root
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import Motions, motions
 
-_GONE = 5.0  # windows: a motion so far out is followed no more
+_GONE = 5.0  # windows: motions farther out are abandoned
 _MOST = 16_000  # steps of a section
-_TRANSIENT = 0.5  # of the periods, of a system that dissipates
-_LONGEST = 12  # periods after which a motion may repeat itself to be called periodic
+_TRANSIENT = 0.5  # of the periods, of a dissipative system
+_LONGEST = 12  # longest period of a periodic motion, in periods of the excitation
 _CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
 
 
 @dataclass(frozen=True, slots=True)
 class PeriodicMotion:
-    """A motion that repeats itself with the excitation.
+    """A motion with the period of the excitation.
 
     Parameters
     ----------
     state : (x, x') at the start of a period
-    multipliers : eigenvalues of the map over one period: it attracts where both lie inside 1
+    multipliers : eigenvalues of the map over one period; it attracts if both are below 1 in modulus
     """
 
     state: tuple[float, float]
@@ -34,21 +34,21 @@ class PeriodicMotion:
 
     @property
     def attracts(self) -> bool:
-        """Whether motions nearby approach it."""
+        """Whether nearby motions approach it."""
         return max(map(abs, self.multipliers)) < 1.0
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """What a driven system does, seen once in each period of its drive.
+    """The Poincare section of a driven system.
 
     Parameters
     ----------
-    period : of the drive, s
-    points : states (x, x') at the starts of periods, of many motions together, shape (n, 2)
-    transient, periods : how many were left out at the beginning of each motion, and how many were kept
-    attractors : the periodic motions that others end in: their states in turn, shape (m, 2) for one
-        that repeats itself after m periods
+    period : of the excitation, s
+    points : states (x, x') of many motions at the starts of periods, shape (n, 2)
+    transient, periods : numbers of periods of each motion that are left out at the beginning, and kept
+    attractors : the states of attracting periodic motions, shape (m, 2) for one that repeats after m
+        periods
     """
 
     period: float
@@ -61,14 +61,14 @@ class Section:
 def section(
     system: PhaseSystem, window: Window, start: tuple[float, float], periods: int = 100
 ) -> Section:
-    """The section of a driven system at the starts of its drive's periods, from states all over a window.
+    """Return the section of a driven system at the starts of periods, from states all over a window.
 
-    Where damping takes energy on the whole, the first half of the periods is left out.
+    If the system is dissipative on average, the first half of the periods is left out.
 
     Parameters
     ----------
-    start : one more motion
-    periods : of each motion; fewer where they would take too long, or all have settled before
+    start : state of an additional motion
+    periods : of each motion; fewer if they would take too long, or if all have settled before
 
     Raises
     ------
@@ -101,13 +101,13 @@ def section(
 
 
 def _centred(window: Window) -> tuple[Grid, Grid]:
-    """A lattice of states about the middle of a window."""
+    """Return a lattice of states about the centre of a window."""
     x, v = np.meshgrid(np.linspace(-0.5, 0.5, 5), np.linspace(-0.5, 0.5, 5))
     return x * window.width, v * window.height
 
 
 def _dissipates(system: PhaseSystem, window: Window) -> bool:
-    """Whether areas of the plane shrink on the whole: the mean of df/dx' is above 0."""
+    """Return whether areas of the plane shrink on average: the mean of df/dx' is above 0."""
     x, v = window.grid(21, 21)
     dv = 1e-6 * window.height
     slopes = [
@@ -118,12 +118,12 @@ def _dissipates(system: PhaseSystem, window: Window) -> bool:
 
 
 def _attractors(states: Grid, window: Window) -> tuple[Grid, ...]:
-    """What motions end in that repeat themselves, each once; states by period, motion, (x, x')."""
+    """Return the different periodic motions that motions end in; states by period, motion, (x, x')."""
     sides = np.array([window.width, window.height])
     found: list[Grid] = []
     for motion in states.transpose(1, 0, 2):
         for m in range(1, min(_LONGEST, len(motion) // 2) + 1):
-            # once more after as many periods again, so that slow approach is not taken for return
+            # over twice as many periods, so that a slow approach is not taken for a return
             if not np.abs((motion[-m:] - motion[-2 * m : -m]) / sides).max() < _CLOSES:
                 continue
             turn = motion[-m:]
@@ -140,7 +140,7 @@ def _attractors(states: Grid, window: Window) -> tuple[Grid, ...]:
 def poincare_section(
     system: PhaseSystem, start: tuple[float, float], periods: int, transient: int = 0
 ) -> Grid:
-    """States of one motion at the starts of periods, shape (periods, 2), after so many of transient.
+    """Return states of one motion at the starts of periods after the transient, shape (periods, 2).
 
     Raises
     ------
@@ -153,7 +153,7 @@ def poincare_section(
 
 
 def periodic_motion(system: PhaseSystem, guess: tuple[float, float]) -> PeriodicMotion:
-    """The motion of the excitation's period near a guess, attracting or not.
+    """Return the motion of the excitation's period near a guess, attracting or not.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def periodic_motion(system: PhaseSystem, guess: tuple[float, float]) -> Periodic
 
 
 def _mapped(system: PhaseSystem, state: npt.ArrayLike) -> Grid:
-    """The state one period later, to ten digits."""
+    """Return the state one period later, to ten digits."""
     _check_period(system)
     solution = solve_ivp(
         system.rates, (0.0, system.period), np.asarray(state, float), method="DOP853",
@@ -186,11 +186,11 @@ def _mapped(system: PhaseSystem, state: npt.ArrayLike) -> Grid:
 
 def _check_period(system: PhaseSystem) -> None:
     if not system.driven:
-        raise ValueError("the system has no period: give the excitation's")
+        raise ValueError("the system has no period: give that of the excitation")
 
 
 def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
-    """Go on to the end of that period, counted from 1; the number of steps."""
+    """Step to the end of a period, counted from 1; return the number of steps."""
     end = period * system.period
     steps = 0
     active = going.active.copy()
@@ -201,7 +201,7 @@ def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
         if not going.active.any():
             break
         going.step(np.maximum(left, 1e-300))
-        going.still[:] = 0  # what rests at one phase of the drive need not at the next
+        going.still[:] = 0  # a motion at rest in one phase of the excitation may move in the next
         steps += 1
     going.active[:] = active & (end - going.t <= 1e-9 * end)
     going.t[going.active] = end

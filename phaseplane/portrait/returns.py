@@ -1,7 +1,7 @@
-"""Turns of motions around the plane: where one that starts on the x axis comes back to it.
+"""Turns of motions in the plane: the return of a motion from the x axis to it.
 
 A closed curve of x'' + f = 0 crosses the axis twice, once downwards, where f > 0, and once upwards.
-So one whole turn from each point of the axis with f > 0 tells of all closed curves there are.
+One whole turn from each point of the axis with f > 0 therefore finds all closed curves.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ _LANDINGS = 6  # corrections of the last step
 
 
 class Turns(NamedTuple):
-    """How turns end; not a number where a motion does not come back.
+    """The ends of turns; NaN if a motion does not return.
 
     Parameters
     ----------
-    far : where it crosses the axis on the other side
-    back : where it is on the axis again
-    time : how long that takes, s
+    far : x at the crossing on the other side
+    back : x at the return
+    time : duration of the turn, s
     """
 
     far: Grid
@@ -42,13 +42,13 @@ def turns(
     tolerance: float = 1e-9,
     into: list[list[tuple[float, float]]] | None = None,
 ) -> Turns:
-    """One turn from (x, 0) for every x of `starts`, where f > 0.
+    """Follow one turn from (x, 0) for every x of `starts`, where f > 0.
 
     Parameters
     ----------
-    backwards : in time
+    backwards : whether time is reversed
     tolerance : of a step, in windows
-    into : takes the points of each motion
+    into : lists that receive the points of each motion
     """
     sense = -1.0 if backwards else 1.0
     going = motions(system, window, starts, 0.0, sense, tolerance)
@@ -79,7 +79,7 @@ def turns(
 
 
 def _land(going: Motions, which: Indices, x0: Grid, v0: Grid, t0: Grid) -> None:
-    """Shorten the step just made so that it ends on the axis: by Newton, v' = -f."""
+    """Shorten the last step so that it ends on the axis, by Newton's method with v' = -f."""
     x, v, t = going.x[which], going.v[which], going.t[which]
     sense = going.sense[which]
     h = np.abs(t - t0)

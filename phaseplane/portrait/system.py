@@ -1,4 +1,4 @@
-"""What a portrait is of: one equation of second order, or a section of a larger system."""
+"""The system of a portrait: one second-order equation, or a section of a larger system."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class PhaseSystem:
     function : f(x', x, t) of three numbers
     corners : displacements at which f has a corner
     rate_corners : velocities at which f has a corner
-    period : of f in time, s; 0 where f does not depend on it
-    on_arrays : f of three arrays of equal shape; left out, `function` is tried on them, and called
-        number by number where it cannot take them
+    period : of f in time, s; 0 if f does not depend on time
+    on_arrays : f of three arrays of equal shape; by default `function` is called with arrays, or
+        number by number if it does not accept them
     """
 
     function: Function
@@ -45,19 +45,19 @@ class PhaseSystem:
         return self.period > 0.0
 
     def rates(self, t: float, state: npt.ArrayLike) -> list[float]:
-        """(x', x'') at a state (x, x'), for an integrator."""
+        """Return (x', x'') at a state (x, x'), for an integrator."""
         x, v = np.asarray(state, float)
         return [float(v), -self.function(float(v), float(x), t)]
 
     def forces(self, x: npt.ArrayLike, v: npt.ArrayLike, t: npt.ArrayLike = 0.0) -> Grid:
-        """f over arrays of equal shape; not a number where f is none."""
+        """Return f over arrays of equal shape; NaN where f is undefined."""
         x, v = np.asarray(x, float), np.asarray(v, float)
         t = np.broadcast_to(np.asarray(t, float), x.shape)
         with np.errstate(all="ignore"):
             return self.over_arrays(x, v, t)(v, x, t)
 
     def over_arrays(self, x: Grid, v: Grid, t: Grid) -> Function:
-        """f(x', x, t) as a function of arrays of equal shape, tried on these."""
+        """Return f(x', x, t) as a function of arrays of equal shape, after a trial with these."""
         function = self.on_arrays or self.function
         with np.errstate(all="ignore"):
             try:
@@ -75,7 +75,7 @@ class PhaseSystem:
             return float("nan")
 
     def frozen(self, time: float) -> PhaseSystem:
-        """The autonomous system with the f of one instant, s."""
+        """Return the autonomous system with f at a fixed time, s."""
         function, on_arrays = self.function, self.on_arrays
         return PhaseSystem(
             lambda v, x, _t: function(v, x, time),
@@ -87,7 +87,7 @@ class PhaseSystem:
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """The part of the plane that is looked at.
+    """A rectangular part of the plane.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class Window:
         if not (-inf < self.left < self.right < inf and -inf < self.bottom < self.top < inf):
             raise ValueError(
                 f"a window from {self.left:g} to {self.right:g} and from {self.bottom:g} to "
-                f"{self.top:g}: left must lie below right and bottom below top, all finite"
+                f"{self.top:g}: left must be below right and bottom below top, all finite"
             )
 
     @property
@@ -123,7 +123,7 @@ class Window:
         return self.top - self.bottom
 
     def grid(self, columns: int, rows: int) -> tuple[Grid, Grid]:
-        """x and x' of shape (rows, columns)."""
+        """Return x and x' on a grid of shape (rows, columns)."""
         x, v = np.meshgrid(
             np.linspace(self.left, self.right, columns), np.linspace(self.bottom, self.top, rows)
         )
@@ -132,7 +132,7 @@ class Window:
     def holds(
         self, x: npt.ArrayLike, v: npt.ArrayLike, margin: float = 0.0
     ) -> npt.NDArray[np.bool_]:
-        """Whether states lie inside, or outside by no more than a part of the sides."""
+        """Return whether states are inside the window enlarged by a margin, in parts of its sides."""
         x, v = np.asarray(x), np.asarray(v)
         dx, dv = margin * self.width, margin * self.height
         inside = (x >= self.left - dx) & (x <= self.right + dx)
@@ -142,20 +142,20 @@ class Window:
 def direction_field(
     system: PhaseSystem, window: Window, columns: int = 25, rows: int = 19
 ) -> tuple[Grid, Grid, Grid, Grid]:
-    """x, x' and their rates x', x'' on a grid at time 0, of shape (rows, columns)."""
+    """Return x, x' and their rates x', x'' on a grid at time 0, of shape (rows, columns)."""
     x, v = window.grid(columns, rows)
     return x, v, v, -system.forces(x, v)
 
 
 def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
-    """The section of a system in which one coordinate moves and the others rest at zero.
+    """Return the section of a system in which one coordinate moves and the others rest at zero.
 
-    On its roads at rest; for a system of one degree of freedom it is the whole plane. Dry friction and
+    The roads are level. For a system of one degree of freedom it is the whole plane. Dry friction and
     yielding, which have a memory, are refused.
 
     Parameters
     ----------
-    coordinate : its number
+    coordinate : its index
 
     Raises
     ------
@@ -163,10 +163,15 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
     """
     n = len(system.mass)
     if not 0 <= coordinate < n:
-        raise ValueError(f"coordinate {coordinate}: there are {', '.join(system.coordinates)}")
+        raise ValueError(
+            f"coordinate {coordinate}: must be from 0 to {n - 1} ({', '.join(system.coordinates)})"
+        )
     for element in system.elements:
         if element.friction or element.yield_force < inf:
-            raise ValueError(f"{element.name} has a memory: a phase portrait has none")
+            raise ValueError(
+                f"{element.name} has a memory: its forces do not depend on x and x' alone, so there "
+                "is no phase portrait"
+            )
     inverse = np.linalg.inv(np.array(system.mass, float))[coordinate]
     acting = [
         (e, e.direction[coordinate], float(inverse @ np.array(e.direction)))
@@ -205,7 +210,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
 
 
 def _over(law: Characteristic) -> Callable[[Grid], Grid] | None:
-    """A characteristic of arrays; none where it is zero."""
+    """Return a characteristic as a function of arrays; None if it is zero."""
     if law.is_zero:
         return None
     if not law.corners and not law.pieces[0].saturation:

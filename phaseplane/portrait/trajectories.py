@@ -1,8 +1,8 @@
-"""Motions from many states at once, each with steps of its own.
+"""Motions from many states at once, each with its own steps.
 
-By Rodas4 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7): order 4 with one of
-order 3 beside it for the error, L-stable, so that a relaxation oscillator takes no more steps on its
-slow branches than a harmonic one. A step costs numpy's overhead once for all motions together.
+The method is Rodas4 (Hairer and Wanner, Solving Ordinary Differential Equations II, IV.7): order 4 with
+an embedded method of order 3 for the error, L-stable, so that a relaxation oscillator takes no more
+steps on its slow branches than a harmonic one. All motions share numpy's overhead of a step.
 """
 
 from __future__ import annotations
@@ -42,22 +42,22 @@ _OF_TIME = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 _DIFFERENCES = np.array(
     [[0, 1, -1, 0, 0, 0, 0], [0, 0, 0, 1, -1, 0, 0], [0, 0, 0, 0, 0, 1, -1]], float
 )[:, :, None]
-_NEAR = 1e-7  # of the window's sides, for the differences that tangents are taken from
-_FIRST = 1e-4  # of the way across the window, in the first step
-_LEAST, _MOST = 0.2, 5.0  # by which a step may change
-_STILL, _REST = 1e-9, 5  # of the window's sides: so many steps as short as that end in rest
+_NEAR = 1e-7  # of the window's sides, for difference quotients
+_FIRST = 1e-4  # length of the first step, in windows
+_LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
+_STILL, _REST = 1e-9, 5  # of the window's sides; a motion rests after so many steps this short
 
 
 @dataclass(slots=True)
 class Motions:
-    """States of many motions, stepped together; those that have ended stay where they are.
+    """States of many motions, stepped together; those that have ended no longer move.
 
     Parameters
     ----------
-    system : what moves
-    window : sides that errors are measured by
-    x, v, t : where each is, shape (motions,)
-    sense : 1 where time runs forwards, -1 where it runs backwards
+    system : the system that moves
+    window : its sides are the scales of errors
+    x, v, t : present states and times, shape (motions,)
+    sense : 1 forwards in time, -1 backwards
     tolerance : of one step, in widths and heights of the window
     """
 
@@ -74,7 +74,7 @@ class Motions:
     _force: Callable[[Grid, Grid, Grid], Grid] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Choose the first steps by how fast each state crosses the window."""
+        """Choose the first steps by the speed of each state in windows."""
         self._force = self.system.over_arrays(self.x, self.v, self.t)
         self.active = np.ones(len(self.x), bool)
         self.still = np.zeros(len(self.x), int)
@@ -82,24 +82,24 @@ class Motions:
         self.h = _FIRST / np.where(np.isfinite(speed) & (speed > 0.0), speed, 1.0)
 
     def speed(self, which: Indices) -> Grid:
-        """Windows per second."""
+        """Return speeds in windows per second."""
         x, v = self.x[which], self.v[which]
         force = self.system.forces(x, v, self.t[which])
         return np.hypot(v / self.window.width, force / self.window.height)
 
     def step(self, longest: Grid | float = np.inf) -> tuple[Indices, Grid, Grid, Grid]:
-        """Make one step of every motion that goes on.
+        """Make one step of every active motion.
 
-        A step that is refused for its error is tried shorter the next time. A motion ends where its
-        steps vanish, or go nowhere any more.
+        A step rejected for its error is shortened the next time. A motion ends if its steps vanish, or
+        if it no longer moves.
 
         Parameters
         ----------
-        longest : of this step, s, shape (motions,)
+        longest : upper bound of this step, s, shape (motions,)
 
         Returns
         -------
-        Which motions have moved, and where these were before: indices, x, v, t.
+        The indices of the motions that have moved, and their previous x, v, t.
         """
         going = np.flatnonzero(self.active)
         h = np.minimum(self.h, longest)[going]
@@ -108,7 +108,7 @@ class Motions:
         error = np.where(np.isfinite(error), error, 1e9)
         factor = np.clip(0.9 * np.maximum(error, 1e-10) ** -0.25, _LEAST, _MOST)
         good = error <= 1.0
-        # a step that was cut short says nothing against longer ones
+        # a step limited by `longest` does not limit the next one
         self.h[going] = np.where(good & (h < self.h[going]), self.h[going], h * factor)
         vanishing = ~good & (h < 1e-13 * (np.abs(before[2]) + 1e-3))
         self.active[going[vanishing]] = False
@@ -122,7 +122,7 @@ class Motions:
         return moved, x0, v0, before[2][good]
 
     def tried(self, x: Grid, v: Grid, t: Grid, sense: Grid, h: Grid) -> tuple[Grid, Grid, Grid]:
-        """Where steps of length h lead, s, and their errors in units of the tolerance."""
+        """Return the ends of steps of length h, s, and their errors in units of the tolerance."""
         with np.errstate(all="ignore"):
             return self._tried(np.array([x, v]), t, sense, h)
 
@@ -154,7 +154,7 @@ class Motions:
         return end[0], end[1], error / self.tolerance
 
     def _tangents(self, x: Grid, v: Grid, t: Grid) -> tuple[Grid, Grid, Grid, Grid | None]:
-        """f and its derivatives with respect to x, x' and, of a driven system, t."""
+        """Return f and its derivatives with respect to x, x' and, for a driven system, t."""
         dx, dv = _NEAR * self.window.width, _NEAR * self.window.height
         if not self.system.driven:
             of_x, of_v = np.array([[0.0, dx, -dx, 0.0, 0.0], [0.0, 0.0, 0.0, dv, -dv]])[:, :, None]
@@ -175,7 +175,7 @@ def motions(
     sense: npt.ArrayLike = 1.0,
     tolerance: float = 1e-8,
 ) -> Motions:
-    """Motions that start from these states at time 0; see `Motions`."""
+    """Return motions that start from these states at time 0; see `Motions`."""
     parts = np.broadcast_arrays(*(np.asarray(part, float) for part in (x, v, 0.0, sense)))
     at = [part.ravel().copy() for part in parts]
     return Motions(system, window, at[0], at[1], at[2], at[3], tolerance)
@@ -194,15 +194,15 @@ def followed(
     tolerance: float = 1e-8,
     ends: npt.ArrayLike = (),
 ) -> list[Grid]:
-    """Integral curves from these states until they leave the window or come to rest, (points, 2) each.
+    """Return integral curves until they leave the window or come to rest, (points, 2) each.
 
     Parameters
     ----------
     sense : 1 forwards in time, -1 backwards
-    margin : parts of the sides beyond which a curve has left
-    length : of a curve at most, in windows
-    part : of the window between two points at most
-    ends : displacements of saddles, where a curve that comes close ends
+    margin : by which the window is enlarged, in parts of its sides
+    length : largest length of a curve, in windows
+    part : largest distance between two points, in windows
+    ends : displacements of saddles; a curve that comes close to one ends
     """
     going = motions(system, window, x, v, sense, tolerance)
     points: list[list[tuple[float, float]]] = [
@@ -237,5 +237,5 @@ def followed(
 
 
 def _distance(places: Grid, x: Grid, v: Grid, window: Window) -> Grid:
-    """From the nearest of some places on the axis, in windows."""
+    """Return the distance from the nearest of the places on the axis, in windows."""
     return np.hypot(np.abs(x[:, None] - places).min(axis=1) / window.width, v / window.height)

@@ -1,4 +1,4 @@
-"""All of a portrait, in a window that shows it well."""
+"""A whole portrait, and a suitable window for it."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from phaseplane.portrait.poincare import Section, section
 from phaseplane.portrait.system import Grid, PhaseSystem, Window, direction_field
 from phaseplane.portrait.trajectories import followed
 
-_ROOM = 1.25  # of the window beyond what it shows
-_SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in widths and heights of the window
-_ASIDE = 0.01  # of the width: where a curve begins beside an equilibrium that repels
+_ROOM = 1.25  # size of the window relative to its content
+_SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in heights per width of the window
+_ASIDE = 0.01  # of the width: distance of a curve's start from a repelling equilibrium
 
 
 @dataclass(frozen=True, slots=True)
 class Portrait:
-    """What a phase portrait shows: of an autonomous system its curves, of a driven one its section.
+    """The data of a phase portrait: the curves of an autonomous system, the section of a driven one.
 
     Parameters
     ----------
     window : the part of the plane
-    field : x, x' and their rates, see `direction_field`; none of a driven system
-    nullcline : where x'' = 0
-    isoclines : where integral curves have one and the same slope; a list for each slope
-    energy_curves : curves of constant energy, if it is constant; a list for each energy
-    orbits : integral curves, where it is not
+    field : x, x' and their rates, see `direction_field`; None for a driven system
+    nullcline : curves x'' = 0
+    isoclines : curves on which integral curves have equal slope; a list for each slope
+    energy_curves : curves of constant energy of a conservative system; a list for each energy
+    orbits : integral curves of any other system
     equilibria, separatrices, cycles : inside the window
     section : of a driven system
-    frozen : the instant at which a driven system is looked at as if f changed no more, s; or none
+    frozen : the time at which f of a driven system is held constant, s; or None
     """
 
     window: Window
@@ -51,11 +51,11 @@ class Portrait:
 
 
 def good_window(system: PhaseSystem, reach: float) -> Window:
-    """A window as wide as it is asked for, and as high as motions get that turn at its sides.
+    """Return a window of given width, as high as the velocities of motions that turn at its sides.
 
     Parameters
     ----------
-    reach : largest displacement on either side
+    reach : largest displacement to either side
     """
     energy = potential(system, np.linspace(-reach, reach, 401))
     known = energy[np.isfinite(energy)]
@@ -65,7 +65,7 @@ def good_window(system: PhaseSystem, reach: float) -> Window:
 
 
 def fitted_window(shown: Section, otherwise: Window) -> Window:
-    """A window that the points of a section fill."""
+    """Return a window that fits the points of a section."""
     if not len(shown.points):
         return otherwise
     low, high = shown.points.min(axis=0), shown.points.max(axis=0)
@@ -83,15 +83,15 @@ def whole_portrait(
     periods: int = 100,
     frozen: float | None = None,
 ) -> Portrait:
-    """Everything there is in a window.
+    """Compute the whole portrait in a window.
 
-    A driven system has no field, no equilibria and no curves that do not cross: its section is shown.
-    On demand it is frozen at an instant, which says something only of a drive that is slow.
+    A driven system has no fixed field or equilibria, and its curves cross: its section is computed.
+    Alternatively f is frozen at a given time, which is meaningful only for a slow excitation.
 
     Parameters
     ----------
     start, periods : of the section
-    frozen : s
+    frozen : time at which f is held constant, s
     """
     if system.driven and frozen is None:
         return Portrait(window, section=section(system, window, start, periods))
@@ -119,7 +119,7 @@ def whole_portrait(
 
 
 def _energy_curves(system: PhaseSystem, window: Window) -> tuple[Curves, ...]:
-    """Curves all over the window, and some in each well."""
+    """Return curves all over the window, and some in each well."""
     inner = levels_in_wells(system, window)
     return (*energy_levels(system, window)[1], *energy_levels(system, window, inner)[1])
 
@@ -131,11 +131,11 @@ def orbits(
     cycles: list[Cycle] | tuple[Cycle, ...] = (),
     count: int = 4,
 ) -> tuple[Grid, ...]:
-    """Integral curves, each of shape (points, 2): inwards from the border, outwards from what repels.
+    """Return integral curves inwards from the border and outwards from repellers, (points, 2) each.
 
     Parameters
     ----------
-    count : through either of the long sides
+    count : number of curves through each of the long sides
     """
     places = np.linspace(window.left, window.right, count + 2)[1:-1]
     x = [*places, *places]

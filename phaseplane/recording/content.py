@@ -1,4 +1,4 @@
-"""What a recording holds."""
+"""The content of a recording."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ VIEWS: tuple[View, ...] = get_args(View)
 
 @dataclass(frozen=True)
 class Content:
-    """Everything that a recording is made from; what is left out is not logged.
+    """The content of a recording; omitted parts are not logged.
 
     Parameters
     ----------
     title : one line
-    drawing : the construction that is replayed, if there is one
+    drawing : the construction to replay, if any
     histories : `time` (s) and columns of the same length over it, in SI
-    units : the SI units of columns, where their names do not say what they are
-    pairs : columns, displacement and rate, whose phase planes are drawn; left out, those of the
+    units : the SI units of columns whose names do not determine the quantity
+    pairs : pairs of columns, displacement and rate, drawn as phase planes; by default those of the
         planes of the drawing
-    vehicle : what is seen from the side
-    detail : `trail`: the planes and the motion in them; `steps`: and the complete construction of
-        every step; `stages`: and on the timeline `stage` drawn in its order
-    views : what is shown
-    live : whether the run is going on yet: its columns are known by name alone
+    vehicle : shown from the side
+    detail : `trail`: the planes and the motion in them; `steps`: also the complete construction of
+        every step; `stages`: also its stages in order, on the timeline `stage`
+    views : the views to show
+    live : whether the run is still going on, so that only the names of its columns are known
     """
 
     title: str
@@ -52,7 +52,7 @@ class Content:
     live: bool = False
 
     def shows(self, view: View) -> bool:
-        """Whether a view is wanted."""
+        """Return whether a view is shown."""
         return view in self.views
 
     @property
@@ -68,16 +68,16 @@ class Content:
 
     @cached_property
     def box(self) -> sheet.Bounds:
-        """What a view of the whole drawing shows."""
+        """The bounds of the whole drawing."""
         assert self.drawing is not None
         return sheet.bounds(self.drawing, self.trails)
 
     def check(self) -> None:
-        """Refuse what cannot be recorded.
+        """Check that the content can be recorded.
 
         Raises
         ------
-        ValueError : an unknown detail or view, neither a step nor a column, a step that follows no
+        ValueError : an unknown detail or view, neither steps nor columns, a step with an unknown
             scheme, columns without `time` or of unequal length.
         """
         if self.detail not in DETAILS:
@@ -94,11 +94,11 @@ class Content:
         for name in (name for pair in self.pairs for name in pair):
             if self.histories and name not in self.histories:
                 raise ValueError(
-                    f"no column {name!r} for a phase plane; there are {', '.join(self.histories)}"
+                    f"no column {name!r} for a phase plane; columns are {', '.join(self.histories)}"
                 )
 
     def digest(self) -> str:
-        """The same for the same content: what makes a recording replace itself in a viewer."""
+        """Return a hash of the content, by which equal recordings replace each other in a viewer."""
         digest = blake2b(repr((self.title, self.detail, self.views)).encode(), digest_size=8)
         if self.drawing is not None:
             digest.update(self.drawing.title.encode())
@@ -131,5 +131,5 @@ def _check_histories(histories: Mapping[str, npt.ArrayLike]) -> None:
         if np.ndim(column) != 1 or np.shape(column) != shape:
             raise ValueError(
                 f"history {name!r} has the shape {np.shape(column)}, 'time' {shape}: "
-                "all columns must be of one length"
+                "all columns must have the same length"
             )

@@ -1,4 +1,4 @@
-"""Which columns of a run are plotted together, and how they are logged."""
+"""Plots of a run's columns, grouped by quantity."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class Panel:
 
     @property
     def path(self) -> str:
-        """Where it is logged."""
+        """Its path in the recording."""
         return f"{HISTORIES}/{self.quantity.name}"
 
     @property
     def labels(self) -> list[str]:
-        """Names as they are shown."""
+        """Names in the legend."""
         return [legible(in_words(name)) for name in self.names]
 
     @property
@@ -40,13 +40,13 @@ class Panel:
         return f"{self.quantity.name} [{self.quantity.unit}]"
 
     def values(self, histories: Mapping[str, npt.ArrayLike]) -> Reals:
-        """Its columns in the unit in which they are shown, shape (n, columns)."""
+        """Return its columns in the display unit, shape (n, columns)."""
         columns = [np.asarray(histories[name], float) for name in self.names]
         return self.quantity.factor * np.column_stack(columns)
 
 
 def panels(content: Content) -> list[Panel]:
-    """The columns by quantity, without those of which nobody says what they are."""
+    """Return the columns by quantity, without those of unknown quantity."""
     wanted = [
         quantity
         for quantity in QUANTITIES
@@ -67,7 +67,7 @@ def panels(content: Content) -> list[Panel]:
 
 
 def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Curves over `t` as they were given; over `step` and `stage` at the steps."""
+    """Send curves over `t` as given, over `step` and `stage` at the steps."""
     times = np.asarray(content.histories.get("time", ()), float)
     for panel in panels(content) if len(times) else ():
         values = panel.values(content.histories)
@@ -85,7 +85,7 @@ def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock
 
 
 def log_series(recording: rr.RecordingStream, panel: Panel) -> None:
-    """Names and colours of the curves of a panel."""
+    """Log names and colours of the curves of a panel."""
     palette = [SERIES_COLOURS[i % len(SERIES_COLOURS)] for i in range(len(panel.names))]
     recording.log(
         panel.path,

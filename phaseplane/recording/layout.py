@@ -1,4 +1,4 @@
-"""How the viewer lays the recording out."""
+"""The layout of a recording in the viewer."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .whole import state_box
 
 
 def blueprint(content: Content) -> rrb.Blueprint:
-    """The phase planes on the left; beside them the vehicle and the step in words, the histories.
+    """Return the layout: phase planes, then vehicle and description of the step, then histories.
 
-    While a run goes on, the viewer stays at the latest instant.
+    During a live run the viewer stays at the latest time.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def _view(contents: list[str], name: str, box: sheet.Bounds, **more: object) -> 
         origin="/",
         contents=contents,
         name=name,
-        # Sheet and vehicle are turned over (y up), the bounds are those of the screen (y down).
+        # Sheet and vehicle are flipped (y up); the bounds are those of the screen (y down).
         visual_bounds=rrb.VisualBounds2D(
             x_range=[box.left, box.right], y_range=[-box.top, -box.bottom]
         ),

@@ -1,4 +1,4 @@
-"""What kind of quantity a variable is, and the unit it is shown in."""
+"""The quantities of variables, and the units in which they are shown."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from functools import cache
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A quantity that is shown.
+    """A quantity and its display unit.
 
     Parameters
     ----------
     name : of the quantity
     unit : in which it is shown
-    factor : how many of that unit make the SI unit
+    factor : number of display units in the SI unit
     si : the SI unit
-    endings : how the names of its variables end
+    endings : endings of the names of its variables
     """
 
     name: str
@@ -41,7 +41,7 @@ QUANTITIES = (
 
 
 def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity | None:
-    """The quantity of a variable by its SI unit, else by the end of its name; nothing if neither."""
+    """Return the quantity of a variable by its SI unit, else by the end of its name; None if unknown."""
     if units is not None and name in units:
         return next((quantity for quantity in QUANTITIES if quantity.si == units[name]), None)
     return _by_ending(name)
@@ -53,12 +53,12 @@ def _by_ending(name: str) -> Quantity | None:
 
 
 def in_words(name: str) -> str:
-    """A variable's name as it is written."""
+    """Return a variable's name in words."""
     return name.replace("_", " ")
 
 
 def rate_of(displacement: str) -> str:
-    """The name of the rate of change of a displacement, as the FMUs name it."""
+    """Return the FMUs' name of the rate of change of a displacement."""
     for ending, rate in (("displacement", "velocity"), ("_angle", "_rate")):
         if displacement.endswith(ending):
             return displacement.removesuffix(ending) + rate

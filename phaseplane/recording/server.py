@@ -1,4 +1,4 @@
-"""Recordings served to a browser: rerun's own server and web viewer, in a process of their own."""
+"""Recordings served to a browser by rerun's server and web viewer, in a separate process."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from urllib.parse import quote, urlsplit
 
 LOOPBACK = "127.0.0.1"
 _PORTS = (9876, 9090)  # of rerun, for recordings and for the page
-_START = 20.0  # s within which the server has to answer
+_START = 20.0  # s within which the server must answer
 
 
 @dataclass(frozen=True, slots=True)
 class Server:
-    """A server that runs.
+    """A running server.
 
     Parameters
     ----------
-    page : address of the page that shows what is served
-    url : where recordings are sent to and taken from
+    page : address of the page that shows the recordings
+    url : address to which recordings are sent, and from which they are read
     """
 
     page: str
@@ -33,7 +33,7 @@ class Server:
     process: subprocess.Popen[bytes]
 
     def wait(self) -> None:
-        """Until the server ends, or an interrupt comes."""
+        """Wait until the server ends, or for an interrupt."""
         while self.process.poll() is None:
             time.sleep(0.2)
 
@@ -42,12 +42,12 @@ class Server:
 def serving(
     files: Sequence[str | os.PathLike[str]] = (), address: str = LOOPBACK
 ) -> Iterator[Server]:
-    """Serve recordings, and what is sent to it, until the end of the block.
+    """Serve recordings from files and those sent to the server, until the end of the block.
 
     Parameters
     ----------
-    files : recordings to begin with
-    address : of this machine, to listen at; any other than the loopback address opens it to others
+    files : recordings to serve from the start
+    address : of this machine, to listen at; only the loopback address is closed to other machines
 
     Raises
     ------
@@ -80,7 +80,7 @@ def serving(
 
 
 def viewer_program() -> str:
-    """Rerun's viewer and server itself; the command of that name is a wrapper that outlives it."""
+    """Return the program of rerun's viewer and server; the command `rerun` is a wrapper around it."""
     import rerun_cli  # noqa: PLC0415  (not needed to write files)
 
     program = "rerun.exe" if os.name == "nt" else "rerun"
@@ -88,7 +88,7 @@ def viewer_program() -> str:
 
 
 def is_loopback(address: str) -> bool:
-    """Whether only this machine can reach an address."""
+    """Return whether only this machine can reach an address."""
     if address == "localhost":
         return True
     try:
@@ -98,7 +98,7 @@ def is_loopback(address: str) -> bool:
 
 
 def listens(url: str, patience: float = 1.0) -> bool:
-    """Whether anything listens at the address of a viewer.
+    """Return whether a process listens at the address of a viewer.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def listens(url: str, patience: float = 1.0) -> bool:
     schemes = ("rerun", "rerun+http", "rerun+https")
     if parts.scheme not in schemes or not host or not port or parts.path != "/proxy":
         raise ValueError(
-            f"{url} is no address of a viewer; write it as rerun+http://127.0.0.1:9876/proxy"
+            f"{url} is not the address of a viewer; write it as rerun+http://127.0.0.1:9876/proxy"
         )
     try:
         socket.create_connection((host, port), patience).close()
@@ -122,12 +122,12 @@ def listens(url: str, patience: float = 1.0) -> bool:
 
 
 def _host(address: str) -> str:
-    """The name under which a browser finds the address."""
+    """Return the host name of the address for a browser."""
     return socket.gethostname() if address in ("0.0.0.0", "::") else address
 
 
 def _free_port(address: str, wanted: int) -> int:
-    """The port wanted, or any other that is free."""
+    """Return the wanted port if it is free, else another one."""
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
     for port in (wanted, 0):
         with socket.socket(family, socket.SOCK_STREAM) as trial:

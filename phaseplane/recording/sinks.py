@@ -21,17 +21,17 @@ APPLICATION = "phaseplane"
 
 
 def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStream:
-    """An empty recording for this content, not yet connected to a sink.
+    """Return an empty recording for this content, not yet connected to a sink.
 
-    Unless it is given, its id is made from the content: the same again replaces itself in a viewer,
-    and two different ones stay apart.
+    By default its id is made from the content, so that equal recordings replace each other in a
+    viewer, and different ones are separate.
 
     Raises
     ------
     ValueError : rerun is switched off by its environment variable.
     """
     digest = content.digest()
-    # A viewer has one layout for each application: each content is one of its own.
+    # A viewer has one layout per application, so each content is its own application.
     recording = rr.RecordingStream(
         f"{APPLICATION} {digest[:8]}", recording_id=recording_id or digest, send_properties=False
     )
@@ -55,16 +55,16 @@ def record(
 
     Parameters
     ----------
-    frames : the construction that is replayed; or the whole content, and then nothing else counts
-    path : of the file; its folder must exist, a file that is there already is replaced
-    histories : `time` (s) and columns of the same length over it, in SI; those whose names end as
-        `quantities.QUANTITIES` says are plotted, the others are left out
+    frames : the construction to replay; or the whole content, with which other arguments are ignored
+    path : of the file; its folder must exist, an existing file is replaced
+    histories : `time` (s) and columns of the same length over it, in SI; those whose names have an
+        ending in `quantities.QUANTITIES` are plotted, the others are left out
     detail, vehicle, views : see `Content`
 
     Raises
     ------
     OSError : the folder is missing or the file cannot be written.
-    ValueError : see `Content.check`; a frame that lacks a point which its scheme draws.
+    ValueError : see `Content.check`; a frame that lacks a point of its scheme.
     """
     content = (
         frames
@@ -79,11 +79,11 @@ def record(
 
 
 def encoded(content: Content) -> bytes:
-    """The content of an `.rrd` file."""
+    """Return the content of an `.rrd` file."""
     content.check()
     with strict():
         recording = new_recording(content)
-        # Encoded in memory: rerun's own file sink waits for ever once the disk is full.
+        # Encoded in memory, because rerun's file sink hangs if the disk is full.
         memory = recording.memory_recording()
         recording.send_blueprint(blueprint(content))
         log(recording, content)
@@ -94,7 +94,7 @@ def encoded(content: Content) -> bytes:
 
 @contextmanager
 def strict() -> Iterator[None]:
-    """Let rerun raise what it would otherwise only warn of."""
+    """Make rerun raise errors instead of warnings."""
     before = rr.strict_mode()
     rr.set_strict_mode(True)
     try:
@@ -107,7 +107,7 @@ def _check_target(target: Path) -> None:
     if target.is_dir():
         raise IsADirectoryError(f"{target} is a folder; give the name of a file in it")
     if not target.parent.is_dir():
-        raise FileNotFoundError(f"no folder {target.parent}; make it first")
+        raise FileNotFoundError(f"no folder {target.parent}; create it first")
 
 
 def _write_whole(target: Path, content: bytes) -> None:

@@ -1,7 +1,7 @@
-"""What each role looks like: the one table of colours, widths and sizes.
+"""Colours, widths and sizes of all roles.
 
-The colours keep their contrast on the viewer's dark and on its light background; there is no white
-and no black among them. Sizes are in screen points, so they hold at any zoom.
+The colours have contrast on the viewer's dark and light backgrounds; white and black are not used.
+Sizes are in screen points and so independent of zoom.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ OCHRE = 0xB08D1CFF
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """How a role is drawn: 0xRRGGBBAA, line width and point diameter in screen points."""
+    """The style of a role: 0xRRGGBBAA, line width and point diameter in screen points."""
 
     colour: int
     width: float = 1.5
@@ -60,11 +60,11 @@ SERIES_COLOURS = (BLUE, ORANGE, GREEN, GREY, PURPLE, TEAL, PINK, OCHRE, RED)
 
 
 def style(role: str) -> Style:
-    """The style of a role; one that the table does not know is ochre."""
+    """Return the style of a role; unknown roles are ochre."""
     return STYLES.get(role, _UNKNOWN)
 
 
-# What the viewer's font can show. It does not skip a missing glyph, it ends with an error.
+# Characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
 _LEGIBLE = frozenset(
     "\n"
     + "".join(map(chr, [*range(0x20, 0x7F), *range(0xA1, 0xAD), *range(0xAE, 0x149)]))
@@ -80,13 +80,13 @@ _INDICES = {ord("0") + digit: 0x2080 + digit for digit in range(10)}
 
 @lru_cache
 def legible(text: str) -> str:
-    """The text with a question mark for every character that the viewer cannot show."""
+    """Return the text with a question mark for every character that the viewer cannot show."""
     composed = unicodedata.normalize("NFC", text)
     return "".join(character if character in _LEGIBLE else "?" for character in composed)
 
 
 @lru_cache
 def typeset(text: str) -> str:
-    """The text, legible and with the numbers that follow a letter as its indices."""
+    """Return the text, legible and with numbers after a letter as subscripts."""
     greek = text.replace("dtau", "\N{GREEK CAPITAL LETTER DELTA}\N{GREEK SMALL LETTER TAU}")
     return re.sub(r"(?<=[^\W\d_])\d+", lambda m: m[0].translate(_INDICES), legible(greek))

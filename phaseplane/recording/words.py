@@ -1,4 +1,4 @@
-"""A step of the construction in words."""
+"""Descriptions of the steps of a construction, in Markdown."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from phaseplane.constructions.sheet import Event, events_of
 from .quantities import in_words, quantity_of
 from .styles import legible, typeset
 
-# What an event of an axle is called beside its mark, and what is said of it.
+# The lettering of an event of an axle, and its description.
 _EVENTS = {
     "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
-    "touchdown": ("V {}touchdown", "The {}wheel is back (V)."),
+    "touchdown": ("V {}touchdown", "The {}wheel touches down (V)."),
 }
 
 
@@ -24,7 +24,7 @@ _HEAD = "| read off the sheet | |\n|---|---|\n"
 
 
 def event_texts(event: Event) -> tuple[str, str]:
-    """What is written beside the mark of an event, and what is said of it."""
+    """Return the lettering of an event, and its description."""
     if event.kind not in _EVENTS:
         return in_words(event.name), in_words(event.name)
     mark, sentence = _EVENTS[event.kind]
@@ -33,7 +33,7 @@ def event_texts(event: Event) -> tuple[str, str]:
 
 
 def step_text(drawing: Drawing, frame: Frame) -> str:
-    """The words and numbers of a step, in Markdown."""
+    """Return the description and the readings of a step, in Markdown."""
     events = (event_texts(event)[1] for event in events_of(frame, drawing.planes))
     state = f", {_words(frame.scheme)}" if len(drawing.schemes) > 1 else ""
     return (
@@ -49,16 +49,16 @@ def _words(name: str) -> str:
 
 
 def stage_texts(scheme: Scheme) -> tuple[str, ...]:
-    """How a step is drawn, in Markdown: all of it, and each stage by itself."""
-    told = [_plain(typeset(words)) for words in scheme.stages]
+    """Return how a step is drawn, in Markdown: all stages together, then each stage alone."""
+    stages = [_plain(typeset(words)) for words in scheme.stages]
     return (
-        "\n".join(f"{i}. {words}" for i, words in enumerate(told, 1)),
-        *(f"**{i} of {len(told)}**: {words}" for i, words in enumerate(told, 1)),
+        "\n".join(f"{i}. {words}" for i, words in enumerate(stages, 1)),
+        *(f"**{i} of {len(stages)}**: {words}" for i, words in enumerate(stages, 1)),
     )
 
 
 def readings_table(readings: Mapping[str, float]) -> str:
-    """What is read off the sheet, as a Markdown table."""
+    """Return the readings as a Markdown table."""
     if not readings:
         return ""
     form, factors = _table_form(tuple(readings))
@@ -68,7 +68,7 @@ def readings_table(readings: Mapping[str, float]) -> str:
 
 @lru_cache
 def _table_form(names: tuple[str, ...]) -> tuple[str, tuple[float, ...]]:
-    """The rows of a table with a place for each value, and what the values are multiplied by."""
+    """Return the rows of a table with a place for each value, and the factors of the values."""
     rows, factors = [], []
     for name in names:
         quantity = quantity_of(name)
@@ -80,5 +80,5 @@ def _table_form(names: tuple[str, ...]) -> tuple[str, tuple[float, ...]]:
 
 @lru_cache
 def _plain(text: str) -> str:
-    """The text with Markdown's signs made ordinary: A* and its like."""
+    """Return the text with Markdown's special characters escaped, as in A*."""
     return re.sub(r"([\\`*_{}\[\]<>#|~])", r"\\\1", text)

@@ -72,7 +72,7 @@ def test_the_pendulums_equilibria_and_separatrices() -> None:
         assert len(curve) > 50
     reach = [(float(curve[:, 0].min()), float(curve[:, 0].max())) for curve in curves]
     assert min(low for low, _ in reach) < -3.0  # two go round to the other saddle
-    with pytest.raises(ValueError, match="is no saddle but a centre"):
+    with pytest.raises(ValueError, match="is not a saddle but a centre"):
         separatrices(PENDULUM, WIDE, found[1])
 
 

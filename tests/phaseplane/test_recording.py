@@ -210,7 +210,7 @@ def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
     assert row["Points2D:labels"] == ["U front lift-off", "V rear touchdown"]
     places = [spiral(1, 1), spiral(2, 1)]
     np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
-    said = "The front wheel leaves the road (U). The rear wheel is back (V)."
+    said = "The front wheel leaves the road (U). The rear wheel touches down (V)."
     assert any(said in text for text in recorded.words())
 
 

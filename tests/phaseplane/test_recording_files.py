@@ -110,7 +110,7 @@ def test_unusable_paths(tmp_path: Path) -> None:
     with pytest.raises(IsADirectoryError, match="is a folder"):
         record(drawing(5), tmp_path)
     (tmp_path / "file").touch()
-    with pytest.raises(FileNotFoundError, match=r"no folder .*file; make it first"):
+    with pytest.raises(FileNotFoundError, match=r"no folder .*file; create it first"):
         record(drawing(5), tmp_path / "file" / "f.rrd")
     (tmp_path / "file").unlink()
     assert list(tmp_path.iterdir()) == []

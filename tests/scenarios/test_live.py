@@ -201,8 +201,8 @@ def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     [
         (["serve", "missing"], "no folder missing"),
         (["serve", "."], "no recording (.rrd) in ."),
-        (["replay", "ap57", "--connect", "here"], "here is no address of a viewer"),
-        (["run", "ap57", "--connect", "here"], "here is no address of a viewer"),
+        (["replay", "ap57", "--connect", "here"], "here is not the address of a viewer"),
+        (["run", "ap57", "--connect", "here"], "here is not the address of a viewer"),
         (["run", "none.fmu"], "no such file"),
         (["run", "ap57", "--save", "live.txt"], "must end in .rrd"),
     ],
