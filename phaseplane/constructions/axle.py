@@ -25,7 +25,7 @@ from phaseplane.suspension.roads import Signal
 
 @dataclass(frozen=True)
 class Place:
-    """Where the two planes of an axle lie on the sheet.
+    """The position of an axle's two planes on the sheet.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Axle:
-    """One axle: what acts in it, and where it is drawn.
+    """One axle: its forces, and its position on the sheet.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ class Axle:
 
     @cached_property
     def coupling(self) -> float:
-        """kappa = c2 / (m Omega1^2), what plane 2 weighs in plane 1 (AP57 eq. 18)."""
+        """kappa = c2 / (m Omega1^2), the weight of plane 2 in plane 1 (AP57 eq. 18)."""
         return self.tyre.rate / (self.unsprung_mass * self.angular_frequencies[0] ** 2)
 
     @cached_property
@@ -103,7 +103,7 @@ class Axle:
 
     @cached_property
     def free_length(self) -> float:
-        """Deflection of the tyre when it bears nothing, m: x2st of a linear one."""
+        """Deflection of the unloaded tyre, m: x2st of a linear one."""
         return self.tyre.spring.argument(self.static_load)
 
     @cached_property
@@ -164,7 +164,7 @@ class Axle:
         return Jumps(self.road)
 
     def excitation(self, window: Window) -> float:
-        """Mean over the window of h2 / c2 = xi + (k2 / c2) xi', m (AP57 eq. 13)."""
+        """Return the mean over the window of h2 / c2 = xi + (k2 / c2) xi', m (AP57 eq. 13)."""
         road = self.road
         if window.duration == 0.0:
             elevation, velocity, _, _ = road.derivatives(window.start)
@@ -175,7 +175,7 @@ class Axle:
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which the state points jump, s: a kerb; for plane 2 of y2 a kink as well."""
+        """The times at which the state points jump, s: a kerb; with a nonlinear tyre also a kink."""
         table = self.jumps.table
         return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
 
@@ -209,7 +209,7 @@ class Axle:
         )  # fmt: skip
 
     def points(self, flies: bool, p1: complex, p2: complex, window: Window) -> Points:
-        """P, Q, A, A*, B, C and D of figures 7 and 10, the road as its mean over the window.
+        """Construct P, Q, A, A*, B, C and D of figures 7 and 10, with the mean road over the window.
 
         Returns
         -------
@@ -246,14 +246,14 @@ class Axle:
     # Lift-off U and touchdown V.
 
     def gap(self, p2: complex, time: float) -> float:
-        """How far the unloaded tyre is above the road, m: x2 - xi - x2st."""
+        """Return the gap between the unloaded tyre and the road, m: x2 - xi - x2st."""
         deflection = self.wheel.displacement(p2)
         if self.linear_tyre:
             deflection -= self.road.value(time)
         return deflection - self.free_length
 
     def clearance(self, p2: complex, time: float) -> float:
-        """What is negative in contact and positive in flight, m.
+        """Return a margin that is negative in contact and positive in flight, m.
 
         B2Q2 / b - x2st (AP57 eq. 28); with contact by gap, the gap where that is larger: contact ends
         where either becomes positive, and begins where neither is any more.
@@ -265,10 +265,10 @@ class Axle:
         force = bracket - self.static_tyre_deflection
         return force if self.contact == "force" else max(force, self.gap(p2, time))
 
-    # What is read off.
+    # Readings.
 
     def readings(self, flies: bool, points: Points, time: float) -> dict[str, float]:
-        """The motions of suspension and wheel off the sheet (AP57 eqs. 21 to 23), SI."""
+        """Return the motions of suspension and wheel, read off the sheet (AP57 eqs. 21 to 23), SI."""
         n_p1, n_p2, n_q1, n_q2, _, _, _, n_f2, n_b2, *_ = self._letters
         one, two = self.suspension, self.wheel
         q1, q2 = points[n_q1], points[n_q2]
@@ -309,7 +309,7 @@ class Axle:
         n_p1, _, _, _, n_a1, *_ = self._letters
         return self.strut.rate * self.suspension.displacement_between(points[n_a1], points[n_p1])
 
-    # What stays on the sheet.
+    # Fixed curves.
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """The auxiliary curves of both planes, and lines I and II."""

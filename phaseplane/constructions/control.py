@@ -1,4 +1,4 @@
-"""The control of AP57 section 4: the motion of a body by another way than the planes."""
+"""The check of AP57 section 4: the motion of a body computed independently of the planes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ def controlled(
     previous: Mapping[str, float] | None,
     elapsed: float,
 ) -> dict[str, float]:
-    """A body's motion from the forces on it, integrated on from the previous readings (AP57 eq. 25).
+    """Return a body's motion from its forces, integrated from the previous readings (AP57 eq. 25).
 
     The acceleration is taken as linear over the time elapsed. It must agree with what the planes
     give (eq. 24): the acceleration to rounding, displacement and velocity to the error of the step.

@@ -34,7 +34,7 @@ class Lines:
     def between(
         cls, axis_1: float, axis_2: float, ratio: float, kappa_12: float, kappa_21: float
     ) -> Lines:
-        """The lines that divide the distance of the axes as couplings and scales want.
+        """Return the lines that divide the distance of the axes as required by couplings and scales.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ def lines_across(
     frames: Sequence[Frame],
     others: Sequence[str] = (),
 ) -> tuple[Curve, ...]:
-    """Lines I and II, across all that is drawn in their two planes."""
+    """Return lines I and II, across everything drawn in their two planes."""
     abscissae = [z.real for plane in pair for z in trail(plane, frames)]
     wanted = (*(plane.foot for plane in pair), *others)
     abscissae += [f.points[n].real for f in frames for n in wanted if n in f.points]

@@ -67,7 +67,7 @@ class EquationPlane(OnePlane):
     }
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("angular_frequency", "scale"))
         check_finite(self, ("initial_displacement", "initial_velocity"))
         check_finite(self, ("initial_force",))

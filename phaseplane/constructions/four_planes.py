@@ -49,13 +49,13 @@ MODES = {
     "rear_flight": (False, True),
     FLIGHT: (True, True),
 }
-"""Which wheels are off the road, by mode."""
+"""The wheels that are off the road, by mode."""
 _MODE_OF = {flying: mode for mode, flying in MODES.items()}
 
 
 @dataclass(frozen=True)
 class AxleData:
-    """What belongs to one axle of a half car.
+    """The data of one axle of a half car.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ class HalfCarPlanes(Construction):
 
     @cached_property
     def couplings(self) -> tuple[float, float]:
-        """kappa_i = (M3 / Delta) c_j / Omega_i^2, what the other strut weighs; with sign."""
+        """kappa_i = (M3 / Delta) c_j / Omega_i^2, the weight of the other strut, with sign."""
         one, two = self.axles
         cross = self.masses.cross_compliance
         return (
@@ -222,7 +222,7 @@ class HalfCarPlanes(Construction):
     # The construction.
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """All points of both axles as in figures 7 and 10; G, K and H of the coupling by inertia."""
+        """Construct the points of both axles (figures 7 and 10) and G, K, H of the inertial coupling."""
         front, rear = self.axles
         flies = MODES[mode]
         points = front.points(flies[0], states[0], states[1], window)
@@ -245,7 +245,7 @@ class HalfCarPlanes(Construction):
     # Lift-off and touchdown of either wheel.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """Each wheel is in flight where the rule of contact says so, if it may leave the road."""
+        """Return the mode: a wheel is in flight if the contact rule says so and it may leave the road."""
         front, rear = (
             axle.lift_off and (axle.clearance(p, time) > 0.0 if airborne is None else airborne[i])
             for i, (axle, p) in enumerate(zip(self.axles, states[1::2], strict=True))
@@ -253,7 +253,7 @@ class HalfCarPlanes(Construction):
         return _MODE_OF[front, rear]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """For each axle what its clearance is away from zero, on its present side, m."""
+        """Return the clearance of each axle with the sign that is positive while the mode lasts, m."""
         if not self.lift_off:
             return ()
         return tuple(
@@ -264,23 +264,23 @@ class HalfCarPlanes(Construction):
         )
 
     def succeeding(self, mode: str, limit: int) -> str:
-        """One of the wheels leaves the road, or returns."""
+        """Return the mode after one of the wheels leaves the road or touches down."""
         front, rear = MODES[mode]
         return _MODE_OF[(not front, rear) if limit == 0 else (front, not rear)]
 
     def event(self, mode: str, successor: str) -> str:
-        """Which wheels have left the road, and which have returned."""
+        """Return the wheels that have left the road, and those that have touched down."""
         return ", ".join(
             f"{axle}_{LIFT_OFF if flies else TOUCHDOWN}"
             for axle, flew, flies in zip(AXLES, MODES[mode], MODES[successor], strict=True)
             if flew != flies
         )
 
-    # Where the roads jump.
+    # Jumps of the roads.
 
     @cached_property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which state points jump, s."""
+        """The times at which state points jump, s."""
         return tuple(sorted({t for axle in self.axles for t in axle.jolts}))
 
     def jolted(self, mode: str, states: States, time: float) -> States:
@@ -292,7 +292,7 @@ class HalfCarPlanes(Construction):
             *rear.jolted(flies[1], states[2:], time),
         )
 
-    # What is read off.
+    # Readings.
 
     def readings(
         self,
@@ -302,7 +302,7 @@ class HalfCarPlanes(Construction):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """All motions off the sheet, SI, as in AP57 eqs. 21 to 24 for either axle.
+        """Return all motions read off the sheet, SI, as in AP57 eqs. 21 to 24 for either axle.
 
         The control is the body's acceleration over either axle by the forces of its struts,
         integrated twice (as AP57 eq. 25).

@@ -40,7 +40,7 @@ from phaseplane.suspension.roads import Signal
 
 @dataclass(frozen=True)
 class HalfCarRigidTyresPlanes(Construction):
-    """A body on two axles that follow the road, and the sheet they are drawn on.
+    """A body on two axles that follow the road, and the sheet on which they are drawn.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ class HalfCarRigidTyresPlanes(Construction):
     schemes: ClassVar[Mapping[str, Scheme]] = {CONTACT: inertial_scheme()}
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("plane_distance",))
         check_finite(self, ("plane_offset",))
         check_pairs(self, ("plane_scales",), positive=True)
@@ -153,7 +153,7 @@ class HalfCarRigidTyresPlanes(Construction):
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Plane 1 with its origin in that of the sheet, and plane 2 under it."""
+        """Plane 1 with its origin at that of the sheet, and plane 2 below it."""
         return tuple(one.plane for one in self.lienards)
 
     @cached_property
@@ -176,7 +176,7 @@ class HalfCarRigidTyresPlanes(Construction):
     # The construction.
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """P, Q, A, A*, C, D and H of figure 12, the roads' accelerations as means over the window."""
+        """Construct P, Q, A, A*, C, D and H of figure 12, with the roads' mean accelerations."""
         one, two = self.lienards
         p1, p2 = states
         q1, a1, foot1 = one.raised(p1)
@@ -205,7 +205,7 @@ class HalfCarRigidTyresPlanes(Construction):
         )
         return (*one.curves(frames), *two.curves(frames), *across)
 
-    # Where the roads jump.
+    # Jumps of the roads.
 
     @cached_property
     def jumps(self) -> tuple[Jumps, Jumps]:
@@ -214,7 +214,7 @@ class HalfCarRigidTyresPlanes(Construction):
 
     @cached_property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which a road or its velocity jumps, s."""
+        """The times at which a road or its velocity jumps, s."""
         return tuple(sorted({t for one in self.jumps for t in one.table}))
 
     def jolted(self, mode: str, states: States, time: float) -> States:
@@ -232,7 +232,7 @@ class HalfCarRigidTyresPlanes(Construction):
             )
         )
 
-    # What is read off.
+    # Readings.
 
     def readings(
         self,
@@ -242,7 +242,7 @@ class HalfCarRigidTyresPlanes(Construction):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Displacements, velocities and accelerations off the sheet (AP57 eq. 39), SI.
+        """Return displacements, velocities and accelerations read off the sheet (AP57 eq. 39), SI.
 
         The control is the body's acceleration over either axle by the forces S_i = c_i A_iP_i / a of
         its struts, integrated twice.

@@ -45,7 +45,7 @@ class Lienard:
         return state_point(self.plane, displacement, velocity)
 
     def values(self, p: complex) -> tuple[float, float]:
-        """y and y' off the sheet."""
+        """Return y and y', read off the sheet."""
         y_bar = self.plane.scaled_velocity.read(p)
         return self.plane.displacement.read(p), self.plane.angular_frequency * y_bar
 
@@ -60,7 +60,7 @@ class Lienard:
         return complex(p.real, origin.imag), complex(foot, p.imag), complex(foot, origin.imag)
 
     def interpolated(self, y_bar: float, y: float) -> float:
-        """Epsilon between the two drawn curves that are nearest to y, m."""
+        """Return epsilon, interpolated between the two drawn curves nearest to y, m."""
         levels = self.levels
         if len(levels) == 1:
             return self.epsilon(y_bar, levels[0])
@@ -87,7 +87,7 @@ class Lienard:
         return self.plane.angular_frequency**2 * self.displacement_between(q, foot)
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary curves as far as the motion reaches.
+        """Return the auxiliary curves over the range of the motion.
 
         Returns
         -------

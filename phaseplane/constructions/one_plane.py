@@ -58,7 +58,7 @@ def one_plane_scheme(excitation: str) -> Scheme:
 
 
 class OnePlane(Construction):
-    """What the constructions in a single phase plane have in common."""
+    """The common part of the constructions in a single phase plane."""
 
     @property
     @abstractmethod
@@ -67,7 +67,7 @@ class OnePlane(Construction):
 
     @abstractmethod
     def shift(self, states: States, window: Window) -> float:
-        """How far D lies from A* along the y axis: the mean of the excitation over the window, m."""
+        """Return the distance of D from A* along the y axis, the mean excitation over the window, m."""
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
@@ -75,7 +75,7 @@ class OnePlane(Construction):
         return (self.lienard.plane,)
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """P, Q, A, A* and D of figure 2, the excitation as its mean over the window."""
+        """Construct P, Q, A, A* and D of figure 2, with the mean excitation over the window."""
         p = states[0]
         q, a, foot = self.lienard.raised(p)
         shift = self.lienard.plane.displacement.scale * self.shift(states, window)
@@ -127,7 +127,7 @@ class OneDofPlane(OnePlane):
     }
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("mass", "scale"))
         check_finite(self, ("initial_deflection", "initial_rate"))
         _ = self.strut
@@ -167,7 +167,7 @@ class OneDofPlane(OnePlane):
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The instants at which the road or its velocity jumps, s."""
+        """The times at which the road or its velocity jumps, s."""
         return tuple(self.jumps.table)
 
     def jolted(self, mode: str, states: States, time: float) -> States:

@@ -1,4 +1,4 @@
-"""The construction laid over a motion that is known already."""
+"""The construction laid over a known motion."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def overlay(
     rule: Rule = delta,
     airborne: Sequence[bool | Sequence[bool]] | None = None,
 ) -> Drawing:
-    """The construction laid over a trajectory that is known already, as from a simulation.
+    """Lay the construction over a known trajectory, such as that of a simulation.
 
     The state points are those of the trajectory; each step's successor is constructed, and how far
     it lies from the next given point is read off as `<displacement>_drift`, m. Instants given twice
@@ -72,7 +72,7 @@ def overlay(
 
 
 def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[float]) -> Drawing:
-    """A construction that marched by itself, held against a motion that is known.
+    """Compare an independent construction with a known motion.
 
     How far its state points have drifted from those of the motion is read off at every step as
     `<displacement>_drift`, m; between the instants of the motion these lie on straight lines.
@@ -116,7 +116,7 @@ def _rows(
     columns: Sequence[Sequence[float]],
     airborne: Sequence[bool | Sequence[bool]] | None,
 ) -> list[tuple[float, States, str]]:
-    """Instants with the state points and the mode that they are in."""
+    """Return times with the state points and their mode."""
     planes = construction.planes
     if len(columns) != 2 * len(planes):
         raise ValueError(
@@ -149,5 +149,5 @@ def _rows(
             rows.pop()
         rows.append((time, states, construction.mode_at(states, time, known)))
     if len(rows) < 2:
-        raise ValueError("a trajectory needs at least two different instants")
+        raise ValueError("a trajectory needs at least two different times")
     return rows

@@ -40,7 +40,7 @@ class Stepper:
         return self._names[template]
 
     def step(self, mode: str, states: States, window: Window) -> tuple[Points, States]:
-        """All points of a step, and the states at its end: the successors P' and what is remembered.
+        """Return all points of a step, and the states at its end: the successors P' and the memory.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Stepper:
         return points, move.successors + memory
 
     def way(self, states: States, points: Points, duration: float) -> States:
-        """Along the tangents for so long, s; what is remembered stays."""
+        """Move along the tangents for a time, s, with the memory unchanged."""
         feet = [points[foot] for foot in self.feet]
         steps = zip(states, feet, self.rates, strict=False)
         moved = [along_tangent(p, d, rate * duration) for p, d, rate in steps]

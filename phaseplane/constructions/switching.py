@@ -1,4 +1,4 @@
-"""Where within a step a mode ends: the first instant at which one of its margins becomes negative."""
+"""The end of a mode within a step: the first time at which one of its margins becomes negative."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from phaseplane.constructions.construction import Window
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
 
-_LOOKS = (0.25, 0.5, 0.75)  # parts of a step at which one looks in between
-_DOUBTFUL = 0.05  # part of the largest margin above which a dip is no touch
+_LOOKS = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
+_DOUBTFUL = 0.05  # of the largest margin: dips that stay above are ignored
 
 
 class End(NamedTuple):
-    """Which limit of the mode is reached, and after what time of the window, s."""
+    """The limit of the mode that is reached, and the time in the window, s."""
 
     limit: int
     part: float
@@ -30,7 +30,7 @@ def first_end(
     *,
     fresh: bool,
 ) -> End | None:
-    """The earliest end of the mode within a window, if there is one.
+    """Return the earliest end of the mode within a window, if there is one.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def first_end(
 def _end_of(
     course: Sequence[float], left: Callable[[float], float], duration: float, *, fresh: bool
 ) -> float | None:
-    """When a margin becomes negative, s, from its course over the window.
+    """Return the time at which a margin becomes negative, s, from its course over the window.
 
     Right after a change the margin is zero; if it does not grow from there either, the curve only
     touches the limit, and the whole window is made in the present mode.
@@ -87,7 +87,7 @@ def _end_of(
 
 
 def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
-    """Between which parts of the window a margin may fall through zero, dips included."""
+    """Return the parts of the window in which a margin may fall through zero, including dips."""
     parts = (0.0, *_LOOKS, 1.0)
     doubtful = _DOUBTFUL * max(course)
     positive: int | None = 0  # where the margin was positive last
@@ -113,7 +113,7 @@ def _halves(whole: float) -> Iterator[float]:
 def _root(
     function: Callable[[float], float], low: float, f_low: float, high: float, f_high: float
 ) -> float:
-    """Zero of a function, positive at `low` and negative at `high`, by the Illinois rule."""
+    """Return the zero of a function, positive at `low` and negative at `high`, by the Illinois rule."""
     side = 0
     middle = high
     for _ in range(100):

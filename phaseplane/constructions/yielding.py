@@ -78,7 +78,7 @@ class ElastoplasticPlane(OnePlane):
     }
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("mass", "spring_rate", "yield_force", "scale"))
         check_number("damping", self.damping, 0.0)
         check_number("hardening", self.hardening, 0.0)
@@ -113,7 +113,7 @@ class ElastoplasticPlane(OnePlane):
         return self.lienards[ELASTIC]
 
     def flow(self, sense: float, u: float) -> float:
-        """The upper (1) or lower (-1) line of flow, N."""
+        """Return the upper (1) or lower (-1) yield line, N."""
         return sense * self.yield_force + self.hardening * (
             u - sense * self.yield_force / self.spring_rate
         )
@@ -155,7 +155,7 @@ class ElastoplasticPlane(OnePlane):
         return self.load.integral(window.start, window.end) / window.duration
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary line of the spring without set, and the curves while it flows."""
+        """Return the auxiliary line of the spring without set, and the curves while it yields."""
         flowing = {frame.scheme for frame in frames} & FLOWS.keys()
         return tuple(
             curve
@@ -166,7 +166,7 @@ class ElastoplasticPlane(OnePlane):
     # Yielding and unloading.
 
     def remembered(self, states: States, before: States | None) -> States:
-        """The permanent set that a spring has in this state, if it had that other one before."""
+        """Return the state with the spring's permanent set, given the previous state."""
         known = states if len(states) > 1 else before or self.initial
         u = self.lienard.displacement(states[0])
         least, most = (u - self.flow(sense, u) / self.spring_rate for sense in (1.0, -1.0))
@@ -174,7 +174,7 @@ class ElastoplasticPlane(OnePlane):
         return states[0], self.lienard.state(r, 0.0)
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """Elastic: how far from either line of flow; flowing: the velocity in its sense; in m."""
+        """Return the distances from both yield lines or, while yielding, the forward velocity, m."""
         if mode != ELASTIC:
             return (FLOWS[mode] * states[0].imag / self.scale,)
         u, r = (self.lienard.displacement(p) for p in states)
@@ -182,7 +182,7 @@ class ElastoplasticPlane(OnePlane):
         return (up - (u - r), u - r - down)
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
-        """Flowing where the spring is on a line of flow and moves outwards."""
+        """Return the yielding mode if the spring is on a yield line and moves outwards."""
         room = self.margins(ELASTIC, states, time)
         least = 1e-9 * self.yield_force / self.spring_rate
         flowing = (
@@ -193,7 +193,7 @@ class ElastoplasticPlane(OnePlane):
         return next(flowing, ELASTIC)
 
     def succeeding(self, mode: str, limit: int) -> str:
-        """The spring flows up or down, or it unloads."""
+        """Return the next mode: yielding up or down, or unloading."""
         return tuple(FLOWS)[limit] if mode == ELASTIC else ELASTIC
 
     def event(self, mode: str, successor: str) -> str:

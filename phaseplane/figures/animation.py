@@ -1,4 +1,4 @@
-"""A construction as it grows, as a moving picture."""
+"""Animations of a construction, step by step."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def animation(
     title: str = "",
     dark: bool = False,
 ) -> Path:
-    """Write the construction step by step as a moving picture, whole or not at all.
+    """Write the construction step by step as an animation, whole or not at all.
 
     Of many steps so many are left out that there are no more than 150 pictures.
 
@@ -68,9 +68,9 @@ def _writer(suffix: str, rate: int) -> AbstractMovieWriter:
     if suffix == ".gif":
         return PillowWriter(fps=rate)
     if suffix != ".mp4":
-        raise ValueError(f"moving pictures are written as {', '.join(MOVING)}, not as {suffix!r}")
+        raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
     if not FFMpegWriter.isAvailable():
-        raise ValueError(".mp4 needs the program ffmpeg, which is not there; .gif does without")
+        raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
     # yuv420p, which every player shows, wants even sizes
     even = ["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
     return FFMpegWriter(fps=rate, extra_args=even)

@@ -65,7 +65,7 @@ def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
 
 
 class Sheet:
-    """A figure that a sheet is drawn on, bit by bit; remembers what later letters must spare."""
+    """A figure on which a sheet is drawn part by part; it records what later letters must avoid."""
 
     def __init__(self, drawing: Drawing, view: Box, palette: Palette) -> None:
         self.drawing = drawing
@@ -99,7 +99,7 @@ class Sheet:
         return self._segments[0]
 
     def spare(self, strip: Sequence[complex] | Points) -> None:
-        """Let later letters spare the segments of a polyline."""
+        """Make later letters avoid the segments of a polyline."""
         points = np.asarray(strip, complex)
         self._segments.append(np.stack((points[:-1], points[1:]), axis=1))
 
@@ -254,7 +254,7 @@ class Sheet:
         )
 
     def stay(self, roles: Sequence[str] | None) -> None:
-        """What stays on the sheet, of these roles or of all."""
+        """Draw the fixed curves of these roles, or of all."""
         curves = [c for c in self.drawing.curves if roles is None or c.role in roles]
         highest = max((c.vertices[0].imag for c in curves if c.role == "line"), default=0.0)
         for curve in curves:
@@ -274,7 +274,7 @@ class Sheet:
                 self._along(curve, 7.0)
 
     def _along(self, curve: Curve, size: float) -> None:
-        """Write the label of a curve on it, as near to its end as there is room, or not at all."""
+        """Write the label of a curve on it, as near to its end as space allows, or not at all."""
         text = typeset(curve.label)
         for vertex in reversed(curve.vertices):
             box = text_box(vertex, text, self.em * size / _TYPE)
@@ -348,7 +348,7 @@ class Sheet:
                 self.write(centre, text, self.colour("state"), 7.0)
 
     def finish(self, title: str, words: str) -> None:
-        """Title above with what else is to be said, legend below."""
+        """Write the title and notes above, the legend below."""
         width, height = self.figure.get_size_inches()
         lines = [
             line for text in (title, *words.split("\n")) for line in wrap(text, int(13 * width))
@@ -418,7 +418,7 @@ def arc_vertices(arc: Arc, frame: Frame) -> Points:
 
 
 def time_words(time: float) -> str:
-    """An instant in s as it is written."""
+    """Return a time in s as text."""
     return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
 
 

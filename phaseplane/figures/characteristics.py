@@ -25,7 +25,7 @@ _COLUMNS = 4
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One curve: arguments in m or m/s, forces in N, and where it bends."""
+    """One curve: arguments in m or m/s, forces in N, and its corners."""
 
     name: str
     x: np.ndarray

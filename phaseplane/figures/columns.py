@@ -1,4 +1,4 @@
-"""Any columns over time, each in a panel of its own: those of one run, or of two against each other."""
+"""Columns over time, each in its own panel: of one run, or of two runs for comparison."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _panels(
     names: list[str], units: Mapping[str, str], palette: Palette, title: str
 ) -> tuple[Figure, list[Axes]]:
     if not names:
-        raise ValueError("no columns to be drawn")
+        raise ValueError("no columns to draw")
     height = 0.9 + 1.5 * len(names)
     figure = new_figure(8.5, height, palette)
     panels = list(figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0])

@@ -115,7 +115,7 @@ def time_histories(
 
 
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
-    """From and to which instants the wheel is off the road, s.
+    """Return the intervals in which the wheel is off the road, s.
 
     A span begins at the first airborne instant and ends at the next that is not.
     """

@@ -1,4 +1,4 @@
-"""Where letters go, so that none hides another or what is drawn; and how they are typeset."""
+"""Placement of letters, so that none covers another or the drawing, and their typesetting."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def place(
 
 
 def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bool_]:
-    """Which segments may come as near to a point as this."""
+    """Return the segments that may come within a distance of a point."""
     near = np.ones(len(segments), bool)
     apart = segments - point
     for part, reach in ((apart.real, half.real), (apart.imag, half.imag)):

@@ -66,7 +66,7 @@ def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.
 
 
 def step_words(frame: Frame) -> str:
-    """Which step is lettered."""
+    """Return the step that is lettered."""
     return f"Step {frame.step} lettered, {time_words(frame.time)}"
 
 
@@ -96,7 +96,7 @@ def construction_sheet(
     """
     wanted = [i for i in frames if 0 <= i < len(drawing.frames)]
     if not wanted:
-        raise ValueError(f"none of the frames is there; the drawing has {len(drawing.frames)}")
+        raise ValueError(f"none of the frames exists; the drawing has {len(drawing.frames)}")
     chosen = [drawing.frames[i] for i in wanted]
     sheet = Sheet(drawing, view_of(drawing, chosen, turn=True), palette_for(dark))
     sheet.axes_of_planes()
@@ -124,7 +124,7 @@ def frame_at(drawing: Drawing, index: int | None) -> Frame:
 
 
 def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
-    """The step whose lettered points lie farthest apart on the sheet it needs.
+    """Return the step whose lettered points are farthest apart relative to the sheet it needs.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
 
 
 def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
-    """What has to be seen of the sheet, with a margin."""
+    """Return the visible part of the sheet, with a margin."""
     points = [frame.points[name] for frame in frames for name in _seen(drawing, frame.scheme)]
     if turn:
         points += [
@@ -156,7 +156,7 @@ def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
 
 
 def _seen(drawing: Drawing, scheme: str) -> list[str]:
-    """The names of the points of a step that have to be seen."""
+    """Return the names of the points of a step that must be visible."""
     marks = drawing.schemes[scheme].marks
     return [m.point for m in marks if is_main(m.point) and not m.point.startswith("S")]
 

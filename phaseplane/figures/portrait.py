@@ -110,7 +110,7 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
 
 
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
-    """Points once in each period, and what they end in."""
+    """Draw points once per period, and the attractors."""
     (dots,) = axes.plot(
         *shown.points.T, ".", color=BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
         gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",

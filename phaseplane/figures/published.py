@@ -44,7 +44,9 @@ def figure7(
     _needs(drawing, "B2", "figure 7 shows two planes with elastic coupling", "ap57_figure13")
     chosen = frame_at(drawing, frame)
     if chosen.scheme != CONTACT:
-        raise ValueError(f"figure 7 shows a wheel on the road; in step {chosen.step} it is off")
+        raise ValueError(
+            f"figure 7 shows a wheel on the road; in step {chosen.step} it is off the road"
+        )
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
     sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
     sheet.finish(title, f"Elastic coupling: {step_words(chosen).lower()}")
@@ -68,10 +70,14 @@ def figure10(
     _needs(drawing, "B2", "figure 10 shows two planes with elastic coupling", "ap57")
     flights = [f for f in drawing.frames if f.scheme == FLIGHT]
     if not flights:
-        raise ValueError("figure 10 shows the wheel off the road, which it never leaves here")
+        raise ValueError(
+            "figure 10 shows the wheel off the road; in this motion it never leaves the road"
+        )
     chosen = telling_frame(drawing, FLIGHT) if frame is None else frame_at(drawing, frame)
     if chosen.scheme != FLIGHT:
-        raise ValueError(f"figure 10 shows the wheel off the road; in step {chosen.step} it is not")
+        raise ValueError(
+            f"figure 10 shows the wheel off the road; in step {chosen.step} it is on the road"
+        )
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
     sheet.finish(title, f"The wheel off the road: {step_words(chosen).lower()}")
@@ -116,7 +122,9 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     _needs(drawing, "B2", "figure 9 shows two planes with elastic coupling", "ap57")
     frames = {frame.event: frame for frame in reversed(drawing.frames) if frame.event}
     if LIFT_OFF not in frames:
-        raise ValueError("figure 9 shows where the wheel leaves the road, which it never does here")
+        raise ValueError(
+            "figure 9 shows where the wheel leaves the road; in this motion it never does"
+        )
     shown = [frames[event] for event in (LIFT_OFF, TOUCHDOWN) if event in frames]
     wheel = drawing.planes[1]
     only = Drawing(

@@ -1,4 +1,4 @@
-"""Random roads of ISO 8608: what they look like, and that their spectra lie on their classes' lines."""
+"""Random roads of ISO 8608, and their spectra over the lines of their classes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _SEGMENT = 1024  # samples
 
 
 def elevations(road_class: str, seed: int) -> tuple[npt.NDArray[np.float64], ...]:
-    """Distances and elevations of a random road, m, without the ends where it comes and goes."""
+    """Distances and elevations of a random road, m, without the ends where it fades in and out."""
     road = random_profile(road_class, _LENGTH, 1.0, seed, band=_BAND)
     x = np.arange(0.1 * _LENGTH, 0.9 * _LENGTH, _SPACING)
     return x, np.array([road.value(float(one)) for one in x])

@@ -1,4 +1,4 @@
-"""How one step is made: AP57's figures 4a, 4b and 8, drawn anew."""
+"""Single steps: AP57's figures 4a, 4b and 8, redrawn."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 def figure4a(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """P' on the tangent, as far as the mean of both normals wants (AP57 figure 4a).
+    """P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where steps grow: spectral radii, energy growth, and limits in theory and in fact."""
+"""Stability of steps: spectral radii, energy growth, theoretical and measured limits."""
 
 from __future__ import annotations
 

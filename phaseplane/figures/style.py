@@ -1,4 +1,4 @@
-"""What the pictures have in common: colours, line styles, and how they are written to a file."""
+"""The common style of the pictures: colours, line styles, and output to files."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def palette_for(dark: bool) -> Palette:
 
 
 def role_style(role: str) -> RoleStyle:
-    """The style of a role; one that the table does not know is drawn as construction lines are."""
+    """The style of a role; an unknown role is drawn like construction lines."""
     return ROLES.get(role, _UNKNOWN)
 
 
@@ -139,7 +139,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def written_whole(target: Path) -> Iterator[Path]:
-    """A file beside the target to write to, which takes its place if nothing goes wrong.
+    """Yield a file beside the target, which replaces it if writing succeeds.
 
     Raises
     ------

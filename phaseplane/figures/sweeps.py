@@ -42,7 +42,7 @@ _LONGEST, _LEGEND = 36, 88  # characters of a text in a legend, and of a line of
 def sweep(
     varied: Quantities, measured: Quantities, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """Draw the measures of a sweep over what was varied.
+    """Draw the measures of a sweep over the varied parameters.
 
     Curves over one number; a family of curves where another number, or texts, take a few values; maps
     over two numbers; otherwise every measure against every number. Texts alone stand side by side.
@@ -59,7 +59,7 @@ def sweep(
     ValueError : nothing varied or nothing measured.
     """
     if not varied or not measured:
-        raise ValueError("a sweep is drawn of at least one parameter and one measure")
+        raise ValueError("a picture of a sweep needs at least one parameter and one measure")
     palette = palette_for(dark)
     shown = dict(list(measured.items())[:_MOST])
     abscissa = _abscissa(varied)
@@ -136,7 +136,7 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Pal
 
 
 def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np.int64]]]:
-    """Every combination of the other parameters in words, with the runs that have it."""
+    """Return each combination of the other parameters as text, with its runs."""
     combinations = list(zip(*(values for _, values in others.values()), strict=True))
     if not combinations:
         yield "", np.arange(runs)

@@ -117,7 +117,7 @@ def work_precision(
 
 
 def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
-    """The project's own way first in blue and heavy, its FMU beside it; the rest by turns."""
+    """Return the styles: the project's solver in blue and heavy, its FMU alike, the others in turn."""
     colours, markers = cycle(_COLOURS), cycle(_MARKERS)
     looks = {}
     own = next((name for name in names if name[1] == "incremental"), None)

@@ -204,7 +204,7 @@ def test_all_lines_of_the_first_steps_are_there(sheet, drawing):
 def test_frames_beyond_the_end_are_left_out(drawing):
     figure = construction_sheet(drawing, range(58, 100))
     assert len(strips(figure, "normal")) == 2 * 4
-    with pytest.raises(ValueError, match="none of the frames is there; the drawing has 62"):
+    with pytest.raises(ValueError, match="none of the frames exists; the drawing has 62"):
         construction_sheet(drawing, [70])
 
 

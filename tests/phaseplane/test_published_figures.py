@@ -242,8 +242,8 @@ def test_displacements_are_those_of_an_independent_solution(grounded: Drawing) -
         ("figure4a", "figure 4a shows the rule mean_normal"),
         ("figure4b", "figure 4b shows the rule osculating_circle"),
         ("figure8", "figure 8 shows the rule tangent"),
-        ("figure9", "which it never does here"),
-        ("figure10", "which it never leaves here"),
+        ("figure9", "in this motion it never does"),
+        ("figure10", "in this motion it never leaves the road"),
         ("figure12", "try the scene half_car_rigid_tyres"),
     ],
 )
@@ -254,7 +254,7 @@ def test_what_a_drawing_has_not_got_is_refused(grounded, name, message) -> None:
 
 def test_figures_7_and_10_refuse_each_others_steps(flying: Drawing) -> None:
     flight = next(i for i, frame in enumerate(flying) if frame.scheme == "flight")
-    with pytest.raises(ValueError, match="it is off"):
+    with pytest.raises(ValueError, match="it is off the road"):
         figures.figure7(flying, flight)
-    with pytest.raises(ValueError, match="it is not"):
+    with pytest.raises(ValueError, match="it is on the road"):
         figures.figure10(flying, 0)
