@@ -1,4 +1,4 @@
-"""Timelines, styles and texts in the form in which rerun takes them.
+"""Timelines, styles and texts as rerun's components.
 
 Every row carries all timelines it can be seen on, so each is stored once: `t` (time of the motion),
 `step`, and `stage`, which runs through the stages of one step before it goes on to the next.
@@ -70,7 +70,7 @@ class Clock:
         return self._counted(np.arange(len(self.times)))
 
     def over(self, times: Reals) -> Iterator[tuple[Reals, list[rr.TimeColumn]]]:
-        """Instants at which something is shown, with their time columns.
+        """Return times with their time columns.
 
         First the steps, which all timelines have, then those of `times` that are none of them.
         """
@@ -117,7 +117,7 @@ def _radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
 
 
 def line_style(styles: Sequence[Style]) -> rr.LineStrips2D:
-    """How lines look, one style for each."""
+    """Return the style of each line."""
     return rr.LineStrips2D.from_fields(
         colors=colours([s.colour for s in styles]), radii=_radii([s.width for s in styles])
     )

@@ -1,4 +1,4 @@
-"""The process that draws a run while it goes on: whatever becomes of it, the run is not touched.
+"""The process that draws a run while it goes on; its failure does not affect the run.
 
 It reads pickled orders from its standard input and answers each with a byte. `live` starts it.
 """
@@ -27,7 +27,7 @@ READY, TAKEN, DONE, FILED = b"r", b"t", b"d", b"f"  # filed: written, but no lon
 
 @dataclass(frozen=True, slots=True)
 class Begin:
-    """What is known before the run, and where the drawing goes."""
+    """The data known before the run, and the sinks of the drawing."""
 
     content: Content
     url: str
@@ -50,7 +50,7 @@ class Complete:
 
 
 class Drawer:
-    """Draws what it is given."""
+    """Draws the rows that it receives."""
 
     def __init__(self, order: Begin) -> None:
         self.order = order
@@ -73,7 +73,7 @@ class Drawer:
             self._unless_filed(self._go_on, rows)
 
     def _go_on(self, rows: Rows) -> None:
-        """Draw on from the last row before these."""
+        """Continue drawing from the last row before these."""
         columns = {
             name: np.concatenate([self.last.get(name, column[:0]), column])
             for name, column in rows.columns.items()
@@ -85,7 +85,7 @@ class Drawer:
         self.recording.flush()
 
     def _reach_out(self, columns: Mapping[str, Reals]) -> None:
-        """Draw the axes anew where the motion goes beyond them."""
+        """Redraw the axes if the motion goes beyond them."""
         before = replace(self.order.content, histories=self.reach)
         for name in (name for pair in self.order.content.pairs for name in pair):
             seen = np.concatenate([self.reach.get(name, np.zeros(1)), columns[name]])
@@ -95,7 +95,7 @@ class Drawer:
             log_state_planes(self.recording, after)
 
     def complete(self, order: Complete) -> None:
-        """Draw the whole run, and write its file anew."""
+        """Draw the whole run, and rewrite its file."""
         if self.order.url and self.shown:
             self._unless_filed(self._show, order.content)
         if self.order.path:
@@ -110,17 +110,17 @@ class Drawer:
         self.recording.flush()
 
     def _unless_filed(self, draw: Callable[..., None], *what: object) -> None:
-        """Draw; a viewer that has gone is given up where there is a file still to be written."""
+        """Draw; ignore the loss of the viewer if a file is still to be written."""
         try:
             draw(*what)
-        except Exception:  # whatever rerun raises when nobody takes what it sends
+        except Exception:  # any error of rerun when the viewer has gone
             if not (self.order.url and self.order.path):
                 raise
             self.shown = False
 
 
 def follow(orders: BinaryIO, answers: int) -> None:
-    """Follow orders until the last one, or until nobody gives any."""
+    """Follow orders until the last one, or until the input ends."""
     drawer: Drawer | None = None
     while True:
         try:

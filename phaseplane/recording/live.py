@@ -1,4 +1,4 @@
-"""A run drawn while it goes on, off its own path.
+"""Live drawing of a run in a separate process.
 
 The run tells a `Live` after each step which rows there are. Now and then a thread takes some of the
 new ones and hands them to a process that draws; while that is busy, none are taken, so nothing piles
@@ -91,7 +91,7 @@ class Live:
     # -- while the run goes on ---------------------------------------------------------------------
 
     def watch(self, names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> None:
-        """Say which rows there are; takes no time.
+        """Announce the rows computed so far, without waiting.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Live:
             self._hand_over()
 
     def _hand_over(self) -> None:
-        """Give the drawer the rows that have come since, thinned; wait until it has drawn them."""
+        """Send the drawer the new rows, thinned, and wait until it has drawn them."""
         assert self._source is not None
         names, rows = self._source()
         new = rows[self._taken : len(rows)]
@@ -168,7 +168,7 @@ class Live:
             self._fail(otherwise)
 
     def _answer(self, wanted: bytes, patience: float) -> bool:
-        """Whether the drawer has answered in time."""
+        """Return whether the drawer has answered in time."""
         try:
             answer = self._answers.get(timeout=patience)
         except Empty:
@@ -181,14 +181,14 @@ class Live:
         return answer == wanted
 
     def _listen(self, answers: IO[bytes]) -> None:
-        """Pass on what the drawer answers, and in the end nothing."""
+        """Pass on the drawer's answers, and an empty one at the end."""
         with answers:
             while answer := answers.read(1):
                 self._answers.put(answer)
         self._answers.put(b"")
 
     def _order(self, order: object) -> None:
-        """Hand an order over; a drawer that does not read it in time is given up."""
+        """Send an order; abandon a drawer that does not read it in time."""
         if self.problem or self._child is None:
             return
         assert self._child.stdin is not None
@@ -207,13 +207,13 @@ class Live:
         return f"the viewer at {self.url} no longer answers"
 
     def _fail_early(self) -> None:
-        """The drawer has ended before it was told to."""
+        """Handle a drawer that has ended too early."""
         words = self._last_words()
         silent = self.url and not listens(self.url)
         self._fail(self._silent if silent else words or "the drawing ended early")
 
     def _last_words(self) -> str:
-        """What the drawer said last on its way out."""
+        """Return the drawer's last line of error output."""
         assert self._child is not None
         assert self._noise is not None
         with suppress(subprocess.TimeoutExpired):

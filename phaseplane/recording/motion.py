@@ -1,4 +1,4 @@
-"""The motion of a run in its phase planes, as its columns give it."""
+"""The motion of a run in its phase planes, from its columns."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class StatePlane:
 
     @property
     def path(self) -> str:
-        """Where its motion is logged."""
+        """The path of its motion in the recording."""
         return f"{self.root}/{self.plane.name}"
 
 
@@ -99,7 +99,7 @@ def _axis(
 
 
 def rounded(value: float) -> float:
-    """The next round number that is not smaller; 1 for nothing."""
+    """Return the next round number that is not smaller; 1 for 0."""
     if not value > 0.0:
         return 1.0
     decade = 10.0 ** np.floor(np.log10(value))
@@ -114,7 +114,7 @@ def send_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> N
 
 
 def log_plane(recording: rr.RecordingStream, state_plane: StatePlane) -> None:
-    """Where a plane lies on the sheet, and what the motion in it looks like."""
+    """Log the position of a plane on the sheet, and the style of its motion."""
     plane = state_plane.plane
     y, y_bar = plane.displacement, plane.scaled_velocity
     columns = (y.direction * y.scale, y_bar.direction * y_bar.scale / plane.angular_frequency)
@@ -156,7 +156,7 @@ def send_states(
 
 
 def thinned(histories: Mapping[str, npt.ArrayLike], most: int) -> dict[str, Reals]:
-    """Every so manieth row, the last one included, so that there are not too many."""
+    """Return every n-th row, including the last, to limit their number."""
     columns = {name: np.asarray(column, float) for name, column in histories.items()}
     rows = len(columns.get("time", ()))
     if rows <= most:

@@ -1,4 +1,4 @@
-"""A construction as it is logged: the sheet once, then every step in whole columns."""
+"""Logging of a construction: the sheet once, then all steps in whole columns."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def log_construction(
 
 
 def trail_path(plane: Plane) -> str:
-    """Where the motion in a plane is logged."""
+    """Return the path of the motion in a plane."""
     return f"{SHEET}/trail/{plane.name}"
 
 
@@ -62,7 +62,7 @@ def log_axes(
     trails: Sequence[sheet.Complexes],
     box: sheet.Bounds,
 ) -> None:
-    """The axes of planes, as far as what moves in them reaches."""
+    """Log the axes of planes over the range of the motion in them."""
     for plane, trail in zip(planes, trails, strict=True):
         strips, texts = sheet.axes(plane, planes, trail, box)
         recording.log(
@@ -75,7 +75,7 @@ def log_axes(
 
 
 def _log_curves(recording: rr.RecordingStream, drawing: Drawing, box: sheet.Bounds) -> None:
-    """The curves that stay, one entity for each role; a label stands at the end of its curve."""
+    """Log the fixed curves, one entity for each role, with labels at their ends."""
     by_role: dict[str, list[Curve]] = {}
     for curve in drawing.curves:
         by_role.setdefault(curve.role, []).append(curve)
@@ -107,7 +107,7 @@ def _log_trail(
 
 
 def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
-    """Marks in the planes in which something happens."""
+    """Log marks in the planes of each event."""
     found = {i: events_of(frame, drawing.planes) for i, frame in enumerate(drawing.frames)}
     found = {i: events for i, events in found.items() if events}
     if not found:
@@ -136,7 +136,7 @@ def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -
 
 
 def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
-    """Every step in words, with its numbers, and how it is drawn."""
+    """Log the description of every step, its readings, and how it is drawn."""
     rows = np.arange(len(drawing.frames))
     for path in (WORDS, STAGES):
         style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
@@ -193,7 +193,7 @@ def _log_scheme(
 
 
 def _named(scheme: Scheme) -> set[str]:
-    """The points that a scheme draws."""
+    """Return the points in a scheme."""
     return {
         *(mark.point for mark in scheme.marks),
         *(end for stroke in scheme.strokes for end in (stroke.start, stroke.end)),
@@ -217,7 +217,7 @@ def _primitives(
     drawn: Integers,
     letters: Mapping[Mark, str],
 ) -> Iterator[tuple[str, list[Any], list[Any]]]:
-    """What a stage draws: suffix of its path, what is static, and the columns."""
+    """Return the parts of a stage: suffix of its path, static components, and columns."""
 
     def of(names: Sequence[str]) -> sheet.Complexes:
         return np.stack([table[name] for name in names], 1)

@@ -126,7 +126,7 @@ def trail(drawing: Drawing, plane: Plane) -> Complexes:
 
 
 def bounds(drawing: Drawing, moved: Sequence[Complexes]) -> Bounds:
-    """What a view of the whole sheet shows: trails, axes, normals and turn angles.
+    """Return the bounds of the whole sheet: trails, axes, normals and turn angles.
 
     Other points may lie anywhere, like the crossing of two nearly parallel lines: they do not
     count, and normals count as far as they stay in the neighbourhood of the trails.
@@ -151,7 +151,7 @@ def bounds(drawing: Drawing, moved: Sequence[Complexes]) -> Bounds:
 
 
 def _places(scheme: Scheme) -> tuple[str, ...]:
-    """The points of a scheme that the bounds of the sheet have to hold."""
+    """Return the points of a scheme that must be inside the bounds of the sheet."""
     marked = [mark.point for mark in scheme.marks if mark.role in _COUNTED_ROLES]
     turned = [name for arc in scheme.arcs if arc.role == "arc" for name in (arc.start, arc.end)]
     return tuple(dict.fromkeys(marked + turned))
@@ -159,7 +159,7 @@ def _places(scheme: Scheme) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """Something written on the sheet; the viewer centres it just below its place."""
+    """A text on the sheet; the viewer centres it just below its position."""
 
     place: complex
     label: str
@@ -229,7 +229,7 @@ def axes(
 
 
 def _room(plane: Plane, planes: Sequence[Plane]) -> float:
-    """How far the upright axis of a plane may reach before it meets that of another plane."""
+    """Return how far the vertical axis of a plane may extend before it meets another plane's."""
     origin = plane.scaled_velocity.origin
     others = (other.scaled_velocity.origin for other in planes)
     return 0.5 * min((abs(z - origin) for z in others if abs((z - origin).imag) > 0.0), default=inf)
@@ -251,7 +251,7 @@ def curve_names(curves: Sequence[Curve], box: Bounds) -> list[Text]:
 
 
 def _last_inside(polyline: Sequence[complex], box: Bounds) -> complex:
-    """Where a curve leaves the box for good; its end if it is never there."""
+    """Return where a curve finally leaves the box; its end if it is never inside."""
     corners = np.array(polyline)
     dense = np.interp(np.linspace(0, len(corners) - 1, 512), np.arange(len(corners)), corners)
     inside = dense[
@@ -280,7 +280,7 @@ def letters(scheme: Scheme, frames: Sequence[Frame], box: Bounds) -> dict[Mark, 
     weight = np.var(z, axis=1)[:, None]  # where all points lie on one spot no letter can be read
 
     def overlap(j: int, side: float) -> float:
-        """How far the letters of mark j reach into others, and, at less cost, their blanks."""
+        """Return the overlap of mark j's letters with others and, at less cost, with their margins."""
         near = abs((z - z[:, [j]]).imag) < 1.2 * em
         near[:, j] = False
         apart = (z - z[:, [j]]).real
@@ -302,7 +302,7 @@ def letters(scheme: Scheme, frames: Sequence[Frame], box: Bounds) -> dict[Mark, 
 
 
 def display_unit(unit: str, span: float) -> tuple[str, float]:
-    """The unit in which values of this span read well, and how many of it make one `unit`."""
+    """Return a suitable unit for values of this span, and its number in one `unit`."""
     for least, name, factor in _DISPLAY_UNITS.get(unit, ()):
         if span >= least:
             return name, factor

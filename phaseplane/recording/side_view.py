@@ -1,4 +1,4 @@
-"""The vehicle seen from the side, on its road: parts that are logged once, and how they move."""
+"""The vehicle seen from the side, on its road: parts that are logged once, and their motion."""
 
 from __future__ import annotations
 
@@ -38,20 +38,20 @@ _MARGIN = 0.15
 
 
 def vehicle_of(content: Content) -> Vehicle | None:
-    """The vehicle, if it is to be shown and there are the columns that move it."""
+    """Return the vehicle, if it is shown and the columns that move it are present."""
     vehicle = content.vehicle
     shown = content.shows("vehicle") and vehicle is not None
     return vehicle if shown and vehicle and vehicle.columns <= content.histories.keys() else None
 
 
 def view_box(vehicle: Vehicle) -> Bounds:
-    """What a view of the vehicle shows."""
+    """Return the bounds of a view of the vehicle."""
     left, right = vehicle.reach
     return Bounds(left - _MARGIN, right + _MARGIN, -0.2, FLOOR + 0.45)
 
 
 def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Where its parts are at every instant."""
+    """Log the positions of its parts at every time."""
     vehicle = vehicle_of(content)
     if vehicle is None or not len(content.histories["time"]):  # type: ignore[arg-type]
         return
@@ -63,7 +63,7 @@ def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) 
 
 
 def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
-    """What its parts look like, and the road as far as it is known."""
+    """Log the shapes of its parts, and the road as far as it is known."""
     vehicle = vehicle_of(content)
     if vehicle is None:
         return
@@ -99,7 +99,7 @@ def send_positions(
     at: Mapping[str, Reals],
     columns: list[rr.TimeColumn],
 ) -> None:
-    """Where the parts are at some instants.
+    """Log the positions of the parts at some times.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A vehicle seen from the side: which columns move its parts, and what the parts look like.
+"""A vehicle seen from the side: the shapes of its parts, and the columns that move them.
 
 Nothing here knows of rerun. Lengths are in metres, to scale; x points forwards, y upwards from the
 level road, and the parts stand as at rest.
@@ -82,7 +82,7 @@ class Vehicle:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """How far it reaches backwards and forwards, m."""
+        """Its extent backwards and forwards, m."""
         positions = [axle.position for axle in self.axles]
         return min(positions) - _OVERHANG, max(positions) + _OVERHANG
 
@@ -95,7 +95,7 @@ def hull(vehicle: Vehicle) -> list[Polyline]:
 
 
 def on_body(axle: AxleView) -> list[Polyline]:
-    """What moves with the body over an axle, about its floor: the damper's rod and the stops."""
+    """Return the parts fixed to the body over an axle, about its floor: damper rod and stops."""
     rod = [0.08 + 0j, 0.08 - 0.62j * _STRUT]
     piston = [0.055 - 0.62j * _STRUT, 0.105 - 0.62j * _STRUT]
     parts = [rod, piston]
@@ -109,7 +109,7 @@ def on_body(axle: AxleView) -> list[Polyline]:
 
 
 def on_wheel(axle: AxleView) -> list[Polyline]:
-    """What moves with a wheel, about its centre: tyre, rim, the strut's plate and the cylinder."""
+    """Return the parts fixed to a wheel, about its centre: tyre, rim, strut plate and cylinder."""
     cylinder = [
         0.045 + 1j * (_PLATE + 0.7 * _STRUT),
         0.045 + 1j * _PLATE,
@@ -172,7 +172,7 @@ def wheel_over(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
 
 
 def gap_at(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
-    """How far the free tyre hovers over the road while the wheel is off it, else 0, m."""
+    """Return the gap between tyre and road while the wheel is off the road, else 0, m."""
     gap = wheel_over(axle, histories) - histories[axle.road] - axle.static_tyre_deflection
     flies = histories[axle.airborne] > 0.5 if axle.airborne in histories else gap > 0.0
     return np.where(flies & (gap > 0.0), gap, 0.0)

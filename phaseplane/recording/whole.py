@@ -1,4 +1,4 @@
-"""Everything that a recording holds, logged at once, whatever its sink."""
+"""A whole recording, logged at once to any sink."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .styles import legible
 
 
 def log(recording: rr.RecordingStream, content: Content) -> None:
-    """Log all that is to be shown, in whole columns.
+    """Log the whole content, in whole columns.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def log(recording: rr.RecordingStream, content: Content) -> None:
 
 
 def begin(recording: rr.RecordingStream, content: Content, *, construction: bool = True) -> None:
-    """Log what is known before a run: how all things look, and the whole construction."""
+    """Log everything known before a run: shapes, styles, and the whole construction."""
     content.check()
     clock = Clock.of(content.drawing, stages=content.detail == "stages")
     recording.send_recording_name(legible(content.title))
@@ -47,7 +47,7 @@ def begin(recording: rr.RecordingStream, content: Content, *, construction: bool
 
 
 def send(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Log what the columns of a run, or some rows of them, say of its motion."""
+    """Log the motion given by the columns of a run, or by some of their rows."""
     send_run(recording, content, clock)
     send_vehicle(recording, content, clock)
     send_histories(recording, content, clock)
@@ -64,7 +64,7 @@ def log_state_planes(recording: rr.RecordingStream, content: Content) -> None:
 
 
 def state_box(planes: list[StatePlane], content: Content) -> sheet.Bounds:
-    """What a view of such planes shows."""
+    """Return the bounds of a view of such planes."""
     box = sheet.Bounds.around(np.concatenate([_corners(plane, content) for plane in planes]))
     return box.grown(0.2 * max(box.width, box.height))
 
