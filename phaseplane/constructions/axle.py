@@ -2,8 +2,8 @@
 
     y'' = -(1/M + 1/m) S + T/m,   x2'' = (S - T) / m,   S = Phi + F,  T = f + phi     (AP57 eq. 16)
 
-T is the tyre's bracket, or in flight what the tyre bears at rest. M is the body as this axle feels
-it alone.
+T is the tyre's bracket, in flight the static load of the tyre. M is the body's mass as felt by this
+axle alone.
 """
 
 from __future__ import annotations
@@ -53,15 +53,15 @@ class Axle:
     ----------
     strut : spring and damper between body and wheel
     tyre : the tyre as spring f and damper phi
-    linear_tyre : whether f and phi are linear: plane 2 then shows x2 and the road comes in as h2, else
-        it shows y2 = x2 - xi and the road comes in as xi''
+    linear_tyre : whether f and phi are linear: plane 2 then shows x2 and the road enters as h2, else
+        it shows y2 = x2 - xi and the road enters as xi''
     unsprung_mass : m, kg
-    body_compliance : 1/M, what a unit of this strut's force accelerates the body above it by, 1/kg
-    static_load : what the tyre bears at rest, N
+    body_compliance : 1/M, acceleration of the body above the strut per unit of its force, 1/kg
+    static_load : load of the tyre at rest, N
     road : xi(t), m
     lift_off : whether the wheel may leave the road
-    contact : when it touches it: `gap`, nowhere beyond the tyre's free length, or `force`, wherever
-        spring and damper of the tyre together press, across a gap as well (AP57 eq. 28 for U and V)
+    contact : contact rule: `gap`, none beyond the tyre's free length, or `force`, while spring and
+        damper of the tyre together press, even across a gap (AP57 eq. 28 for U and V)
     place : on the sheet
     prefix : of the names of its readings
     foot : the letter of the foot of the normals in the suspension's plane

@@ -206,7 +206,7 @@ def test_sections_of_the_models() -> None:
 
 @pytest.mark.parametrize("sides", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, float("inf"))])
 def test_windows_are_checked(sides: tuple[float, float, float, float]) -> None:
-    with pytest.raises(ValueError, match="left must lie below right"):
+    with pytest.raises(ValueError, match="left must be below right"):
         Window(*sides)
 
 
