@@ -2,8 +2,8 @@
 
     y'' = -(1/M + 1/m) S + T/m,   x2'' = (S - T) / m,   S = Phi + F,  T = f + phi     (AP57 eq. 16)
 
-T is the tyre's bracket, in flight the static load of the tyre. M is the body's mass as felt by this
-axle alone.
+T is the force of the tyre and the road on the wheel, in flight the tyre's static load. M is the
+effective mass of the body above this axle.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ class Place:
 
     Parameters
     ----------
-    numbers : of the planes: suspension and wheel
-    scales : paper per displacement in either plane (a : 1 and b : 1)
+    numbers : of the planes of suspension and wheel
+    scales : paper per displacement in each plane (a : 1 and b : 1)
     heights : of the y axes, m of paper
-    offset : of the y-bar axis of the wheel's plane to the right of the other, m of paper
-    sense : of the suspension's y axis, 1 to the right; the wheel's has the other one
+    offset : of the wheel's y-bar axis to the right of the suspension's, m of paper
+    sense : of the suspension's y axis, 1 to the right; the wheel's is opposite
     lines : the names of lines I and II
     """
 
@@ -53,19 +53,19 @@ class Axle:
     ----------
     strut : spring and damper between body and wheel
     tyre : the tyre as spring f and damper phi
-    linear_tyre : whether f and phi are linear: plane 2 then shows x2 and the road enters as h2, else
-        it shows y2 = x2 - xi and the road enters as xi''
+    linear_tyre : whether f and phi are linear; if so, plane 2 shows x2 and the road enters as h2;
+        otherwise it shows y2 = x2 - xi and the road enters as xi''
     unsprung_mass : m, kg
     body_compliance : 1/M, acceleration of the body above the strut per unit of its force, 1/kg
     static_load : load of the tyre at rest, N
     road : xi(t), m
     lift_off : whether the wheel may leave the road
-    contact : contact rule: `gap`, none beyond the tyre's free length, or `force`, while spring and
-        damper of the tyre together press, even across a gap (AP57 eq. 28 for U and V)
-    place : on the sheet
+    contact : contact rule: `gap`, contact ends at the tyre's free length; or `force`, contact lasts
+        while the tyre's spring and damper together press, even across a gap (AP57 eq. 28 for U, V)
+    place : position on the sheet
     prefix : of the names of its readings
-    foot : the letter of the foot of the normals in the suspension's plane
-    auxiliary_levels : the y_i of the auxiliary curves of the suspension, m; none: round values
+    foot : letter of the foot of the normals in the suspension's plane
+    auxiliary_levels : y_i of the suspension's auxiliary curves, m; empty: round values
     """
 
     strut: Strut
@@ -98,17 +98,17 @@ class Axle:
 
     @cached_property
     def static_tyre_deflection(self) -> float:
-        """x2st, the bracket in flight, m (AP57 eq. 27)."""
+        """x2st, the static deflection of the tyre, m (AP57 eq. 27)."""
         return self.static_load / self.tyre.rate
 
     @cached_property
     def free_length(self) -> float:
-        """Deflection of the unloaded tyre, m: x2st of a linear one."""
+        """Deflection of the unloaded tyre, m; for a linear tyre x2st."""
         return self.tyre.spring.argument(self.static_load)
 
     @cached_property
     def lines(self) -> Lines:
-        """Lines I and II: kappa from plane 2 to plane 1, c1 / c2 from plane 1 to plane 2."""
+        """Lines I and II: weight kappa of plane 2 in plane 1, and c1 / c2 of plane 1 in plane 2."""
         a, b = self.place.scales
         return Lines.between(
             *self.place.heights, b / a, self.coupling, self.strut.rate / self.tyre.rate
@@ -150,7 +150,7 @@ class Axle:
         return self.tyre.damping(1.0, 0.0) / self.tyre.rate
 
     def wheel_state(self, height: float, velocity: float, time: float) -> complex:
-        """P2 of the wheel's displacement, m, and velocity, m/s, at a time."""
+        """Return P2 for the wheel's displacement, m, and velocity, m/s, at a time."""
         if not self.linear_tyre:
             elevation, rise, _, _ = self.road.derivatives(time)
             height, velocity = height - elevation, velocity - rise
@@ -175,14 +175,15 @@ class Axle:
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The times at which the state points jump, s: a kerb; with a nonlinear tyre also a kink."""
+        """Times at which state points jump, s: at kerbs, and with a nonlinear tyre also at kinks."""
         table = self.jumps.table
         return tuple(t for t, (height, _) in table.items() if height or not self.linear_tyre)
 
     def jolted(self, flies: bool, states: States, time: float) -> States:
-        """A kerb pushes the wheel through the tyre's damper, which does not pull if it can leave.
+        """Return the states after a kerb, which pushes the wheel through the tyre's damper.
 
-        Of a kerb below a gap only that part does which is left when the gap has closed.
+        The damper does not pull if the wheel can lift off. Below a gap, only the part of the kerb
+        that exceeds the gap pushes.
         """
         height, kink = self.jumps.at(time)
         way = height
@@ -213,8 +214,8 @@ class Axle:
 
         Returns
         -------
-        with C1 and C2 on lines I and II, in flight with C1 alone and B0 in the part of B2; with a tyre
-        that is not linear A2* is in the part of B2, and there is H2 beside D2
+        points by letter, with C1 and C2 on lines I and II; in flight only C1, with B0 in place of B2;
+        with a nonlinear tyre A2* in place of B2, and H2 in addition to D2
         """
         a, b = self.place.scales
         sense = self.place.sense
@@ -253,10 +254,10 @@ class Axle:
         return deflection - self.free_length
 
     def clearance(self, p2: complex, time: float) -> float:
-        """Return a margin that is negative in contact and positive in flight, m.
+        """Return the margin of flight, m: negative in contact, positive in flight.
 
-        B2Q2 / b - x2st (AP57 eq. 28); with contact by gap, the gap where that is larger: contact ends
-        where either becomes positive, and begins where neither is any more.
+        It is B2Q2 / b - x2st (AP57 eq. 28); with contact by gap, the larger of this and the gap.
+        Contact then ends when either becomes positive, and begins when both are negative again.
         """
         q, _, foot = self.wheel.raised(p2)
         bracket = -self.place.sense * (q - foot).real / self.place.scales[1]
@@ -296,7 +297,7 @@ class Axle:
         }
 
     def body_motion(self, read: Mapping[str, float]) -> tuple[float, float, float]:
-        """Displacement, velocity and acceleration of the body above: x1 = x2 + y (AP57 eq. 24), SI."""
+        """Return the body's displacement, velocity, acceleration: x1 = x2 + y (AP57 eq. 24), SI."""
         wheel, deflection = f"{self.prefix}wheel", f"{self.prefix}suspension_deflection"
         return (
             read[f"{wheel}_displacement"] + read[deflection],
@@ -305,14 +306,14 @@ class Axle:
         )
 
     def strut_force(self, points: Points) -> float:
-        """S = Phi + F = c1 AP / a, N."""
+        """Return the strut's force S = Phi + F = c1 AP / a, N."""
         n_p1, _, _, _, n_a1, *_ = self._letters
         return self.strut.rate * self.suspension.displacement_between(points[n_a1], points[n_p1])
 
     # Fixed curves.
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary curves of both planes, and lines I and II."""
+        """Return the auxiliary curves of both planes, and lines I and II."""
         return (
             *self.suspension.curves(frames),
             *self.wheel.curves(frames),

@@ -14,16 +14,17 @@ def controlled(
 ) -> dict[str, float]:
     """Return a body's motion from its forces, integrated from the previous readings (AP57 eq. 25).
 
-    The acceleration is taken as linear over the time elapsed. It must agree with what the planes
-    give (eq. 24): the acceleration to rounding, displacement and velocity to the error of the step.
+    The acceleration is taken as linear over the elapsed time. The result must agree with the motion
+    read off the planes (eq. 24): acceleration to rounding, the others to the error of the step.
 
     Parameters
     ----------
-    body : what the names of its readings begin with
-    motion : its displacement, velocity and acceleration off the planes, SI; the first two are where
-        the control begins if there are no previous readings
-    acceleration : by the forces, m/s^2
-    elapsed : since the previous readings, s
+    body : prefix of the names of its readings
+    motion : displacement, velocity and acceleration read off the planes, SI; the first two start
+        the control if there are no previous readings
+    acceleration : from the forces, m/s^2
+    previous : readings at the previous step, or None at the start
+    elapsed : time since the previous readings, s
     """
     displacement, velocity, _ = motion
     if previous is not None:

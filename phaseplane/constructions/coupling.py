@@ -12,17 +12,17 @@ from phaseplane.constructions.sheet import trail
 
 @dataclass(frozen=True, slots=True)
 class Lines:
-    """Two planes whose y axes are parallel, and the lines by which each is projected to the other.
+    """Two planes with parallel y axes, and the lines that project each onto the other.
 
-    Between X, Q on the axis of either plane lie the lengths XQ. The line through both X cuts line I
-    in C1 and line II in C2. Q of plane 1, projected through C1 to the axis of plane 2, gives D2 with
-    X2D2 = b/a kappa21 X1Q1, and Q of plane 2 through C2 gives D1 with X1D1 = a/b kappa12 X2Q2, both
-    against the sense of the other length.
+    X and Q are points on the y axis of each plane. The line through X1 and X2 cuts line I in C1 and
+    line II in C2. Q1, projected through C1 to the axis of plane 2, gives D2 with
+    X2D2 = b/a kappa21 X1Q1; Q2 through C2 gives D1 with X1D1 = a/b kappa12 X2Q2. Both lengths are
+    opposite in sense to the projected ones.
 
     Parameters
     ----------
     axis_1, axis_2 : heights of the y axes on the sheet, m
-    line_1, line_2 : heights of lines I and II
+    line_1, line_2 : heights of lines I and II, m
     """
 
     axis_1: float
@@ -34,13 +34,13 @@ class Lines:
     def between(
         cls, axis_1: float, axis_2: float, ratio: float, kappa_12: float, kappa_21: float
     ) -> Lines:
-        """Return the lines that divide the distance of the axes as required by couplings and scales.
+        """Return the lines for given couplings and scales.
 
         Parameters
         ----------
         axis_1, axis_2 : heights of the y axes on the sheet, m
         ratio : r = b / a, scale of plane 2 over that of plane 1
-        kappa_12, kappa_21 : what plane 2 weighs in plane 1, and plane 1 in plane 2; magnitudes
+        kappa_12, kappa_21 : weight of plane 2 in plane 1 and of plane 1 in plane 2, magnitudes
         """
         way = axis_2 - axis_1
         return cls(
@@ -52,16 +52,16 @@ class Lines:
 
     @property
     def distances(self) -> tuple[float, float]:
-        """Of lines I and II from the axis of plane 1, m."""
+        """Distances of lines I and II from the axis of plane 1, m."""
         return abs(self.line_1 - self.axis_1), abs(self.line_2 - self.axis_1)
 
     def to_plane_2(self, x_1: complex, x_2: complex, q_1: complex) -> tuple[complex, complex]:
-        """C1 and D2."""
+        """Return C1 and D2."""
         c_1 = at_height(x_1, x_2, self.line_1)
         return c_1, at_height(q_1, c_1, self.axis_2)
 
     def to_plane_1(self, x_1: complex, x_2: complex, q_2: complex) -> tuple[complex, complex]:
-        """C2 and D1."""
+        """Return C2 and D1."""
         c_2 = at_height(x_1, x_2, self.line_2)
         return c_2, at_height(q_2, c_2, self.axis_1)
 

@@ -1,8 +1,8 @@
-"""The construction of any equation of second order, x'' + f(x', x, t) = 0 (Lienard's own case).
+"""The construction of any equation of second order, x'' + f(x', x, t) = 0.
 
 With x' = Omega x-bar the normal goes through D = (-delta, 0), x + delta = f / Omega^2. The auxiliary
-curves x = -epsilon(x-bar; x_i), epsilon = f(Omega x-bar, x_i, 0) / Omega^2 - x_i, are those of the
-start; what f has changed by since shifts D from A*.
+curves x = -epsilon(x-bar; x_i), epsilon = f(Omega x-bar, x_i, 0) / Omega^2 - x_i, hold at t = 0. The
+change of f since then shifts D from A*.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ class EquationPlane(OnePlane):
     Parameters
     ----------
     function : f(x', x, t)
-    autonomous : whether f does not depend on t
-    angular_frequency : Omega, rad/s; it sets the scale of the x-bar axis, and best is about that of
-        the motion
-    scale : of the sheet, m of paper for a unit of x
+    autonomous : whether f is independent of t
+    angular_frequency : Omega, rad/s, sets the scale of the x-bar axis; choose about that of the
+        motion
+    scale : of the sheet, m of paper per unit of x
     initial_displacement, initial_velocity : x and x' at time 0
-    protractor_at : vertex of the turn angle on the sheet, m of paper; left out, below the plane
-    auxiliary_levels : the x_i of the auxiliary curves, between which A is interpolated; none: A lies
-        on the curve of P's own x
-    words : the equation, for the title
+    protractor_at : vertex of the turn angle on the sheet, m of paper; default: below the plane
+    auxiliary_levels : x_i of the auxiliary curves, between which A is interpolated; empty: A is on
+        the curve through P's x
+    words : the equation as text, for the title
 
     Raises
     ------
-    ValueError : a frequency or scale that is not positive, an initial value that is not finite, an f
-        that is not a finite number at the start.
+    ValueError : if frequency or scale are not positive, or an initial value or f at the start is not
+        finite.
     """
 
     function: Function
@@ -61,8 +61,7 @@ class EquationPlane(OnePlane):
 
     schemes: ClassVar[Mapping[str, Scheme]] = {
         CONTACT: one_plane_scheme(
-            "From A* along the x axis by what f has changed by since the start, its mean over the "
-            "step: D."
+            "From A* along the x axis by the change of f since the start, averaged over the step: D."
         )
     }
 
@@ -74,12 +73,12 @@ class EquationPlane(OnePlane):
 
     @property
     def title(self) -> str:
-        """The equation."""
+        """The equation and the kind of drawing."""
         return f"{self.words} in its phase plane"
 
     @property
     def initial_force(self) -> float:
-        """F at the start."""
+        """The value of f at time 0."""
         return self.function(self.initial_velocity, self.initial_displacement, 0.0)
 
     @cached_property
@@ -103,7 +102,7 @@ class EquationPlane(OnePlane):
         return self.scale * (-3.0 - 4.0j) if self.protractor_at is None else self.protractor_at
 
     def shift(self, states: States, window: Window) -> float:
-        """What f has changed by since the start, its mean over the window at this state, / -Omega^2."""
+        """Return -1/Omega^2 times the change of f since t = 0, averaged over the window."""
         if self.autonomous:
             return 0.0
         x, velocity = self.lienard.values(states[0])
@@ -119,7 +118,7 @@ class EquationPlane(OnePlane):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Displacement, velocity and acceleration off the sheet (as AP57 eq. 11)."""
+        """Return displacement, velocity, acceleration read off the sheet (as in AP57 eq. 11)."""
         points = self.points(mode, states, Window(time))
         q = points["Q"]
         return {

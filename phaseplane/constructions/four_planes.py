@@ -2,11 +2,11 @@
 
     y1'' = -(M2/Delta + 1/m1) S1 + (M3/Delta) S2 + T1/m1,   x12'' = (S1 - T1) / m1,  Delta = M1 M2 - M3^2
 
-and the indices exchanged for the rear axle; S = Phi + F of a strut, T the bracket of a tyre, or in
-flight what it bears at rest. Each axle is drawn like a quarter car, its planes numbered 11 and 12 in
-front, 21 and 22 behind. The planes of both struts lie between those of the wheels and are coupled by
-inertia: K11, the projection of Q21, tells what the rear strut adds in front, and its distance from
-A11* is laid off from D11 to give the foot H11 of the normal.
+Exchange the indices for the rear axle. S = Phi + F is the force of a strut, T that of a tyre and the
+road on the wheel, in flight the tyre's static load. Each axle is drawn like a quarter car, its planes
+numbered 11 and 12 in front, 21 and 22 behind. The planes of both struts are between those of the
+wheels and are coupled by inertia: K11, the projection of Q21, gives the effect of the rear strut in
+front. Its distance from A11* is laid off from D11 to give the foot H11 of the normal.
 """
 
 from __future__ import annotations
@@ -49,13 +49,13 @@ MODES = {
     "rear_flight": (False, True),
     FLIGHT: (True, True),
 }
-"""The wheels that are off the road, by mode."""
+"""Whether the front and the rear wheel are off the road, by mode."""
 _MODE_OF = {flying: mode for mode, flying in MODES.items()}
 
 
 @dataclass(frozen=True)
 class AxleData:
-    """The data of one axle of a half car.
+    """Parameters and initial state of one axle of a half car.
 
     Parameters
     ----------
@@ -63,9 +63,9 @@ class AxleData:
     spring : F(y), N
     damper : Phi(y', y), N
     tyre_stiffness, tyre_damping : N/m and N s/m
-    static_load : what the tyre bears at rest, N; 0 where there is no weight
+    static_load : load of the tyre at rest, N; 0 without weight
     road : xi(t), m
-    tyre : in place of stiffness and damping, a tyre that is not linear
+    tyre : a nonlinear tyre, in place of stiffness and damping
     initial : y, y', x2 and x2' at time 0, m and m/s
     """
 
@@ -80,7 +80,7 @@ class AxleData:
     initial: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(
             self, ("unsprung_mass",) if self.tyre else ("unsprung_mass", "tyre_stiffness")
         )
@@ -92,7 +92,7 @@ class AxleData:
     def drawn(
         self, compliance: float, place: Place, prefix: str, *, lift_off: bool, contact: str
     ) -> Axle:
-        """The axle with its two planes on the sheet."""
+        """Return the axle with its two planes on the sheet."""
         return Axle(
             strut=Strut(self.spring, self.damper),
             tyre=self.tyre or Strut(linear(self.tyre_stiffness), linear(self.tyre_damping)),
@@ -111,22 +111,22 @@ class AxleData:
 
 @dataclass(frozen=True)
 class HalfCarPlanes(Construction):
-    """A body on two axles with tyres, each of which may leave the road, in four phase planes.
+    """A body on two axles with tyres that may lift off, in four phase planes.
 
     Parameters
     ----------
     front_mass, rear_mass, coupling_mass : M1, M2 and M3 of the body, kg; M3 of either sign
     front, rear : the axles
     lift_off : whether wheels may leave the road
-    contact : when their tyres touch it, `gap` or `force`; see `QuarterCarPlanes`
+    contact : contact rule, `gap` or `force`; see `QuarterCarPlanes`
     plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
     plane_distance : l, from one y axis to the next, m of paper
-    protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below all planes
+    protractor_at : vertex of the turn angles on the sheet, m of paper; default: below all planes
 
     Raises
     ------
-    ValueError : masses, stiffness, scales or distance that are not positive, a coupling mass too
-        large, a value that is not finite, a spring without a positive rate at 0, a force at rest.
+    ValueError : if masses, stiffness, scales or distance are not positive, the coupling mass is too
+        large, a value is not finite, a spring has no positive rate at 0, or there is a force at rest.
     """
 
     front_mass: float
@@ -143,14 +143,14 @@ class HalfCarPlanes(Construction):
     title: ClassVar[str] = "Half car in four phase planes"
 
     def __post_init__(self) -> None:
-        """Check what was given."""
+        """Check the parameters."""
         check_positive(self, ("plane_distance",))
         check_contact(self.contact)
         for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
             check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
         _ = self.masses, self.axles
 
-    # What follows from the data.
+    # Derived quantities.
 
     @cached_property
     def masses(self) -> BodyMasses:
@@ -159,7 +159,7 @@ class HalfCarPlanes(Construction):
 
     @cached_property
     def axles(self) -> tuple[Axle, Axle]:
-        """Both axles: wheel over strut in front, strut over wheel behind."""
+        """Both axles, with the wheel's plane above the strut's in front and below it behind."""
         l = self.plane_distance  # noqa: E741
         sense = -1.0 if self.coupling_mass >= 0.0 else 1.0
         front = Place(("11", "12"), self.plane_scales, (0.0, l), lines=("I1", "II1"))
@@ -194,12 +194,12 @@ class HalfCarPlanes(Construction):
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Strut and wheel in front, strut and wheel behind."""
+        """The planes of strut and wheel in front, then of strut and wheel behind."""
         return tuple(one.plane for axle in self.axles for one in (axle.suspension, axle.wheel))
 
     @cached_property
     def schemes(self) -> Mapping[str, Scheme]:
-        """Both axles in contact, one of them in flight, or both."""
+        """The scheme of each mode: both axles in contact, one of them in flight, or both."""
         linear_tyres = tuple(axle.linear_tyre for axle in self.axles)
         return {mode: half_car_scheme(flying, linear_tyres) for mode, flying in MODES.items()}
 
@@ -236,7 +236,7 @@ class HalfCarPlanes(Construction):
         return points
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary curves of all planes, and all lines between them."""
+        """Return the auxiliary curves of all planes, and all lines between them."""
         front, rear = self.axles
         pair = (front.suspension.plane, rear.suspension.plane)
         across = lines_across(self.lines, ("III", "IV"), pair, frames, ("K11", "K21"))
@@ -253,7 +253,7 @@ class HalfCarPlanes(Construction):
         return _MODE_OF[front, rear]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """Return the clearance of each axle with the sign that is positive while the mode lasts, m."""
+        """Return the clearance of each axle, m, with its sign chosen positive while the mode lasts."""
         if not self.lift_off:
             return ()
         return tuple(
@@ -264,12 +264,12 @@ class HalfCarPlanes(Construction):
         )
 
     def succeeding(self, mode: str, limit: int) -> str:
-        """Return the mode after one of the wheels leaves the road or touches down."""
+        """Return the mode after one wheel lifts off or touches down."""
         front, rear = MODES[mode]
         return _MODE_OF[(not front, rear) if limit == 0 else (front, not rear)]
 
     def event(self, mode: str, successor: str) -> str:
-        """Return the wheels that have left the road, and those that have touched down."""
+        """Return the event of each wheel that has lifted off or touched down."""
         return ", ".join(
             f"{axle}_{LIFT_OFF if flies else TOUCHDOWN}"
             for axle, flew, flies in zip(AXLES, MODES[mode], MODES[successor], strict=True)
@@ -280,11 +280,11 @@ class HalfCarPlanes(Construction):
 
     @cached_property
     def jolts(self) -> tuple[float, ...]:
-        """The times at which state points jump, s."""
+        """Times at which state points jump, s."""
         return tuple(sorted({t for axle in self.axles for t in axle.jolts}))
 
     def jolted(self, mode: str, states: States, time: float) -> States:
-        """The state points after a kerb under either wheel."""
+        """Return the state points after a kerb under either wheel."""
         front, rear = self.axles
         flies = MODES[mode]
         return (
@@ -302,10 +302,10 @@ class HalfCarPlanes(Construction):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Return all motions read off the sheet, SI, as in AP57 eqs. 21 to 24 for either axle.
+        """Return all motions read off the sheet, SI (AP57 eqs. 21 to 24 for each axle).
 
-        The control is the body's acceleration over either axle by the forces of its struts,
-        integrated twice (as AP57 eq. 25).
+        The control is the body's acceleration above each axle, from the strut forces, integrated
+        twice (as in AP57 eq. 25).
         """
         points = self.points(mode, states, Window(time))
         read: dict[str, float] = {}

@@ -1,4 +1,4 @@
-"""How the points in the four planes of a half car are joined, in the order of drawing."""
+"""Points and lines in the four planes of a half car, in the order of drawing."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ _AXLES = ("1", "2")
 
 
 def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) -> Scheme:
-    """Two quarter cars as in AP57 figures 7 and 10, and between their struts a figure 12.
+    """Return the scheme: AP57 figures 7 or 10 for each axle, and figure 12 between the struts.
 
     Parameters
     ----------
-    flying, linear_tyres : for front and rear axle
+    flying, linear_tyres : whether each axle is in flight, and whether its tyre is linear
     """
     axles = list(zip(_AXLES, flying, linear_tyres, strict=True))
     in_contact = [i for i, flies, _ in axles if not flies]
@@ -24,7 +24,7 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
     feet = {i: "D" if lin else "H" for i, _, lin in axles}
 
     def each(template: str, of: list[str] | None = None) -> str:
-        """The letters once for every axle, i being its number."""
+        """Return the template for every axle, with i replaced by its number."""
         return " ".join(template.replace("i", i) for i in (_AXLES if of is None else of))
 
     states = (
@@ -34,26 +34,26 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
         strokes("foot", each("Pi1-Qi1 Pi2-Qi2")),
     )
     raised = (
-        "From every P parallel to the y axis to the auxiliary curve: A. Down to the axes: A*.",
+        "From each P parallel to the y axis to the auxiliary curve: A. Down to the axis: A*.",
         marks("construction", each("Ai1 Ai2 Ai1* Ai2*")),
         strokes("construction", each("Pi1-Ai1 Ai1-Ai1* Pi2-Ai2 Ai2-Ai2*")),
     )
     road = (
-        "From A12* and A22* along their y axes by h2/c2 of the road, its mean over the step: B12, "
+        "From A12* and A22* along their y axes by the road's h2/c2, averaged over the step: B12, "
         "B22.",
         marks("excitation", each("Bi2", linear)),
         strokes("excitation", each("Ai2*-Bi2", linear)),
     )
     weight = (
-        "In flight B10 or B20, b x2st from Q of the wheel against its y axis, takes the part of B; D "
-        "of the strut lies as far from its A* as the weight wants.",
+        "In flight B10 or B20, b x2st from Q of the wheel against its y axis, replaces B. The static "
+        "load gives the distance of D of the strut from its A*.",
         marks("excitation", each("Bi0", in_flight)),
         marks("projection", each("Di1", in_flight)),
         strokes("excitation", each("Qi2-Bi0 Ai1*-Di1", in_flight)),
     )
     projection = (
-        "In each axle the line from A* of the strut to the wheel's B cuts lines I and II in C: Q of "
-        "the strut through C gives D of the wheel, and the other way round.",
+        "In each axle the line from A* of the strut to B of the wheel cuts lines I and II in C. Q of "
+        "the strut through C gives D of the wheel, and Q of the wheel gives D of the strut.",
         marks("projection", each("Ci1") + " " + each("Ci2 Di1", in_contact)),
         marks("projection", each("Di2", others)),
         marks("normal", each("Di2", linear)),
@@ -67,7 +67,7 @@ def half_car_scheme(flying: tuple[bool, ...], linear_tyres: tuple[bool, ...]) ->
         strokes("projection", "A11*-A21* Q11-K21 Q21-K11"),
     )
     shift = (
-        "A*K of each strut laid off from D: H."
+        "Lay off A*K of each strut from its D: H."
         + (" From D of the wheel against the y axis by xi''/Omega^2: H." if others else ""),
         marks("normal", each("Hi1")),
         marks("normal", each("Hi2", others)),

@@ -4,8 +4,8 @@
 
     y1 + delta1 = y1 + (Phi1 + G1) / c1 - kappa1 [y2 + (Phi2 + G2) / c2] + xi1'' / Omega1^2    (36)
 
-with kappa1 = (M3 / M2) (c2 / c1), and the indices exchanged for plane 2. For M3 > 0 the y axes have
-opposite senses; for M3 < 0 the same, so that lines I and II stay between them.
+with kappa1 = (M3 / M2) (c2 / c1); exchange the indices for plane 2. The y axes have opposite senses
+for M3 > 0 and the same sense for M3 < 0, so that lines I and II stay between them.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from phaseplane.suspension.roads import Signal
 
 @dataclass(frozen=True)
 class HalfCarRigidTyresPlanes(Construction):
-    """A body on two axles that follow the road, and the sheet on which they are drawn.
+    """A body on two axles that follow the road, in two phase planes.
 
     Parameters
     ----------
@@ -48,18 +48,18 @@ class HalfCarRigidTyresPlanes(Construction):
     front_spring, rear_spring : F1(y1) and F2(y2), N
     front_damper, rear_damper : Phi1(y1', y1) and Phi2(y2', y2), N
     front_road, rear_road : xi1(t) and xi2(t), m; where they jump, the state points jump with them
-    plane_scales : paper per displacement in plane 1 and plane 2; AP57 takes the same (a : 1)
+    plane_scales : paper per displacement in plane 1 and plane 2; AP57 uses a : 1 for both
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
     plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
     initial_deflections, initial_rates : y_i and y_i' at time 0, after a jump of the roads, m and m/s
-    protractor_at : vertex of the turn angles on the sheet, m of paper; left out, below plane 2
-    auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
-        lies on the curve of P's own y
+    protractor_at : vertex of the turn angles on the sheet, m of paper; default: below plane 2
+    auxiliary_levels : y_i of the auxiliary curves, m, between which A is interpolated; empty: A is on
+        the curve through P's y
 
     Raises
     ------
-    ValueError : masses, scales or distance that are not positive, a coupling mass too large, a value
-        that is not finite, a spring without a positive rate at 0, a force at rest.
+    ValueError : if masses, scales or distance are not positive, the coupling mass is too large, a
+        value is not finite, a spring has no positive rate at 0, or there is a force at rest.
     """
 
     front_mass: float
@@ -90,7 +90,7 @@ class HalfCarRigidTyresPlanes(Construction):
         check_pairs(self, ("initial_deflections", "initial_rates"))
         _ = self.masses, self.struts
 
-    # What follows from the data.
+    # Derived quantities.
 
     @cached_property
     def masses(self) -> BodyMasses:
@@ -153,7 +153,7 @@ class HalfCarRigidTyresPlanes(Construction):
 
     @cached_property
     def planes(self) -> tuple[Plane, ...]:
-        """Plane 1 with its origin at that of the sheet, and plane 2 below it."""
+        """Plane 1 at the origin of the sheet, and plane 2 below it."""
         return tuple(one.plane for one in self.lienards)
 
     @cached_property
@@ -198,7 +198,7 @@ class HalfCarRigidTyresPlanes(Construction):
         }  # fmt: skip
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The auxiliary curves of both planes, and lines I and II."""
+        """Return the auxiliary curves of both planes, and lines I and II."""
         one, two = self.lienards
         across = lines_across(
             self.lines, ("I", "II"), (one.plane, two.plane), frames, ("A1", "A2", "D1", "D2")
@@ -214,11 +214,11 @@ class HalfCarRigidTyresPlanes(Construction):
 
     @cached_property
     def jolts(self) -> tuple[float, ...]:
-        """The times at which a road or its velocity jumps, s."""
+        """Times at which a road or its velocity jumps, s."""
         return tuple(sorted({t for one in self.jumps for t in one.table}))
 
     def jolted(self, mode: str, states: States, time: float) -> States:
-        """y falls by the jump of xi and y' by that of xi'; a kerb pushes through the damper as well."""
+        """Return the states after a jump: y falls by that of xi, y' by that of xi'; dampers push."""
         heights, kinks = zip(*(one.at(time) for one in self.jumps), strict=True)
         pushes = [
             strut.damping_rate(-height) * -height if height else 0.0
@@ -244,8 +244,8 @@ class HalfCarRigidTyresPlanes(Construction):
     ) -> dict[str, float]:
         """Return displacements, velocities and accelerations read off the sheet (AP57 eq. 39), SI.
 
-        The control is the body's acceleration over either axle by the forces S_i = c_i A_iP_i / a of
-        its struts, integrated twice.
+        The control is the body's acceleration above each axle, from the strut forces
+        S_i = c_i A_iP_i / a, integrated twice.
         """
         points = self.points(mode, states, Window(time))
         forces = [

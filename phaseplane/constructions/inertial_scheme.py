@@ -1,4 +1,4 @@
-"""How the points in two planes coupled by inertia are joined, in the order of drawing."""
+"""Points and lines in two planes coupled by inertia, in the order of drawing."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
 
 
 def inertial_scheme() -> Scheme:
-    """Figure 12 in the order of drawing."""
+    """Return the scheme of AP57 figure 12, in the order of drawing."""
     return scheme(
         (
             "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
@@ -28,7 +28,7 @@ def inertial_scheme() -> Scheme:
             strokes("projection", "A1*-A2* Q1-D2 Q2-D1"),
         ),
         (
-            "From D1, D2 against the y axes by xi''/Omega^2 of their roads, the mean over the step: "
+            "From D1, D2 against the y axes by xi''/Omega^2 of their roads, averaged over the step: "
             "H1, H2.",
             marks("normal", "H1 H2"),
             strokes("excitation", "D1-H1 D2-H2"),

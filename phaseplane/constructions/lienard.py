@@ -11,7 +11,7 @@ from phaseplane.constructions.laws import Strut
 from phaseplane.constructions.primitives import Curve, Frame, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
 
-_POINTS = 64  # of an auxiliary curve, an even number so that y-bar = 0 is one of them
+_POINTS = 64  # intervals of an auxiliary curve, even so that y-bar = 0 is included
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +20,11 @@ class Lienard:
 
     Parameters
     ----------
-    plane : where it is on the sheet
-    epsilon : of y-bar and y_i, m
-    corners : values of y-bar at which the curves bend, m
-    levels : the y_i for which curves are drawn, m, ascending; between two of them, and beyond the
-        outer ones, A is interpolated; empty: A lies on the curve of P's own y, and the curves drawn
-        are those of round values
+    plane : the plane on the sheet
+    epsilon : function of y-bar and y_i, m
+    corners : values of y-bar at which the curves have corners, m
+    levels : y_i of the drawn curves, m, ascending; A is interpolated between them and extrapolated
+        beyond; empty: A is on the curve through P's y, and curves are drawn for round values
     """
 
     plane: Plane
@@ -35,13 +34,13 @@ class Lienard:
 
     @classmethod
     def of_strut(cls, plane: Plane, strut: Strut, levels: tuple[float, ...] = ()) -> Lienard:
-        """The plane of a strut: epsilon = (Phi(Omega y-bar, y_i) + G(y_i)) / c."""
+        """Return the plane of a strut: epsilon = (Phi(Omega y-bar, y_i) + G(y_i)) / c."""
         omega, rate, force = plane.angular_frequency, strut.rate, strut.force
         corners = tuple(corner / omega for corner in strut.corners)
         return cls(plane, lambda y_bar, y: force(omega * y_bar, y) / rate - y, corners, levels)
 
     def state(self, displacement: float, velocity: float) -> complex:
-        """P of a displacement, m, and its rate, m/s."""
+        """Return P for a displacement, m, and its rate, m/s."""
         return state_point(self.plane, displacement, velocity)
 
     def values(self, p: complex) -> tuple[float, float]:
@@ -50,7 +49,7 @@ class Lienard:
         return self.plane.displacement.read(p), self.plane.angular_frequency * y_bar
 
     def raised(self, p: complex) -> tuple[complex, complex, complex]:
-        """Q, the foot of P; A, where the parallel to the y axis meets the curve; A*, its foot."""
+        """Return Q, the foot of P; A, level with P on the auxiliary curve; and A*, the foot of A."""
         axis = self.plane.displacement
         origin, scale, sense = axis.origin, axis.scale, axis.direction.real
         y = sense * (p.real - origin.real) / scale
@@ -70,20 +69,20 @@ class Lienard:
         return (1.0 - share) * self.epsilon(y_bar, low) + share * self.epsilon(y_bar, high)
 
     def displacement(self, q: complex) -> float:
-        """y off the sheet: OQ / a (AP57 eqs. 11, 21, 39)."""
+        """Return y read off the sheet: OQ / a (AP57 eqs. 11, 21, 39)."""
         return self.plane.displacement.read(q)
 
     def displacement_between(self, start: complex, end: complex) -> float:
-        """The length between two points along the y axis, in its sense, m of displacement."""
+        """Return the signed distance of two points along the y axis, m of displacement."""
         axis = self.plane.displacement
         return (end - start).real * axis.direction.real / axis.scale
 
     def velocity(self, p: complex, q: complex) -> float:
-        """y' off the sheet: Omega QP / a (AP57 eqs. 11, 22, 39)."""
+        """Return y' read off the sheet: Omega QP / a (AP57 eqs. 11, 22, 39)."""
         return self.plane.angular_frequency * (p - q).imag / self.plane.displacement.scale
 
     def acceleration(self, q: complex, foot: complex) -> float:
-        """y'' off the sheet: Omega^2 QD / a (AP57 eqs. 11, 23, 39)."""
+        """Return y'' read off the sheet: Omega^2 QD / a (AP57 eqs. 11, 23, 39)."""
         return self.plane.angular_frequency**2 * self.displacement_between(q, foot)
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
@@ -91,7 +90,7 @@ class Lienard:
 
         Returns
         -------
-        one curve without a label where epsilon does not depend on y
+        a labelled curve per level, or one without a label if epsilon does not depend on y
         """
         plane = self.plane
         points = trail(plane, frames)

@@ -35,7 +35,7 @@ from phaseplane.suspension.roads import Signal
 
 
 def one_plane_scheme(excitation: str) -> Scheme:
-    """Figure 2 in the order of drawing; `excitation` says what lies between A* and D."""
+    """Return AP57 figure 2 in the order of drawing; `excitation` describes the step from A* to D."""
     return scheme(
         (
             "The state point P and its foot Q on the y axis.",
@@ -51,7 +51,7 @@ def one_plane_scheme(excitation: str) -> Scheme:
         (excitation, marks("normal", "D"), strokes("excitation", "A*-D")),
         ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
         (
-            "Its length on the arm of the turn angle: the arc is the way to go.",
+            "Its length on the arm of the turn angle: the arc is the length of the step.",
             turn_arcs(("",)),
         ),
     )
@@ -82,13 +82,13 @@ class OnePlane(Construction):
         return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift}
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """The family of auxiliary curves."""
+        """Return the family of auxiliary curves."""
         return self.lienard.curves(frames)
 
 
 @dataclass(frozen=True)
 class OneDofPlane(OnePlane):
-    """One mass on spring and damper over a road, its tyre and axle neglected.
+    """One mass on a spring and a damper over a road, without tyre and axle.
 
     Parameters
     ----------
@@ -97,16 +97,15 @@ class OneDofPlane(OnePlane):
     damper : Phi(y', y), N
     road : xi(t), m; where its elevation or velocity jumps, the state point jumps with it
     scale : of the sheet, paper per displacement (a : 1)
-    initial_deflection, initial_rate : y and y' at time 0, m and m/s; where the road jumps at time 0,
-        those after the jump
+    initial_deflection, initial_rate : y and y' at time 0, after a jump of the road, m and m/s
     protractor : vertex of the turn angle on the sheet, m of paper
-    auxiliary_levels : the y_i of the auxiliary curves, m, between which A is interpolated; none: A
-        lies on the curve of P's own y
+    auxiliary_levels : y_i of the auxiliary curves, m, between which A is interpolated; empty: A is on
+        the curve through P's y
 
     Raises
     ------
-    ValueError : a mass or scale that is not positive, a value that is not finite, a spring without
-        a positive rate at 0, a force at rest.
+    ValueError : if mass or scale are not positive, a value is not finite, the spring has no positive
+        rate at 0, or there is a force at rest.
     """
 
     mass: float
@@ -122,7 +121,7 @@ class OneDofPlane(OnePlane):
     title: ClassVar[str] = "One degree of freedom in its phase plane"
     schemes: ClassVar[Mapping[str, Scheme]] = {
         CONTACT: one_plane_scheme(
-            "From A* against the y axis by xi''/Omega^2, its mean over the step: D."
+            "From A* against the y axis by xi''/Omega^2, averaged over the step: D."
         )
     }
 
@@ -154,7 +153,7 @@ class OneDofPlane(OnePlane):
         return (self.lienard.state(self.initial_deflection, self.initial_rate),)
 
     def shift(self, states: States, window: Window) -> float:
-        """-xi'' / Omega^2, its mean over the window, m."""
+        """Return the mean of -xi'' / Omega^2 over the window, m."""
         acceleration = self.jumps.mean_acceleration(window.start, window.duration)
         return -acceleration / self.angular_frequency**2
 
@@ -167,11 +166,11 @@ class OneDofPlane(OnePlane):
 
     @property
     def jolts(self) -> tuple[float, ...]:
-        """The times at which the road or its velocity jumps, s."""
+        """Times at which the road or its velocity jumps, s."""
         return tuple(self.jumps.table)
 
     def jolted(self, mode: str, states: States, time: float) -> States:
-        """y falls by the jump of xi and y' by that of xi'; a kerb pushes through the damper as well."""
+        """Return the state after a jump: y falls by that of xi, y' by that of xi'; the damper pushes."""
         height, kink = self.jumps.at(time)
         impulse = self.strut.damping_rate(-height) * height if height else 0.0
         origin = self.lienard.state(0.0, 0.0)
@@ -186,7 +185,7 @@ class OneDofPlane(OnePlane):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Displacement, velocity and acceleration off the sheet (AP57 eq. 11), SI.
+        """Return displacement, velocity and acceleration read off the sheet (AP57 eq. 11), SI.
 
         The control is x'' = -(Phi + F) / M = (c / M) PA / a, integrated twice (AP57 eq. 25).
         """

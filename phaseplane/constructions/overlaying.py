@@ -26,22 +26,22 @@ def overlay(
 ) -> Drawing:
     """Lay the construction over a known trajectory, such as that of a simulation.
 
-    The state points are those of the trajectory; each step's successor is constructed, and how far
-    it lies from the next given point is read off as `<displacement>_drift`, m. Instants given twice
-    count once.
+    The state points are those of the trajectory. Each step's successor is constructed, and its
+    distance from the next given point is read off as `<displacement>_drift`, m. Of repeated times
+    the last one counts.
 
     Parameters
     ----------
-    times : shape (n,), ascending, s
-    columns : displacement and velocity of each plane in turn, shape (n,) each, m and m/s; for two
+    times : ascending, s, shape (n,)
+    columns : displacement and velocity of each plane in turn, m and m/s, shape (n,) each; for two
         planes suspension_deflection, suspension_deflection_rate, wheel_displacement, wheel_velocity
-    airborne : shape (n,), whether the wheel is off the road, for two wheels shape (n, 2); found from
-        the states when left out
+    airborne : whether the wheel is off the road, shape (n,), or (n, 2) for two wheels; default:
+        found from the states
 
     Raises
     ------
-    ValueError : columns too few, too many, of another length, not finite; times that descend; fewer
-        than two instants.
+    ValueError : if the number or length of columns is wrong, a value is not finite, times descend,
+        or there are fewer than two different times.
     """
     rows = _rows(construction, times, columns, airborne)
     stepper = Stepper(construction, rule)
@@ -74,8 +74,8 @@ def overlay(
 def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[float]) -> Drawing:
     """Compare an independent construction with a known motion.
 
-    How far its state points have drifted from those of the motion is read off at every step as
-    `<displacement>_drift`, m; between the instants of the motion these lie on straight lines.
+    The distance of its state points from those of the motion is read off at every step as
+    `<displacement>_drift`, m. The motion is interpolated linearly between its times.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[fl
 
     Raises
     ------
-    ValueError : fewer than two instants, or a motion that ends before the construction.
+    ValueError : if there are fewer than two times, or the motion does not span the construction.
     """
     first, last = float(times[0]), float(times[-1])
     if len(times) < 2 or drawing.frames[0].time < first or drawing.frames[-1].time > last:
@@ -120,14 +120,14 @@ def _rows(
     planes = construction.planes
     if len(columns) != 2 * len(planes):
         raise ValueError(
-            f"{len(columns)} columns given; displacement and velocity of "
-            f"{', '.join(plane.name for plane in planes)} make {2 * len(planes)}"
+            f"{len(columns)} columns given: must be {2 * len(planes)}, displacement and velocity of "
+            + ", ".join(plane.name for plane in planes)
         )
     optional = () if airborne is None else (airborne,)
     lengths = [len(column) for column in (times, *columns, *optional)]
     if len(set(lengths)) != 1 or min(lengths) < 2:
         raise ValueError(
-            "times and columns must be of one length, at least 2; given "
+            "times and columns must have the same length, at least 2; lengths given: "
             + ", ".join(map(str, lengths))
         )
     rows: list[tuple[float, States, str]] = []

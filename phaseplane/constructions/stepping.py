@@ -9,21 +9,21 @@ from phaseplane.constructions.primitives import Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.steps import Points, States, along_tangent
 
-_FARTHEST = 100.0  # m of paper from an origin along the y axis: no sheet is so large
+_FARTHEST = 100.0  # m of paper from an origin along the y axis, far beyond any sheet
 
 
 def signed_frequency(plane: Plane) -> float:
-    """Rate at which the normal turns on the sheet, rad/s, anticlockwise positive.
+    """Return the rate at which the normal turns on the sheet, rad/s, anticlockwise positive.
 
-    While time runs, y grows where y-bar is positive (AP57 section 3): clockwise where y points to
-    the right and y-bar upwards, the other way where y points to the left (AP57 figure 8).
+    y grows with time where y-bar is positive (AP57 section 3). With y-bar upwards, the normal turns
+    clockwise if y points to the right and anticlockwise if y points to the left (AP57 figure 8).
     """
     y, y_bar = plane.displacement.direction, plane.scaled_velocity.direction
     return -(y.conjugate() * y_bar).imag * plane.angular_frequency
 
 
 class Stepper:
-    """A rule on a construction: makes steps, each with all its points."""
+    """Makes the steps of a construction by a rule, each with all its points."""
 
     def __init__(self, construction: Construction, rule: Rule) -> None:
         self.construction = construction
@@ -44,7 +44,7 @@ class Stepper:
 
         Raises
         ------
-        OverflowError : a successor lies off every sheet.
+        OverflowError : if a successor is far off the sheet or not finite.
         """
         construction = self.construction
         count = len(self.planes)
@@ -75,7 +75,7 @@ class Stepper:
         return points, move.successors + memory
 
     def way(self, states: States, points: Points, duration: float) -> States:
-        """Move along the tangents for a time, s, with the memory unchanged."""
+        """Return the displacements along the tangents in a time, s, and zeros for the memory."""
         feet = [points[foot] for foot in self.feet]
         steps = zip(states, feet, self.rates, strict=False)
         moved = [along_tangent(p, d, rate * duration) for p, d, rate in steps]

@@ -10,11 +10,11 @@ from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
 
 _LOOKS = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
-_DOUBTFUL = 0.05  # of the largest margin: dips that stay above are ignored
+_DOUBTFUL = 0.05  # of the largest margin: dips that stay above it are ignored
 
 
 class End(NamedTuple):
-    """The limit of the mode that is reached, and the time in the window, s."""
+    """The limit at which a mode ends, and the time from the start of the window, s."""
 
     limit: int
     part: float
@@ -30,12 +30,12 @@ def first_end(
     *,
     fresh: bool,
 ) -> End | None:
-    """Return the earliest end of the mode within a window, if there is one.
+    """Return the first end of the mode within a window, or None.
 
     Parameters
     ----------
-    points, successors : of the step through the whole window
-    fresh : whether the mode has just begun, its margin being zero but for rounding
+    points, successors : of the step over the whole window
+    fresh : whether the mode has just begun, so that its margin is zero to rounding
     """
     margins = stepper.construction.margins
     last = margins(mode, successors, window.end)
@@ -66,16 +66,16 @@ def first_end(
 def _end_of(
     course: Sequence[float], left: Callable[[float], float], duration: float, *, fresh: bool
 ) -> float | None:
-    """Return the time at which a margin becomes negative, s, from its course over the window.
+    """Return the time at which a margin becomes negative, s, from its samples over the window.
 
-    Right after a change the margin is zero; if it does not grow from there either, the curve only
-    touches the limit, and the whole window is made in the present mode.
+    Right after a change of mode the margin is zero. If it does not grow from there, the curve only
+    touches the limit, and the present mode lasts for the whole window.
     """
     for start, end in _descents(course):
         low, high = start * duration, end * duration
         f_high = course[-1] if end == 1.0 else left(high)
         if f_high >= 0.0:
-            continue  # between the curve and the parabola that stood for it
+            continue  # only the approximating parabola crosses zero
         f_low = course[0] if start == 0.0 else left(low)
         if f_low <= 0.0 or (fresh and start == 0.0):
             grown = ((part, f) for part in _halves(high) if (f := left(part)) > 0.0)
@@ -87,7 +87,7 @@ def _end_of(
 
 
 def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
-    """Return the parts of the window in which a margin may fall through zero, including dips."""
+    """Yield the parts of the window in which a margin may fall through zero, including dips."""
     parts = (0.0, *_LOOKS, 1.0)
     doubtful = _DOUBTFUL * max(course)
     positive: int | None = 0  # where the margin was positive last
@@ -113,7 +113,7 @@ def _halves(whole: float) -> Iterator[float]:
 def _root(
     function: Callable[[float], float], low: float, f_low: float, high: float, f_high: float
 ) -> float:
-    """Return the zero of a function, positive at `low` and negative at `high`, by the Illinois rule."""
+    """Return the zero between `low` (positive) and `high` (negative) by the Illinois method."""
     side = 0
     middle = high
     for _ in range(100):

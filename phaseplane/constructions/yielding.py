@@ -1,9 +1,9 @@
 """The construction of an oscillator whose spring yields (H83 example 40, CP75).
 
-    m u'' + C u' + q(u) = f(t),    q = k (u - R), or on a line of flow +-q_y + h (u -+ q_y / k)
+    m u'' + C u' + q(u) = f(t),    q = k (u - R), or on a yield line +-q_y + h (u -+ q_y / k)
 
-R is the permanent set, which the spring remembers: it is drawn as a point on the u axis, through which
-the auxiliary line of the elastic spring goes. The spring flows until the velocity reverses.
+R is the permanent set. It is drawn as a point on the u axis, and the auxiliary line of the elastic
+spring goes through it. The spring yields until the velocity reverses.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ class ElastoplasticPlane(OnePlane):
     damping : C, N s/m
     spring_rate : k, N/m
     yield_force : q_y, N
-    hardening : h, slope of the lines of flow, N/m, below k
+    hardening : h, slope of the yield lines, N/m, below k
     load : f(t), N
     scale : of the sheet, paper per displacement (a : 1)
     initial_displacement, initial_velocity : u and u' at time 0, m and m/s
     permanent_set : R at time 0, m
-    protractor_at : vertex of the turn angle on the sheet, m of paper; left out, below the plane
+    protractor_at : vertex of the turn angle on the sheet, m of paper; default: below the plane
 
     Raises
     ------
-    ValueError : mass, rate, yield force or scale that are not positive, a negative damping, a hardening
-        that is not below the rate, a value that is not finite.
+    ValueError : if mass, rate, yield force or scale are not positive, damping is negative, hardening
+        is not below the rate, or a value is not finite.
     """
 
     mass: float
@@ -70,7 +70,7 @@ class ElastoplasticPlane(OnePlane):
     title: ClassVar[str] = "Oscillator with a spring that yields in its phase plane"
     schemes: ClassVar[Mapping[str, Scheme]] = {
         mode: with_mark(
-            one_plane_scheme("From A* along the u axis by f/k, the load's mean over the step: D."),
+            one_plane_scheme("From A* along the u axis by f/k, averaged over the step: D."),
             "excitation",
             "R",
         )
@@ -96,7 +96,7 @@ class ElastoplasticPlane(OnePlane):
 
     @cached_property
     def lienards(self) -> Mapping[str, Lienard]:
-        """The plane by mode; in the elastic one with the auxiliary line of a spring without set."""
+        """The plane by mode; in elastic mode with the auxiliary line for zero permanent set."""
         omega, rate = self.angular_frequency, self.spring_rate
         plane = plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="u")
         lag = self.damping * omega / rate
@@ -113,14 +113,14 @@ class ElastoplasticPlane(OnePlane):
         return self.lienards[ELASTIC]
 
     def flow(self, sense: float, u: float) -> float:
-        """Return the upper (1) or lower (-1) yield line, N."""
+        """Return the spring force on the upper (1) or lower (-1) yield line, N."""
         return sense * self.yield_force + self.hardening * (
             u - sense * self.yield_force / self.spring_rate
         )
 
     @cached_property
     def initial(self) -> States:
-        """The state point at time 0, and the permanent set as a point of the axis."""
+        """The state point at time 0, and the permanent set as a point on the u axis."""
         return (
             self.lienard.state(self.initial_displacement, self.initial_velocity),
             self.lienard.state(self.permanent_set, 0.0),
@@ -136,7 +136,7 @@ class ElastoplasticPlane(OnePlane):
     # The construction.
 
     def points(self, mode: str, states: States, window: Window) -> Points:
-        """P, Q, A, A*, D and R; the elastic auxiliary line is moved so that it goes through R."""
+        """Construct P, Q, A, A*, D and R; the elastic auxiliary line is shifted to go through R."""
         p, r = states
         q, a, foot = self.lienards[mode].raised(p)
         if mode == ELASTIC:
@@ -145,17 +145,17 @@ class ElastoplasticPlane(OnePlane):
         return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + shift, "R": r}
 
     def shift(self, states: States, window: Window) -> float:
-        """f / k, the mean over the window, m."""
+        """Return the mean of f / k over the window, m."""
         return self.mean_load(window) / self.spring_rate
 
     def mean_load(self, window: Window) -> float:
-        """Mean of the force over the window, N."""
+        """Return the mean load over the window, N."""
         if window.duration == 0.0:
             return self.load.value(window.start)
         return self.load.integral(window.start, window.end) / window.duration
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
-        """Return the auxiliary line of the spring without set, and the curves while it yields."""
+        """Return the auxiliary line for zero permanent set, and those of yielding if it occurs."""
         flowing = {frame.scheme for frame in frames} & FLOWS.keys()
         return tuple(
             curve
@@ -197,7 +197,7 @@ class ElastoplasticPlane(OnePlane):
         return tuple(FLOWS)[limit] if mode == ELASTIC else ELASTIC
 
     def event(self, mode: str, successor: str) -> str:
-        """Yielding, or unloading."""
+        """Return the event: yielding or unloading."""
         return UNLOAD if successor == ELASTIC else YIELD
 
     def readings(
@@ -208,9 +208,9 @@ class ElastoplasticPlane(OnePlane):
         previous: Mapping[str, float] | None,
         elapsed: float,
     ) -> dict[str, float]:
-        """Displacement, velocity and acceleration off the sheet (as AP57 eq. 11), SI.
+        """Return displacement, velocity, acceleration read off the sheet (as in AP57 eq. 11), SI.
 
-        The spring's force is k AP / a less that of the damper; the set is where it would be without.
+        The spring force is k AP / a minus the damper force; the permanent set is where it is zero.
         """
         points = self.points(mode, states, Window(time))
         p, q = points["P"], points["Q"]
