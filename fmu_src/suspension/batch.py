@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import ceil, isfinite
@@ -126,8 +126,13 @@ def run_many(
         finally:
             benches.append(bench)
 
-    with ThreadPoolExecutor(workers) as pool:
-        for part in pool.map(run_chunk, chunks):
+    with ExitStack() as stack:
+        each: Callable[..., Iterator[list[Outcome]]] = map
+        if len(chunks) > 1:
+            from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415  (a run needs none)
+
+            each = stack.enter_context(ThreadPoolExecutor(workers)).map
+        for part in each(run_chunk, chunks):
             found += part
             if progress is not None:
                 progress(len(found) / len(parameter_sets))

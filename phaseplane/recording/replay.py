@@ -159,12 +159,12 @@ def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> 
         counts = np.array([len(texts[key]) - 1 for key in schemes])
         stage = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
         chosen = np.repeat([first[key] + 1 for key in schemes], counts) + stage
-        said = pa.array([text for several in texts.values() for text in several]).take(chosen)
+        said = [text for several in texts.values() for text in several]
         stages = clock.stages_per_step * np.repeat(clock.steps[rows], counts) + stage
         recording.send_columns(
             STAGES,
             [rr.TimeColumn("stage", sequence=stages)],
-            rr.TextDocument.columns(text=said),
+            rr.TextDocument.columns(text=pa.array([said[i] for i in chosen])),
         )
 
 

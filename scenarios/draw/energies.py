@@ -87,21 +87,20 @@ def energies(
 
 def _at(integrator: Any, times: Sequence[float]) -> Iterator[_Entries]:
     """Yield the entries at ascending times, until the integrator fails; it takes its own steps."""
-    before = integrator.snapshot()
+    before = ahead = integrator.snapshot()  # of its last step, and after it
+    reached = integrator.time
     for t in times:
-        while integrator.time < t:
-            before = integrator.snapshot()
-            if integrator.advance(nextafter(integrator.time, inf)) != 0:
+        if reached < t:
+            integrator.restore(ahead)
+        while reached < t:
+            before = ahead
+            if integrator.advance(nextafter(reached, inf)) != 0:
                 return
-        if integrator.time == t:
-            yield _entries(integrator)
-            continue
-        ahead = integrator.snapshot()
-        integrator.restore(before)
-        if integrator.advance(t, stop=True) != 0:
+            reached, ahead = integrator.time, integrator.snapshot()
+        integrator.restore(before if t < reached else ahead)
+        if t < reached and integrator.advance(t, stop=True) != 0:
             return
         yield _entries(integrator)
-        integrator.restore(ahead)
 
 
 def _entries(integrator: Any) -> _Entries:

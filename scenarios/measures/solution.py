@@ -121,7 +121,7 @@ def solved(
     for k in range(0, len(sets), _TOGETHER):
         some = found[k : k + _TOGETHER]
         places = [time[:0] if one.failure else hiding_places(one, hidden) for one in some]
-        every = np.unique(np.concatenate([time[:1], *places]))
+        every = _ascending([time[:1], *places])
         again = simulated(model, sets[k : k + _TOGETHER], every, outputs)
         for one, own, closer in zip(some, places, again, strict=True):
             # only its own times, so that the other runs of the batch do not matter
@@ -229,8 +229,17 @@ def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Colu
         joints = _within(joints, time, cells)
     for corners in (switches, joints):
         found += [np.nextafter(corners, -np.inf), np.nextafter(corners, np.inf)]
-    places = np.unique(np.concatenate(found))
+    places = _ascending(found)
     return places[(places > time[0]) & (places < time[-1])]
+
+
+def _ascending(columns: Sequence[Column]) -> Column:
+    """Return the distinct values of all columns in ascending order.
+
+    `np.unique` first imports the masked arrays, which takes longer than many a run.
+    """
+    values = np.sort(np.concatenate(columns))
+    return values[np.diff(values, prepend=-np.inf) > 0.0]
 
 
 def _within(instants: Column, time: Column, cells: Sequence[int]) -> Column:

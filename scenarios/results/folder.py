@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import os
-import secrets
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -233,7 +232,7 @@ def draft_beside(folder: Path) -> Iterator[Path]:
     FolderError : if it cannot be written.
     """
     target = folder.resolve()
-    draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    draft = target.with_name(f".{target.name}.{os.urandom(4).hex()}")
     try:
         draft.mkdir(parents=True)
     except OSError as error:

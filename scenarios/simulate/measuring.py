@@ -87,7 +87,7 @@ def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
 
 def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> Columns:
     """Return the model's solution at the given times and at the start, or {} if it is not known."""
-    time = np.unique([0.0, *instants])
+    time = np.array(sorted({0.0, *instants}))
     if scene.fmu.model == EQUATION:
         return simulate.solving.solve(scene.all_parameters, time)[0]
     if not scene.fmu.is_ours:

@@ -11,7 +11,7 @@ from phaseplane.scenarios.cli import COMMANDS
 
 HEAVY = (
     "numpy", "scipy", "matplotlib", "rerun", "fmpy", "pythonfmu", "pydantic", "pyarrow", "PIL",
-    "contourpy", "lxml",
+    "contourpy", "lxml", "numpy.ma", "pyarrow.compute", "concurrent.futures.thread",
     "phaseplane.suspension", "phaseplane.suspension.engine", "phaseplane.vehicle_fmus.build",
     "phaseplane.constructions.marching", "phaseplane.figures.canvas", "phaseplane.figures.histories",
     "phaseplane.figures.animation", "phaseplane.recording.sinks", "phaseplane.recording.server",
@@ -30,21 +30,23 @@ BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 SCENE = {"numpy", "pydantic", "phaseplane.suspension"}
 ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
 RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu", "lxml"}
-DRAWN = {"matplotlib", "PIL"}
+DRAWN = {"matplotlib", "PIL", "numpy.ma"}
 PLANES = {*DRAWN, "phaseplane.constructions.marching", "phaseplane.figures.canvas"}
 RECORDED = {
     "rerun",
+    "numpy.ma",
     "pyarrow",
     "PIL",
     "phaseplane.constructions.marching",
     "phaseplane.recording.sinks",
 }
 PORTRAIT = {
-    *SCENE, "scipy", "contourpy", "phaseplane.portrait.system", "phaseplane.scenarios.studies",
-    ENGINE,
+    *SCENE, "scipy", "numpy.ma", "contourpy", "phaseplane.portrait.system",
+    "phaseplane.scenarios.studies", ENGINE,
 }  # fmt: skip
 SWEEP = {
     *SCENE, *DRAWN, "pyarrow", ENGINE, "phaseplane.scenarios.sweeps.plan",
+    "concurrent.futures.thread",
 }  # fmt: skip
 
 USED: dict[tuple[str, ...], set[str]] = {
@@ -60,7 +62,7 @@ USED: dict[tuple[str, ...], set[str]] = {
     },
     ("run", "ap57", *BARE[2:], "--set", "show.figures=['phase_planes']"): {*RUN, *PLANES},
     ("run", "ap57", *BARE[:2]): {*RUN, *RECORDED},
-    ("run", "van_der_pol", *BARE): {*SCENE, ENGINE, "scipy"},
+    ("run", "van_der_pol", *BARE): {*SCENE, ENGINE, "scipy", "numpy.ma"},
     ("replay", "ap57", "--figure", "planes.png"): {*SCENE, *PLANES},
     ("replay", "ap57", "--save", "planes.rrd"): {*SCENE, ENGINE, *RECORDED},
     ("portrait", "van_der_pol"): PORTRAIT,
