@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from phaseplane.constructions.primitives import Arc, Axis, Curve, Drawing, Frame, Plane
 from phaseplane.constructions.rules import REPEATED
 from phaseplane.constructions.sheet import events_of, round_step, trail
-from phaseplane.figures.lettering import Box, Points, place, text_box, typeset
+from phaseplane.figures.lettering import Box, Points, is_letter, place, text_box, typeset
 from phaseplane.figures.style import Palette, new_figure, role_style
 
 _TYPE = 9.0  # size of the letters, points
@@ -152,6 +152,7 @@ class Sheet:
             text,
             color=colour,
             fontsize=size,
+            fontstyle="italic" if is_letter(text) else "normal",
             ha="center",
             va="center",
             path_effects=self.palette.halo(),

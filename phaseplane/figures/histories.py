@@ -29,10 +29,10 @@ _QUANTITIES = (
         "cm",
         100.0,
         (
-            ("road_elevation", r"road $\xi$"),
-            ("suspension_deflection", r"deflection $y$"),
-            ("wheel_displacement", r"wheel $x_2$"),
-            ("body_displacement", r"body $x_1$"),
+            ("road_elevation", "road ξ"),
+            ("suspension_deflection", "deflection y"),
+            ("wheel_displacement", "wheel x₂"),
+            ("body_displacement", "body x₁"),
         ),
     ),
     _Quantity(
@@ -40,9 +40,9 @@ _QUANTITIES = (
         "m/s",
         1.0,
         (
-            ("suspension_deflection_rate", r"deflection $\dot{y}$"),
-            ("wheel_velocity", r"wheel $\dot{x}_2$"),
-            ("body_velocity", r"body $\dot{x}_1$"),
+            ("suspension_deflection_rate", "deflection ẏ"),
+            ("wheel_velocity", "wheel ẋ₂"),
+            ("body_velocity", "body ẋ₁"),
         ),
     ),
     _Quantity(
@@ -50,9 +50,9 @@ _QUANTITIES = (
         "m/s\N{SUPERSCRIPT TWO}",
         1.0,
         (
-            ("suspension_deflection_acceleration", r"deflection $\ddot{y}$"),
-            ("wheel_acceleration", r"wheel $\ddot{x}_2$"),
-            ("body_acceleration", r"body $\ddot{x}_1$"),
+            ("suspension_deflection_acceleration", "deflection ÿ"),
+            ("wheel_acceleration", "wheel ẍ₂"),
+            ("body_acceleration", "body ẍ₁"),
         ),
     ),
 )

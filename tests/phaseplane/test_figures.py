@@ -8,16 +8,18 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from matplotlib import ft2font
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties, findfont
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 
 from phaseplane.constructions import EquationPlane, OneDofPlane, QuarterCarPlanes, march, tangent
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
-from phaseplane.figures.lettering import Box, Boxes, place, text_box, typeset
+from phaseplane.figures.lettering import Box, Boxes, is_letter, place, text_box, typeset
 from phaseplane.figures.planes import telling_frame
 from phaseplane.figures.style import DARK, LIGHT
 
@@ -79,10 +81,10 @@ def test_the_sheet_is_to_scale(lettered, sheet):
 def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, drawing):
     names = [t for t in lettered.axes[0].texts if t.get_gid() == "axis_name"]
     assert [t.get_text() for t in names] == [
-        "suspension\ndeflection $y_{1}$ [cm]",
-        r"$\bar{y}_1 = \dot{y}_1/\Omega_1$ [cm]",
-        "wheel\ndisplacement $y_{2}$ [cm]",
-        r"$\bar{y}_2 = \dot{y}_2/\Omega_2$ [cm]",
+        "suspension\ndeflection y₁ [cm]",
+        "ȳ₁ = ẏ₁/Ω₁ [cm]",
+        "wheel\ndisplacement y₂ [cm]",
+        "ȳ₂ = ẏ₂/Ω₂ [cm]",
     ]
     # 3 cm of wheel displacement stand 7.5 cm to the left of the origin of plane 2
     values = [t for t in lettered.axes[0].texts if t.get_text() == "3"]
@@ -93,11 +95,11 @@ def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, draw
 
 def test_one_step_is_lettered_in_full(lettered, drawing):
     letters = [
-        "P_{1}", "P_{2}", "Q_{1}", "Q_{2}", "A_{1}", "A_{2}", "A_{1}^{*}", "A_{2}^{*}", "B_{2}",
-        "C_{1}", "C_{2}", "D_{1}", "D_{2}", r"P_{1}^{\prime}", r"P_{2}^{\prime}", "O_{1}", "O_{2}",
+        "P₁", "P₂", "Q₁", "Q₂", "A₁", "A₂", "A₁*", "A₂*", "B₂",
+        "C₁", "C₂", "D₁", "D₂", "P₁\N{PRIME}", "P₂\N{PRIME}", "O₁", "O₂",
     ]  # fmt: skip
     written = texts(lettered)
-    assert [letter for letter in letters if written.count(f"${letter}$") != 1] == []
+    assert [letter for letter in letters if written.count(letter) != 1] == []
     assert {"I", "II", "U", "V"} <= set(written)
     frame = telling_frame(drawing)
     normals = strips(lettered, "normal")
@@ -125,8 +127,8 @@ def test_a_step_in_flight_shows_b0_and_one_projection(drawing):
     index = next(i for i, frame in enumerate(drawing) if frame.scheme == "flight")
     figure = phase_planes(drawing, index + 3)
     written = texts(figure)
-    assert "$B_{0}$" in written
-    assert "$C_{2}$" not in written
+    assert "B₀" in written
+    assert "C₂" not in written
     assert len(strips(figure, "projection")) == 2
 
 
@@ -175,14 +177,14 @@ def test_one_plane_with_a_family_of_auxiliary_curves():
     )
     figure = phase_planes(march(one, tangent, step=0.01, duration=0.6))
     written = texts(figure)
-    assert {"$P$", "$D$", "$A^{*}$", "$O$", "0 cm"} <= set(written)
+    assert {"P", "D", "A*", "O", "0 cm"} <= set(written)
     assert len(strips(figure, "auxiliary")) > 3
 
 
 def test_a_motion_of_millimetres_is_shown_in_millimetres():
     one = OneDofPlane(300.0, linear(15000.0), linear(100.0), initial_deflection=0.002)
     names = texts(phase_planes(march(one, step=0.01, duration=0.6)))
-    assert "suspension\ndeflection $y$ [mm]" in names
+    assert "suspension\ndeflection y [mm]" in names
 
 
 # The sheet with all auxiliary lines.
@@ -194,7 +196,7 @@ def test_all_lines_of_the_first_steps_are_there(sheet, drawing):
     assert len(strips(sheet, "projection")) == 3 * contact + 2 * (20 - contact)
     for number in map(str, range(21)):
         assert texts(sheet).count(number) >= 2
-    assert {r"$\Delta\tau_1$", r"$\Delta\tau_2$", "10"} <= set(texts(sheet))
+    assert {"Δτ₁", "Δτ₂", "10"} <= set(texts(sheet))
     # the turn angles: an arc for each normal, from the common arm
     height = drawing.frames[0].points["W"].imag
     on_arm = [strip for strip in strips(sheet, "arc") if abs(strip[0][1] - height) < 1e-12]
@@ -339,18 +341,31 @@ def test_pyplot_and_its_global_state_stay_out():
 @pytest.mark.parametrize(
     ("label", "wanted"),
     [
-        ("A1*", "$A_{1}^{*}$"),
-        ("P2'", r"$P_{2}^{\prime}$"),
-        ("P'*", r"$P^{\prime*}$"),
-        ("Dm1", "$D_{m1}$"),
-        ("y1'/Ω1", r"$\bar{y}_1 = \dot{y}_1/\Omega_1$"),
+        ("A1*", "A₁*"),
+        ("P2'", "P₂\N{PRIME}"),
+        ("P'*", "P\N{PRIME}*"),
+        ("Dm1", "Dₘ₁"),
+        ("y1'/Ω1", "ȳ₁ = ẏ₁/Ω₁"),
         ("y = -2 cm", "\N{MINUS SIGN}2 cm"),
-        ("dtau", r"$\Delta\tau$"),
+        ("dtau", "Δτ"),
         ("II", "II"),
     ],
 )
 def test_letters_are_typeset(label, wanted):
     assert typeset(label) == wanted
+
+
+def test_letters_of_points_and_angles_are_in_italics(lettered):
+    slanted = {t.get_text() for t in lettered.axes[0].texts if t.get_fontstyle() == "italic"}
+    assert {"P₁", "A₂*", "P₂\N{PRIME}", "U", "V"} <= slanted
+    assert not {"I", "II", "3"} & slanted
+    assert is_letter("Δτ₁")
+
+
+def test_every_character_of_the_letters_is_in_the_font():
+    known = ft2font.FT2Font(findfont(FontProperties(style="italic"))).get_charmap()
+    labels = ("Dm0123456789", "P1'*", "y1'/Ω1", "x1'/Ω1", "dtau1")
+    assert {ord(c) for label in labels for c in typeset(label)} <= known.keys()
 
 
 def test_letters_avoid_each_other_and_stay_in_view():

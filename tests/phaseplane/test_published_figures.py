@@ -128,7 +128,7 @@ def test_figure_9_shows_where_the_tyre_bears_nothing(contact: str) -> None:
     else:
         assert not at_touchdown  # by gap B2 has no part in it
         assert "71.9" in figure.texts[0].get_text()
-    assert {"U", "V", "$B_{2}$", "$O_{2}$"} <= set(texts(figure))
+    assert {"U", "V", "B₂", "O₂"} <= set(texts(figure))
 
 
 def test_figure_10_shows_the_weights(flying: Drawing) -> None:
@@ -137,8 +137,8 @@ def test_figure_10_shows_the_weights(flying: Drawing) -> None:
     for wanted in (body, tyre):
         assert min(abs(length - wanted) for length in lengths(figure)) < 1e-9
     written = texts(figure)
-    assert "$B_{0}$" in written
-    assert "$C_{2}$" not in written
+    assert "B₀" in written
+    assert "C₂" not in written
     assert hidden(figure) == []
 
 
@@ -152,7 +152,7 @@ def test_figure_12_shows_the_shift_by_the_roads(half_car: Drawing) -> None:
         mean = float(np.trapezoid(acceleration, time)) / frame.duration
         wanted = abs(mean) / plane.angular_frequency**2
         assert min(abs(length - wanted) for length in lengths(figure)) < 1e-6
-    letters = {f"${letter}_{{{n}}}$" for letter in "PQACDH" for n in "12"}
+    letters = {f"{letter}{n}" for letter in "PQACDH" for n in "₁₂"}
     assert letters <= set(texts(figure))
 
 
