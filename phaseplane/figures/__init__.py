@@ -1,6 +1,6 @@
-"""Pictures of the constructions and of the motions, by matplotlib.
+"""Pictures of constructions and motions, drawn with matplotlib.
 
-Figures are made with its object interface alone: no window, no global state, no backend to choose.
+Only its object interface is used: no window, no global state, no choice of backend.
 """
 
 import lazy_loader

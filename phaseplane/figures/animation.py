@@ -17,7 +17,7 @@ from phaseplane.figures.style import palette_for, role_style, written_whole
 MOVING = (".gif", ".mp4")
 _MOST = 150  # pictures
 _DPI = 72
-_HOLD = 12  # pictures for which the end is shown
+_HOLD = 12  # pictures that show the end
 
 
 def animation(
@@ -30,19 +30,19 @@ def animation(
 ) -> Path:
     """Write the construction step by step as an animation, whole or not at all.
 
-    Of many steps so many are left out that there are no more than 150 pictures.
+    If there are more than 150 steps, every n-th is shown.
 
     Parameters
     ----------
-    path : ending with .gif, or with .mp4 where the program ffmpeg is installed
-    rate : pictures in a second
-    title : written above
-    dark : on a dark ground
+    path : ends with .gif, or with .mp4 if the program ffmpeg is installed
+    rate : pictures per second
+    title : title of the figure
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : another suffix, or .mp4 without ffmpeg.
-    OSError : the folder does not exist or cannot be written to.
+    ValueError : if the suffix is another, or .mp4 without ffmpeg.
+    OSError : if the folder does not exist or cannot be written to.
     """
     writer = _writer(Path(path).suffix.lower(), rate)
     shown = drawing.frames[:: -(-len(drawing.frames) // _MOST)]
@@ -71,13 +71,13 @@ def _writer(suffix: str, rate: int) -> AbstractMovieWriter:
         raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
     if not FFMpegWriter.isAvailable():
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
-    # yuv420p, which every player shows, wants even sizes
+    # yuv420p, which every player supports, needs even sizes
     even = ["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
     return FFMpegWriter(fps=rate, extra_args=even)
 
 
 def _moving(sheet: Sheet) -> dict[str, LineCollection]:
-    """The lines that move, by role, still empty."""
+    """Return the lines that move, by role, still empty."""
     schemes = sheet.drawing.schemes.values()
     roles = ("trail", *dict.fromkeys(s.role for scheme in schemes for s in scheme.strokes))
     moving = {role: LineCollection([], zorder=3.0, gid=role) for role in roles}
@@ -92,7 +92,7 @@ def _moving(sheet: Sheet) -> dict[str, LineCollection]:
 def _growing(
     sheet: Sheet, moving: dict[str, LineCollection], shown: tuple[Frame, ...]
 ) -> Iterator[Frame]:
-    """Move the lines of the step and the motion so far from picture to picture."""
+    """Yield after updating the lines for each picture: the step and the motion so far."""
     drawing = sheet.drawing
     clock = sheet.axes.text(
         0.99, 0.99, "", transform=sheet.axes.transAxes, ha="right", va="top", fontsize=10.0,

@@ -1,4 +1,4 @@
-"""The sheet as a figure: axes, lines, points, letters and legend, each drawn on demand."""
+"""The sheet as a figure: axes, lines, points, letters and legend."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ _TURN_POINTS = ("W", "N")
 
 
 def is_main(name: str) -> bool:
-    """Whether a point belongs to the step itself: not to a repetition, not to the turn angles."""
+    """Return whether a point belongs to the step itself, not to a repetition or the turn angles."""
     return REPEATED not in name and not name.startswith(_TURN_POINTS)
 
 
 @dataclass(frozen=True, slots=True)
 class Graduation:
-    """Ticks of an axis in m, the unit shown, and how many of it make a metre."""
+    """Ticks of an axis in m, the display unit, and the number of display units per metre."""
 
     values: list[float]
     unit: str
@@ -41,18 +41,18 @@ class Graduation:
 
 
 def motions_of(drawing: Drawing) -> list[Points]:
-    """The state points of each plane, with the end of the motion, shape (frames + 1,)."""
+    """Return the state points of each plane, including the end of the motion, shape (frames + 1,)."""
     return [np.array(trail(plane, drawing.frames)) for plane in drawing.planes]
 
 
 def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
-    """Smallest and largest value on an axis in a motion; zero is always included."""
+    """Return the smallest and largest value of a motion on an axis, always including zero."""
     values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
     return min(0.0, float(values.min())), max(0.0, float(values.max()))
 
 
 def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
-    """Round values across the motion, at least so much of the sheet apart."""
+    """Return round values over the range of the motion, at least `least` m of paper apart."""
     low, high = reach_of(axis, motion)
     unit, factor = ("cm", 100.0) if high - low >= 0.01 else ("mm", 1000.0)
     if axis.unit != "m":
@@ -65,7 +65,7 @@ def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
 
 
 class Sheet:
-    """A figure on which a sheet is drawn part by part; it records what later letters must avoid."""
+    """A figure of a sheet, drawn part by part; it records the lines that letters must avoid."""
 
     def __init__(self, drawing: Drawing, view: Box, palette: Palette) -> None:
         self.drawing = drawing
@@ -99,7 +99,7 @@ class Sheet:
         return self._segments[0]
 
     def spare(self, strip: Sequence[complex] | Points) -> None:
-        """Make later letters avoid the segments of a polyline."""
+        """Record a polyline that later letters must avoid."""
         points = np.asarray(strip, complex)
         self._segments.append(np.stack((points[:-1], points[1:]), axis=1))
 
@@ -109,7 +109,7 @@ class Sheet:
     def lines(
         self, role: str, strips: Sequence[Sequence[complex] | Points], thin: float = 1.0
     ) -> None:
-        """Polylines of one role."""
+        """Draw polylines of one role."""
         if not strips:
             return
         look = role_style(role)
@@ -131,7 +131,7 @@ class Sheet:
         self.seen[role] = None
 
     def dots(self, role: str, points: Sequence[complex], size: float = 1.0) -> None:
-        """Points of one role."""
+        """Draw points of one role."""
         self.axes.plot(
             [z.real for z in points],
             [z.imag for z in points],
@@ -145,7 +145,7 @@ class Sheet:
         )
 
     def write(self, centre: complex, text: str, colour: str, size: float = _TYPE) -> None:
-        """Text about its centre."""
+        """Write a text, centred."""
         self.axes.text(
             centre.real,
             centre.imag,
@@ -161,7 +161,7 @@ class Sheet:
         self.taken.append(text_box(centre, text, self.em * size / _TYPE))
 
     def axes_of_planes(self) -> None:
-        """Axes with arrows, ticks, values and names."""
+        """Draw the axes with arrows, ticks, values and names."""
         for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
             self._horizontal(plane, motion)
             self._vertical(plane, motion)
@@ -183,7 +183,7 @@ class Sheet:
         self.spare((start, tip))
 
     def _horizontal(self, plane: Plane, motion: Points) -> None:
-        """The y axis runs across the whole view, because the feet of normals lie far out on it."""
+        """Draw the y axis across the whole view, because feet of normals are far out on it."""
         axis, em = plane.displacement, self.em
         sense = axis.direction.real
         edge = self.view.half.real - 0.5 * em
@@ -195,19 +195,19 @@ class Sheet:
             at = axis.at(value)
             self._tick(at, 0.35j * em)
             self.write(at - 1.0j * em, _number(value * graduation.factor), self.palette.faint, 7.0)
-        # a word on each line, to keep clear of the motion
+        # one word per line, to keep clear of the motion
         rows = plane.name.split("_")
         name = "\n".join(rows) + f" {typeset(axis.label)}{_bracketed(graduation.unit)}"
         self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
 
     def _vertical(self, plane: Plane, motion: Points) -> None:
-        """The y-bar axis is as long as the motion, to keep clear of the other plane."""
+        """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
         axis, em = plane.scaled_velocity, self.em
         graduation = graduation_of(axis, motion)
         ends = [0.0, *graduation.values, *reach_of(axis, motion)]
         start, tip = axis.at(min(ends)) - 0.8j * em, axis.at(max(ends)) + 1.6j * em
         self._arrow(start, tip)
-        # beside the axis on the side where the motion is not
+        # on the side of the axis away from the motion
         side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
         for value in graduation.values:
             at = axis.at(value)
@@ -218,7 +218,7 @@ class Sheet:
         self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
 
     def y_axis(self, plane: Plane) -> None:
-        """The y axis alone, across the view, for a part of the sheet without the origin."""
+        """Draw only the y axis, across a view that may not contain the origin."""
         axis, reach_of_view = plane.displacement, self.view.half.real - 0.5 * self.em
         sense = axis.direction.real
         middle = complex(self.view.centre.real, axis.origin.imag)
@@ -227,7 +227,7 @@ class Sheet:
         self._name(tip - 1.0j * self.em, typeset(axis.label), sense)
 
     def _name(self, edge: complex, name: str, sense: float) -> None:
-        """The name of an axis, ending at its edge (sense > 0) or beginning there."""
+        """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view."""
         self.axes.text(
             edge.real,
             edge.imag,
@@ -255,7 +255,7 @@ class Sheet:
         )
 
     def stay(self, roles: Sequence[str] | None) -> None:
-        """Draw the fixed curves of these roles, or of all."""
+        """Draw the fixed curves of the given roles, or of all."""
         curves = [c for c in self.drawing.curves if roles is None or c.role in roles]
         highest = max((c.vertices[0].imag for c in curves if c.role == "line"), default=0.0)
         for curve in curves:
@@ -275,7 +275,7 @@ class Sheet:
                 self._along(curve, 7.0)
 
     def _along(self, curve: Curve, size: float) -> None:
-        """Write the label of a curve on it, as near to its end as space allows, or not at all."""
+        """Write the label of a curve on it, as near to its end as possible, if there is room."""
         text = typeset(curve.label)
         for vertex in reversed(curve.vertices):
             box = text_box(vertex, text, self.em * size / _TYPE)
@@ -284,11 +284,11 @@ class Sheet:
                 return
 
     def trails(self) -> None:
-        """The motion in all planes."""
+        """Draw the motion in all planes."""
         self.lines("trail", self.motions)
 
     def step(self, frame: Frame, *, repeated: bool, turn: bool, thin: float = 1.0) -> None:
-        """All lines and points of one step."""
+        """Draw all lines and points of one step."""
         strips = step_strips(self.drawing, frame, repeated=repeated, turn=turn)
         for role, lines in strips.items():
             self.lines(role, lines, thin)
@@ -298,7 +298,7 @@ class Sheet:
                 self.dots(mark.role, [points[mark.point]], thin)
 
     def events(self) -> None:
-        """Lift-off U and touchdown V in every plane."""
+        """Mark lift-off U and touchdown V in every plane."""
         colour = self.colour("event")
         named = [
             (frame.points[plane.state], _EVENTS.get(event.kind, event.kind), colour)
@@ -311,7 +311,7 @@ class Sheet:
             self.letter(named)
 
     def letters(self, frame: Frame) -> None:
-        """The letters of one step."""
+        """Write the letters of one step."""
         marks = [
             mark
             for mark in self.drawing.schemes[frame.scheme].marks
@@ -328,7 +328,7 @@ class Sheet:
         self.letter(named)
 
     def letter(self, named: Sequence[tuple[complex, str, str]], size: float = 10.0) -> None:
-        """Letters beside points: each a place, a text and its colour."""
+        """Write letters beside points; each has a position, a text and a colour."""
         letters = [(z, text) for z, text, _ in named]
         em = size / _TYPE * self.em
         centres = place(letters, em, self.view, self.segments, self.taken)
@@ -336,20 +336,20 @@ class Sheet:
             self.write(centre, text, colour, size)
 
     def numbers(self, frames: Sequence[Frame]) -> None:
-        """The numbers of the state points, up to the successors of the last step."""
+        """Write the numbers of the state points, up to the successors of the last step."""
         for plane in self.drawing.planes:
             points = [(frame.points[plane.state], str(frame.step)) for frame in frames]
             last = frames[-1]
             points.append((last.points[plane.state + "'"], str(last.step + 1)))
             self.dots("state", [z for z, _ in points], 0.6)
-            # no place is free of lines here: only letters and points are spared
+            # lines are everywhere here, so numbers avoid only letters and points
             nothing = np.zeros((0, 2), complex)
             centres = place(points, 0.8 * self.em, self.view, nothing, self.taken)
             for (_, text), centre in zip(points, centres, strict=True):
                 self.write(centre, text, self.colour("state"), 7.0)
 
     def finish(self, title: str, words: str) -> None:
-        """Write the title and notes above, the legend below."""
+        """Write the title and the notes above the sheet and the legend below it."""
         width, height = self.figure.get_size_inches()
         lines = [
             line for text in (title, *words.split("\n")) for line in wrap(text, int(13 * width))
@@ -383,12 +383,12 @@ class Sheet:
 def step_strips(
     drawing: Drawing, frame: Frame, *, repeated: bool, turn: bool
 ) -> dict[str, list[Sequence[complex] | Points]]:
-    """The lines of one step by role.
+    """Return the lines of one step by role.
 
     Parameters
     ----------
-    repeated : with the construction that the rule repeats
-    turn : with the arcs of the turn angles
+    repeated : include the construction that the rule repeats
+    turn : include the arcs of the turn angles
     """
     scheme, points = drawing.schemes[frame.scheme], frame.points
     by_role: dict[str, list[Sequence[complex] | Points]] = {}
@@ -403,13 +403,13 @@ def step_strips(
 
 
 def vertices(strip: Sequence[complex] | Points) -> npt.NDArray[np.float64]:
-    """A polyline as matplotlib takes it, shape (points, 2)."""
+    """Return a polyline as matplotlib takes it, shape (points, 2)."""
     points = np.asarray(strip, complex)
     return np.column_stack((points.real, points.imag))
 
 
 def arc_vertices(arc: Arc, frame: Frame) -> Points:
-    """A polyline along an arc."""
+    """Return a polyline along an arc."""
     centre, start = frame.points[arc.centre], frame.points[arc.start]
     radius, to = start - centre, frame.points[arc.end] - centre
     if radius == 0.0 or to == 0.0:
@@ -424,7 +424,7 @@ def time_words(time: float) -> str:
 
 
 def _bracketed(unit: str) -> str:
-    """A unit behind a name; nothing for a plain number."""
+    """Return a unit to follow a name; empty for a plain number."""
     return f" [{unit}]" if unit not in ("", "1") else ""
 
 

@@ -1,4 +1,4 @@
-"""Every kind of characteristic on one sheet, drawn from the laws that the integrator evaluates.
+"""All kinds of characteristics in one figure, drawn from the laws that the integrator evaluates.
 
 >>> from phaseplane.figures import characteristics_sheet, save
 >>> save(characteristics_sheet(), "characteristics.png")  # doctest: +SKIP
@@ -25,7 +25,7 @@ _COLUMNS = 4
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One curve: arguments in m or m/s, forces in N, and its corners."""
+    """One curve: arguments in m or m/s, forces in N, and corners."""
 
     name: str
     x: np.ndarray
@@ -35,7 +35,7 @@ class Line:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Curves over one argument: `deflection` or `rate`."""
+    """Curves over one argument, `deflection` or `rate`."""
 
     title: str
     argument: str
@@ -43,13 +43,13 @@ class Panel:
 
 
 def characteristics_sheet(*, dark: bool = False) -> Figure:
-    """All kinds of springs, dampers, stops, tyres, friction and yield, a panel for each.
+    """Draw springs, dampers, stops, tyres, friction and yielding, one panel each.
 
-    Dots mark the corners, on which the integrator lands. Loops are results of runs.
+    Dots mark corners, at which the integrator ends a step. Loops are results of runs.
 
     Parameters
     ----------
-    dark : on a dark ground
+    dark : use a dark background
     """
     palette = palette_for(dark)
     panels = list(_panels())
@@ -111,7 +111,7 @@ def _springs() -> Iterator[Panel]:
     points = [(-0.1, -4e3), (-0.06, -1.3e3), (0.0, 0.0), (0.05, 700.0), (0.1, 2.4e3)]
     yield Panel(
         "table", "deflection",
-        (_line("straight lines", law.table(points), 0.1),
+        (_line("piecewise linear", law.table(points), 0.1),
          _line("monotone", law.monotone_table(points), 0.1)),
     )  # fmt: skip
     free = law.cubic(2e4, 1.5e6)

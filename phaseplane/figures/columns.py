@@ -1,4 +1,4 @@
-"""Columns over time, each in its own panel: of one run, or of two runs for comparison."""
+"""Columns of one run, or of two runs for comparison, over time, each in its own panel."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ def columns(
     title: str = "",
     dark: bool = False,
 ) -> Figure:
-    """Columns of one run, one under the other.
+    """Draw columns of one run, one below the other.
 
     Parameters
     ----------
     values : columns by name, shape (n,) each
     time : s, shape (n,)
     units : of the columns, where known
-    title : written above
-    dark : on a dark ground
+    title : title of the figure
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : no columns.
+    ValueError : if there are no columns.
     """
     palette = palette_for(dark)
     figure, panels = _panels(list(values), units, palette, title)
@@ -48,19 +48,19 @@ def comparison(
     labels: tuple[str, str],
     dark: bool = False,
 ) -> Figure:
-    """Columns of two runs, laid over each other.
+    """Draw columns of two runs over each other.
 
     Parameters
     ----------
     values : both columns by name, of shapes (n,) and (m,)
     times : of both runs, s, of shapes (n,) and (m,)
     units : of the columns, where known
-    labels : what the runs are called
-    dark : on a dark ground
+    labels : names of the runs
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : no columns.
+    ValueError : if there are no columns.
     """
     palette = palette_for(dark)
     figure, panels = _panels(list(values), units, palette, "")

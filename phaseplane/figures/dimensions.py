@@ -1,4 +1,4 @@
-"""Lengths and angles on the sheet, dimensioned as a draughtsman does."""
+"""Dimension lines of lengths and angles on the sheet."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from phaseplane.figures.canvas import Sheet
 from phaseplane.figures.lettering import Box, Boxes, text_box
 
 _SIZE = 8.0  # of the text, points
-_PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # of the line, at which the text may stand
+_PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
 
 
 def length(sheet: Sheet, start: complex, end: complex, text: str, *, towards: complex) -> None:
-    """A line with arrows at both ends, and what it measures written along it where there is room.
+    """Draw a line with arrows at both ends, and its text along it where there is room.
 
     Parameters
     ----------
-    towards : unit number: on which side of the line the text stands
+    towards : unit vector to the side of the line where the text is
     """
     ink = sheet.palette.ink
     sheet.axes.annotate(
@@ -32,7 +32,7 @@ def length(sheet: Sheet, start: complex, end: complex, text: str, *, towards: co
     )  # fmt: skip
     way = end - start
     size = text_box(0j, text, sheet.em * _SIZE / 9.0).half
-    if "frac" in text:  # one over the other
+    if "frac" in text:  # two lines high
         size = complex(size.real, 2.0 * size.imag)
     upright = abs(way.imag) > max(abs(way.real), 2.0 * size.real)
     half = complex(size.imag, size.real) if upright else size
@@ -52,14 +52,14 @@ def length(sheet: Sheet, start: complex, end: complex, text: str, *, towards: co
 
 
 def witness(sheet: Sheet, start: complex, end: complex) -> None:
-    """A thin line from what is measured to where its length stands."""
+    """Draw a thin line from a measured point to its dimension line."""
     sheet.lines("foot", [[start, end]])
 
 
 def below(
     sheet: Sheet, start: complex, end: complex, text: str, row: float, *, sign: float = -1.0
 ) -> None:
-    """A length on a horizontal axis, dimensioned so many em below it (sign -1) or above it (1)."""
+    """Dimension a length on a horizontal axis, some em below it (sign -1) or above it (1)."""
     shift = sign * row * 1j * sheet.em
     for point in (start, end):
         witness(sheet, point, point + 1.15 * shift)
@@ -69,13 +69,13 @@ def below(
 def angle(
     sheet: Sheet, vertex: complex, start: complex, turn: float, text: str, share: float = 0.45
 ) -> None:
-    """The arc of a turn about a vertex, with an arrow in its sense and a text beside it.
+    """Draw the arc of a turn about a vertex, with an arrow in its sense and a text beside it.
 
     Parameters
     ----------
     start : a point on the first leg
     turn : rad, positive anticlockwise
-    share : radius of the arc, of the first leg
+    share : radius of the arc as a fraction of the first leg
     """
     leg = share * (start - vertex)
     parts = 2 + ceil(abs(turn) / 0.02)
@@ -94,6 +94,6 @@ def angle(
 
 
 def right_angle(sheet: Sheet, vertex: complex, leg: complex, other: complex) -> None:
-    """The small square of a right angle between two legs."""
+    """Draw the small square of a right angle between two legs."""
     one, two = (0.9 * sheet.em * z / abs(z) for z in (leg, other))
     sheet.lines("foot", [[vertex + one, vertex + one + two, vertex + two]])

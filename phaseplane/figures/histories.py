@@ -15,7 +15,7 @@ from phaseplane.figures.style import SERIES, Palette, dress, new_figure, palette
 
 @dataclass(frozen=True, slots=True)
 class _Quantity:
-    """A panel: its name and unit, how many of it make the SI unit, and its columns with words."""
+    """A panel: name, unit, number of units per SI unit, and the columns with their labels."""
 
     name: str
     unit: str
@@ -65,21 +65,22 @@ def time_histories(
     dark: bool = False,
     points: bool = False,
 ) -> Figure:
-    """Displacements, velocities and accelerations one under the other (AP57 figures 14 to 16).
+    """Draw displacements, velocities and accelerations over time (AP57 figures 14 to 16).
 
     Parameters
     ----------
-    columns : `time` (s), and whatever there is of road_elevation, body_displacement,
-        wheel_displacement, suspension_deflection (m), *_velocity and suspension_deflection_rate
-        (m/s), *_acceleration (m/s^2), airborne (true or false), shape (n,) each; others are
-        passed over, a panel without columns is left out
-    title : written above
-    dark : on a dark ground
-    points : whether every instant is marked
+    columns : `time` (s) and any of road_elevation, body_displacement, wheel_displacement,
+        suspension_deflection (m), *_velocity and suspension_deflection_rate (m/s),
+        *_acceleration (m/s^2), airborne (true or false), shape (n,) each; others are ignored, a
+        panel without columns is omitted
+    title : title of the figure
+    dark : use a dark background
+    points : mark every time
 
     Raises
     ------
-    ValueError : no `time`, fewer than two instants, columns of unequal length, nothing to draw.
+    ValueError : if `time` is missing or has fewer than two values, lengths of columns differ, or
+        there is nothing to draw.
     """
     table, shown = _checked(columns)
     palette = palette_for(dark)
@@ -117,7 +118,7 @@ def time_histories(
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
     """Return the intervals in which the wheel is off the road, s.
 
-    A span begins at the first airborne instant and ends at the next that is not.
+    An interval begins at the first airborne time and ends at the next that is not airborne.
     """
     instants = np.asarray(times, float)
     flies = np.concatenate([[False], np.asarray(airborne, float) > 0.5, [False]])
@@ -133,7 +134,7 @@ def _checked(
     columns: Mapping[str, npt.ArrayLike],
 ) -> tuple[dict[str, npt.NDArray[np.float64]], list[_Quantity]]:
     if "time" not in columns:
-        raise ValueError(f"a column 'time' is needed; given: {', '.join(columns) or 'none'}")
+        raise ValueError(f"no column 'time'; columns given: {', '.join(columns) or 'none'}")
     known = {name for quantity in _QUANTITIES for name, _ in quantity.columns}
     table = {
         name: np.asarray(column, float)
@@ -142,14 +143,18 @@ def _checked(
     }
     shape = table["time"].shape
     if len(shape) != 1 or shape[0] < 2:
-        raise ValueError(f"'time' has the shape {shape}: at least two instants in a row are needed")
+        raise ValueError(
+            f"'time' has shape {shape}: must be one-dimensional with at least two values"
+        )
     for name, column in table.items():
         if column.shape != shape:
-            raise ValueError(f"column {name!r} has the shape {column.shape}, 'time' {shape}")
+            raise ValueError(
+                f"column {name!r} has shape {column.shape}: must be {shape}, as 'time'"
+            )
     shown = [q for q in _QUANTITIES if any(name in table for name, _ in q.columns)]
     if not shown:
         raise ValueError(
-            f"none of the columns can be drawn: {', '.join(columns)}; known are "
+            f"none of the columns can be drawn: {', '.join(columns)}; known columns are "
             + ", ".join(sorted(known))
         )
     return table, shown

@@ -1,4 +1,4 @@
-"""Placement of letters, so that none covers another or the drawing, and their typesetting."""
+"""Placement of letters without overlap, and their typesetting."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
 
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
-_RADII = np.repeat([1.0, 1.5, 2.2, 3.2], 16)  # at which a letter may stand from its point, in em
+_RADII = np.repeat([1.0, 1.5, 2.2, 3.2], 16)  # distances of a letter from its point, in em
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(16) + 0.5) * pi / 8.0), 4)
 _FARTHEST = _RADII[-1]
 _BAR, _DOT = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}"
@@ -31,48 +31,48 @@ class Box:
     half: complex
 
     def overlap(self, other: Box) -> float:
-        """Area common to both."""
+        """Return the area common to both."""
         apart = self.centre - other.centre
         reach = self.half + other.half
         across, up = reach.real - abs(apart.real), reach.imag - abs(apart.imag)
         return across * up if across > 0.0 and up > 0.0 else 0.0
 
     def holds(self, point: complex) -> bool:
-        """Whether a point lies inside."""
+        """Return whether a point is inside."""
         apart = point - self.centre
         return abs(apart.real) <= self.half.real and abs(apart.imag) <= self.half.imag
 
     def contains(self, other: Box) -> bool:
-        """Whether another box lies wholly inside."""
+        """Return whether another box is wholly inside."""
         return Box(self.centre, self.half - other.half).holds(other.centre)
 
 
 @dataclass(frozen=True, slots=True)
 class Boxes:
-    """Rectangles by their centres and halves, which may be of any shapes that numpy broadcasts."""
+    """Rectangles by their centres and half-sizes, arrays of any shapes that numpy broadcasts."""
 
     centres: Points
     halves: Points
 
     @classmethod
     def of(cls, boxes: Sequence[Box]) -> Boxes:
-        """Boxes in a row."""
+        """Return boxes as one-dimensional arrays."""
         row = np.array([(box.centre, box.half) for box in boxes], complex).reshape(-1, 2)
         return cls(row[:, 0], row[:, 1])
 
     def overlap(self, other: Boxes) -> Lengths:
-        """Area common to each and another."""
+        """Return the areas common to each box and another."""
         apart, reach = self.centres - other.centres, self.halves + other.halves
         across = np.maximum(0.0, reach.real - abs(apart.real))
         return across * np.maximum(0.0, reach.imag - abs(apart.imag))
 
     def within(self, view: Box) -> npt.NDArray[np.bool_]:
-        """Whether each lies wholly in a view."""
+        """Return whether each box is wholly in a view."""
         apart, room = self.centres - view.centre, view.half - self.halves
         return (abs(apart.real) <= room.real) & (abs(apart.imag) <= room.imag)
 
     def inside(self, starts: Points, ends: Points) -> Lengths:
-        """Length of the part of each segment that lies in each box."""
+        """Return the length of each segment inside each box."""
         ways, begins = ends - starts, starts - self.centres
         low: Lengths = np.zeros(())
         high: Lengths = np.ones(())
@@ -80,7 +80,7 @@ class Boxes:
             (ways.real, begins.real, self.halves.real),
             (ways.imag, begins.imag, self.halves.imag),
         ):
-            # a step of zero gives infinities: no bound for a segment within, none left for one beside
+            # a segment parallel to a side gives infinities: unbounded inside, empty outside
             with np.errstate(divide="ignore", invalid="ignore"):
                 one, other = (-half - position) / step, (half - position) / step
             low = np.maximum(low, np.fmin(one, other))
@@ -89,7 +89,7 @@ class Boxes:
 
 
 def text_box(centre: complex, text: str, em: float) -> Box:
-    """The box of a text of known size about its centre."""
+    """Return the box of a text with its centre and size of type."""
     letters = len(re.sub(r"[${}^_\\]|\\[a-z]+", "", text))
     return Box(centre, complex(0.5 * _WIDTH * max(letters, 1) + 0.15, 0.5 * _HEIGHT) * em)
 
@@ -101,18 +101,18 @@ def place(
     segments: Points,
     taken: Sequence[Box] = (),
 ) -> list[complex]:
-    """Centres for letters beside their points.
+    """Return the centres of letters beside their points.
 
-    The letters of the densest crowd are placed first. Each takes the cheapest of 64 places about its
-    point: near it, not over other letters, points or lines, nearer to its own point than to others.
+    Letters with the closest neighbours are placed first. Each takes the best of 64 positions about
+    its point: close to it, not over other letters, points or lines, and nearer to it than to others.
 
     Parameters
     ----------
-    letters : point and text of each
+    letters : point and text of each letter
     em : size of the type in units of the sheet
-    view : what is seen; letters stay inside
-    segments : ends of what is drawn, not to be written across, shape (segments, 2)
-    taken : where something is written already
+    view : the visible part of the sheet; letters stay inside
+    segments : ends of the lines that letters must avoid, shape (segments, 2)
+    taken : boxes of texts that are already there
     """
     points = np.array([point for point, _ in letters], complex)
     sizes = np.array([text_box(0j, text, em).half for _, text in letters], complex)
@@ -152,9 +152,9 @@ def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bo
 
 
 def typeset(label: str) -> str:
-    """A label of the construction as it is written: A1* becomes A₁*, y1'/Ω1 what it stands for.
+    """Return a label of the construction as typeset text: A1* becomes A₁*, y1'/Ω1 its definition.
 
-    In plain text, which is drawn several times as fast as mathematics is parsed.
+    It is plain text, which is drawn several times faster than parsed mathematics.
     """
     speed = re.fullmatch(r"([a-z])(\d*)'/Ω(\d*)", label)
     if speed:
@@ -174,5 +174,5 @@ def typeset(label: str) -> str:
 
 
 def is_letter(text: str) -> bool:
-    """Whether a text is the letter of a point or an angle, which is written in italics."""
+    """Return whether a text is the letter of a point or an angle, which is set in italics."""
     return _LETTER.fullmatch(text) is not None

@@ -1,4 +1,4 @@
-"""The phase planes on their sheet: one step lettered in full, or many with all auxiliary lines."""
+"""The phase planes on the sheet: one step with all letters, or many with all auxiliary lines."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from phaseplane.figures.canvas import (
 from phaseplane.figures.lettering import Box, Points
 from phaseplane.figures.style import palette_for
 
-_NAME = 0.16  # of a sheet's height: what the name of an axis takes up
+_NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
 BODY_CURVES = ("auxiliary", "line", "shortcut")
 
 
 def phase_planes(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """Both phase planes to scale with the whole motion, and one step lettered in full.
+    """Draw the phase planes to scale with the whole motion, and one step with all letters.
 
-    In the manner of AP57's figure 7. Lift-off U and touchdown V are marked.
+    The style is that of AP57's figure 7. Lift-off U and touchdown V are marked.
 
     Parameters
     ----------
-    frame : index of the lettered step; left out, one whose letters have room
-    title : written above, before what the drawing says of itself
-    dark : on a dark ground
+    frame : index of the lettered step; default: one whose letters have room
+    title : written above, before the title of the drawing
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : no such frame.
+    ValueError : if there is no such frame.
     """
     chosen = frame_at(drawing, frame)
     sheet = step_sheet(drawing, chosen, dark=dark)
@@ -49,11 +49,11 @@ def phase_planes(
 
 
 def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.0) -> Sheet:
-    """Axes, curves, the whole motion and the lines of one step, still without letters.
+    """Draw axes, curves, the whole motion and the lines of one step, without letters.
 
     Parameters
     ----------
-    beside : of the width, room on the right for dimensions
+    beside : room on the right for dimensions, as a fraction of the width
     """
     view = view_of(drawing, [frame], turn=False)
     room = beside * view.half.real
@@ -66,7 +66,7 @@ def step_sheet(drawing: Drawing, frame: Frame, *, dark: bool, beside: float = 0.
 
 
 def step_words(frame: Frame) -> str:
-    """Return the step that is lettered."""
+    """Return the number and time of the lettered step as text."""
     return f"Step {frame.step} lettered, {time_words(frame.time)}"
 
 
@@ -78,21 +78,21 @@ def construction_sheet(
     title: str = "",
     dark: bool = False,
 ) -> Figure:
-    """The sheet as it looks after many steps, with all their auxiliary lines.
+    """Draw the sheet after many steps, with all their auxiliary lines.
 
-    In the manner of AP57's figure 13: the state points are numbered, the turn angles stand on their
-    common arm, and the curves go on to the end of the motion.
+    The style is that of AP57's figure 13: state points are numbered, turn angles share a common arm,
+    and the curves continue to the end of the motion.
 
     Parameters
     ----------
-    frames : indices of the steps that are drawn with all lines; those beyond the end are left out
-    through : whether the points beyond these are marked and numbered, too
-    title : written above, before what the drawing says of itself
-    dark : on a dark ground
+    frames : indices of the steps drawn with all lines; indices beyond the end are ignored
+    through : whether later points are also marked and numbered
+    title : written above, before the title of the drawing
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : none of the frames is there.
+    ValueError : if none of the frames exists.
     """
     wanted = [i for i in frames if 0 <= i < len(drawing.frames)]
     if not wanted:
@@ -115,20 +115,20 @@ def construction_sheet(
 
 
 def frame_at(drawing: Drawing, index: int | None) -> Frame:
-    """The frame of this index, or one whose letters have room."""
+    """Return the frame with this index, or one whose letters have room."""
     if index is None:
         return telling_frame(drawing)
     if not 0 <= index < len(drawing.frames):
-        raise ValueError(f"frame {index}: the drawing has frames 0 to {len(drawing.frames) - 1}")
+        raise ValueError(f"no frame {index}; the drawing has frames 0 to {len(drawing.frames) - 1}")
     return drawing.frames[index]
 
 
 def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
-    """Return the step whose lettered points are farthest apart relative to the sheet it needs.
+    """Return the step whose letters are farthest apart relative to the size of its sheet.
 
     Parameters
     ----------
-    mode : of the step; left out, that of the first
+    mode : mode of the step; default: that of the first
     """
     mode = mode or drawing.frames[0].scheme
     frames = [frame for frame in drawing.frames if frame.scheme == mode]
@@ -162,14 +162,14 @@ def _seen(drawing: Drawing, scheme: str) -> list[str]:
 
 
 def _shown(drawing: Drawing, points: Points) -> Points:
-    """Corners of views that show these points, shape (..., points), and the whole motion."""
+    """Return the corners of views that show these points, shape (..., points), and the motion."""
     motion = corners(motion_points(drawing))
     known = np.concatenate((points, np.broadcast_to(motion, (*points.shape[:-1], 2))), axis=-1)
     return np.concatenate((corners(known), name_room(drawing, known)), axis=-1)
 
 
 def name_room(drawing: Drawing, points: Points) -> Points:
-    """How far the y axes go beyond the motion for their names, on sheets with these points.
+    """Return how far the y axes extend beyond the motion for their names, m of paper.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def name_room(drawing: Drawing, points: Points) -> Points:
 
 
 def motion_points(drawing: Drawing) -> Points:
-    """The motion in all planes, with their origins and the values on their y-bar axes."""
+    """Return the motion in all planes, with the origins and the values on the y-bar axes."""
     points = []
     for plane, motion in zip(drawing.planes, motions_of(drawing), strict=True):
         axis = plane.scaled_velocity
@@ -198,13 +198,13 @@ def motion_points(drawing: Drawing) -> Points:
 
 
 def around(points: Points, margin: float = 0.05) -> Box:
-    """The smallest box that holds the points with a margin, a part of the larger side."""
+    """Return the smallest box around the points, with a margin as a fraction of its larger side."""
     centre, half = bounds(points, margin)
     return Box(complex(centre), complex(half))
 
 
 def bounds(points: Points, margin: float = 0.05) -> tuple[Points, Points]:
-    """Centres and halves of the smallest boxes that hold the points of each row, shape (..., points)."""
+    """Return centres and half-sizes of the smallest boxes around each row, shape (..., points)."""
     low, high = np.moveaxis(corners(points), -1, 0)
     size = high - low
     border = margin * np.maximum(size.real, size.imag)
@@ -212,7 +212,7 @@ def bounds(points: Points, margin: float = 0.05) -> tuple[Points, Points]:
 
 
 def corners(points: Points) -> Points:
-    """The lower left and the upper right corner of what the points of each row take up."""
+    """Return the lower left and the upper right corner of the range of each row of points."""
     x, y = points.real, points.imag
     ends = x.min(axis=-1) + 1j * y.min(axis=-1), x.max(axis=-1) + 1j * y.max(axis=-1)
     return np.stack(ends, axis=-1)

@@ -1,4 +1,4 @@
-"""Phase portraits drawn: field, nullclines, equilibria, separatrices, energies, cycles, sections."""
+"""Phase portraits: field, nullclines, equilibria, separatrices, energies, cycles, sections."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _KINDS = {
     "unstable": ("o", ORANGE),
     "degenerate": ("s", GREY),
 }
-_ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)  # by the periods after which they repeat
+_ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)  # in order of their periods
 _LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
     "orbit": (BLUE, 0.6, "-", "integral curves"),
     "energy": (GREY, 0.7, "-", "energy"),
@@ -57,14 +57,14 @@ def portrait(
     title: str = "",
     dark: bool = False,
 ) -> Figure:
-    """A phase portrait.
+    """Draw a phase portrait.
 
     Parameters
     ----------
-    shown : what was computed of it
+    shown : the computed portrait
     labels : of both axes
-    title : written above
-    dark : on a dark ground
+    title : title of the figure
+    dark : use a dark background
     """
     colours = palette_for(dark)
     figure = new_figure(9.0, 6.6, colours)
@@ -110,7 +110,7 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
 
 
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
-    """Draw points once per period, and the attractors."""
+    """Draw the points of a Poincaré section, and the attractors."""
     (dots,) = axes.plot(
         *shown.points.T, ".", color=BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
         gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
@@ -121,14 +121,14 @@ def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
         (ends,) = axes.plot(
             *states.T, "o", color=_ATTRACTORS[(m - 1) % len(_ATTRACTORS)], markersize=7.0,
             markeredgecolor=colours.paper, zorder=6.0, gid="attractor", linestyle="",
-            label="attracting, of the drive's period" if m == 1 else f"attracting, of {m} periods",
+            label="attractor, period 1" if m == 1 else f"attractor, period {m}",
         )  # fmt: skip
         handles.append(ends)
     return handles
 
 
 def _field(axes: Axes, window: Window, field: tuple[np.ndarray, ...], colours: Palette) -> None:
-    """Arrows of equal length as seen on the paper."""
+    """Draw arrows of equal length on paper."""
     x, v, dx, dv = field
     width, height = axes.bbox.size
     u, w = width * dx / (window.right - window.left), height * dv / (window.top - window.bottom)
@@ -154,7 +154,7 @@ def _lines(axes: Axes, role: str, curves: Sequence[np.ndarray]) -> Line2D | None
 
 
 def _equilibria(axes: Axes, shown: Portrait, colours: Palette) -> list[Line2D]:
-    """One mark for each kind; one on a corner is named by the kinds on its sides."""
+    """Draw the equilibria, with one marker and legend entry per kind."""
     handles: dict[str, Line2D] = {}
     for at in shown.equilibria:
         if at.stretches:

@@ -1,4 +1,4 @@
-"""The figures of AP57, drawn anew from a construction that is computed."""
+"""The figures of AP57, redrawn from a computed construction."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}
 def figure7(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """One step in two planes with elastic coupling, lettered and dimensioned (AP57 figure 7).
+    """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : another construction, no such frame, or one in flight.
+    ValueError : if the construction is another, or the frame does not exist or is in flight.
     """
     _needs(drawing, "B2", "figure 7 shows two planes with elastic coupling", "ap57_figure13")
     chosen = frame_at(drawing, frame)
@@ -56,16 +56,16 @@ def figure7(
 def figure10(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """One step while the wheel is off the road, lettered and dimensioned (AP57 figure 10).
+    """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : another construction, one that never leaves the road, no such frame, or one in
-        contact.
+    ValueError : if the construction is another or never lifts off, or the frame does not exist or
+        is in contact.
     """
     _needs(drawing, "B2", "figure 10 shows two planes with elastic coupling", "ap57")
     flights = [f for f in drawing.frames if f.scheme == FLIGHT]
@@ -87,15 +87,15 @@ def figure10(
 def figure12(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """One step in two planes with inertial coupling, lettered and dimensioned (AP57 figure 12).
+    """Draw one step in two planes with inertial coupling, with letters and dimensions (AP57 fig. 12).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : another construction, or no such frame.
+    ValueError : if the construction is another, or the frame does not exist.
     """
     _needs(
         drawing, "H1", "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
@@ -110,14 +110,14 @@ def figure12(
 
 
 def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
-    """Where the wheel leaves the road, U, and where it comes back, V (AP57 figure 9).
+    """Draw lift-off U and touchdown V (AP57 figure 9).
 
-    B2Q2 is b x2st long in U, and with contact by force in V as well (AP57 eq. 28). With contact by gap
-    V lies where the unloaded tyre meets the road, x2 - xi = x2st.
+    The length of B2Q2 is b x2st in U and, with contact by force, in V (AP57 eq. 28). With contact by
+    gap the unloaded tyre meets the road in V, x2 - xi = x2st.
 
     Raises
     ------
-    ValueError : another construction, or one that never leaves the road.
+    ValueError : if the construction is another or never lifts off.
     """
     _needs(drawing, "B2", "figure 9 shows two planes with elastic coupling", "ap57")
     frames = {frame.event: frame for frame in reversed(drawing.frames) if frame.event}
@@ -142,7 +142,7 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     sheet.trails()
     letters = []
     for frame, row in zip(shown, (2.6, 4.6), strict=False):
-        p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has come to B0
+        p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has reached B0
         sheet.lines("foot", [[p, q]])
         sheet.dots("foot", [q])
         if frame.event == TOUCHDOWN and _has_closed(frame, b):
@@ -165,42 +165,42 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )
-    sheet.finish(title, f"Off the road from U on and back in V: {times}")
+    sheet.finish(title, f"Lift-off U and touchdown V: {times}")
     return sheet.figure
 
 
 def _has_closed(frame: Frame, b0: complex) -> bool:
-    """Whether a flight has ended where the gap has closed, and not where B2 has come to B0."""
+    """Return whether a flight ended because the gap closed, and not because B2 reached B0."""
     b2 = frame.points.get("B2")
     return b2 is not None and abs(b2 - b0) > 1e-9
 
 
 def figure13(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
-    """Points 0 to 20 with all auxiliary lines, the others along the curves (AP57 figure 13)."""
+    """Draw points 0 to 20 with all auxiliary lines, the others on the curves (AP57 figure 13)."""
     return construction_sheet(drawing, range(20), through=True, title=title, dark=dark)
 
 
 def figure14(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
-    """Displacements of body, wheel, suspension and road, read off the planes (AP57 figure 14)."""
+    """Draw displacements of body, wheel, suspension, road read off the planes (AP57 figure 14)."""
     return _history(drawing, ("_displacement", "_deflection", "_elevation"), title, dark)
 
 
 def figure15(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
-    """Velocities of body, wheel and suspension, read off the planes (AP57 figure 15)."""
+    """Draw velocities of body, wheel and suspension read off the planes (AP57 figure 15)."""
     return _history(drawing, ("_velocity", "_deflection_rate"), title, dark)
 
 
 def figure16(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
-    """Accelerations of body, wheel and suspension, read off the planes (AP57 figure 16)."""
+    """Draw accelerations of body, wheel and suspension read off the planes (AP57 figure 16)."""
     return _history(drawing, ("_acceleration",), title, dark)
 
 
 def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool) -> Figure:
-    """Readings over time, each point of the construction marked.
+    """Draw readings over time, with every point of the construction marked.
 
     Raises
     ------
-    ValueError : a construction without the motions of a body on a suspension.
+    ValueError : if the construction has no motions of a body on a suspension.
     """
     frames = drawing.instants
     names = [n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")]
@@ -223,12 +223,12 @@ def _dimensioned(
     lengths: Sequence[tuple[str, str, str]],
     dark: bool,
 ) -> Sheet:
-    """One step, lettered, with lines I and II and lengths on the axes dimensioned.
+    """Draw one step with letters, and dimension lines I and II and lengths on the axes.
 
     Parameters
     ----------
     formulas : distances of lines I and II from the y1 axis
-    lengths : from which point, to which, and what that is
+    lengths : start point, end point and text of each length
     """
     sheet = step_sheet(drawing, frame, dark=dark, beside=0.12)
     _distances(sheet, formulas)
@@ -241,7 +241,7 @@ def _dimensioned(
 
 
 def _distances(sheet: Sheet, formulas: tuple[str, str]) -> None:
-    """l and the distances of lines I and II from the y1 axis, at the right edge."""
+    """Dimension l and the distances of lines I and II from the y1 axis, at the right edge."""
     top, bottom = (plane.displacement.origin.imag for plane in sheet.drawing.planes)
     lines = {c.label: c.vertices[-1] for c in sheet.drawing.curves if c.role == "line"}
     edge = sheet.view.centre.real + sheet.view.half.real
@@ -259,14 +259,14 @@ def _distances(sheet: Sheet, formulas: tuple[str, str]) -> None:
 
 
 def _is_in(plane: Plane, curve: Curve) -> bool:
-    """Whether a curve runs through the origin of a plane."""
+    """Return whether a curve passes the height of a plane's origin."""
     origin = plane.displacement.origin
     start, end = curve.vertices[0], curve.vertices[-1]
     return min(start.imag, end.imag) < origin.imag < max(start.imag, end.imag)
 
 
 def _needs(drawing: Drawing, letter: str, shown: str, scene: str) -> None:
-    """Refuse a construction without a letter."""
+    """Raise ValueError unless some scheme of the construction has a letter."""
     schemes = drawing.schemes.values()
     if not any(mark.point == letter for scheme in schemes for mark in scheme.marks):
         raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")

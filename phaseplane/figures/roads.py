@@ -1,4 +1,4 @@
-"""Random roads of ISO 8608, and their spectra over the lines of their classes."""
+"""Random roads of ISO 8608, and their spectra compared with the ranges of their classes."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from phaseplane.figures.style import (
 from phaseplane.suspension.roads import REFERENCE_FREQUENCY, class_roughness, random_profile
 
 _COLOURS = (BLUE, GREEN, ORANGE, RED, VIOLET)
-_BAND = (0.01, 2.83)  # cycles/m: ISO 8608 shows its classes between these
-_LENGTH, _SPACING = 400.0, 0.1  # m, of the profiles and of their samples
+_BAND = (0.01, 2.83)  # cycles/m, range of the classes in ISO 8608
+_LENGTH, _SPACING = 400.0, 0.1  # length of the profiles and spacing of their samples, m
 _SEGMENT = 1024  # samples
 
 
 def elevations(road_class: str, seed: int) -> tuple[npt.NDArray[np.float64], ...]:
-    """Distances and elevations of a random road, m, without the ends where it fades in and out."""
+    """Return distances and elevations of a random road, m, without its fade-in and fade-out."""
     road = random_profile(road_class, _LENGTH, 1.0, seed, band=_BAND)
     x = np.arange(0.1 * _LENGTH, 0.9 * _LENGTH, _SPACING)
     return x, np.array([road.value(float(one)) for one in x])
 
 
 def welch_density(road_class: str, seeds: Iterable[int]) -> tuple[npt.NDArray[np.float64], ...]:
-    """Spatial frequencies (cycles/m) and the mean displacement spectral density (m3) of some roads.
+    """Return spatial frequencies (cycles/m) and the roads' mean displacement spectral density (m3).
 
-    Welch's estimate (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967) of the elevations
-    themselves, which knows nothing of how they were made.
+    Welch's method (P. D. Welch, IEEE Trans. Audio Electroacoust. 15, 1967) estimates it from the
+    elevations alone, independently of how they were generated.
     """
     found = []
     for seed in seeds:
@@ -50,18 +50,18 @@ def welch_density(road_class: str, seeds: Iterable[int]) -> tuple[npt.NDArray[np
 
 
 def class_line(road_class: str, n: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Gd(n) = Gd(n0) (n/n0)^-2 in the middle of a class (ISO 8608), m3."""
+    """Return Gd(n) = Gd(n0) (n/n0)^-2, the geometric mean of a class (ISO 8608), m3."""
     return class_roughness(road_class) * (np.asarray(n) / REFERENCE_FREQUENCY) ** -2.0
 
 
 def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool = False) -> Figure:
-    """Random roads of some classes beside each other, and their spectra over the classes' lines.
+    """Draw random roads of some classes, and their spectra with the ranges of the classes.
 
     Parameters
     ----------
     classes : at most five of `A` to `H`
-    seeds : how many roads each spectrum is the mean of
-    dark : on a dark ground
+    seeds : number of roads averaged for each spectrum
+    dark : use a dark background
     """
     palette = palette_for(dark)
     figure = new_figure(9.5, 4.4, palette)
@@ -73,7 +73,7 @@ def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool 
         drawn = road_class in classes
         middle = class_line(road_class, lines)
         spectra.loglog(lines, middle, color=palette.faint, linewidth=0.7, linestyle="--", zorder=2)
-        if drawn:  # a class reaches from half to twice its middle
+        if drawn:  # a class extends from half to twice its geometric mean
             spectra.fill_between(lines, 0.5 * middle, 2.0 * middle, color=palette.shade, zorder=1)
         spectra.annotate(
             road_class, (lines[-1], middle[-1]), (4, 0), textcoords="offset points",
@@ -98,7 +98,7 @@ def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool 
     spectra.set_ylabel(r"spectral density $G_d$ in m$^3$", fontsize=9, color=palette.ink)
     spectra.set_xlim(*lines)
     spectra.set_title(
-        f"Their spectra: {seeds} roads each, by Welch", fontsize=10, color=palette.ink
+        f"Their spectra: mean of {seeds} roads, Welch", fontsize=10, color=palette.ink
     )
     figure.tight_layout()
     return figure

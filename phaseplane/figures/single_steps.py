@@ -15,7 +15,7 @@ from phaseplane.figures.planes import around, bounds, frame_at, motion_points, n
 from phaseplane.figures.style import palette_for
 
 Named = tuple[str, str, str]
-"""A point's name in the frame, its letter and its role; {n} is the plane's number, {d} its foot."""
+"""A point's name, letter and role; {n} is the plane's number, {d} the letter of its foot."""
 
 _STEP: tuple[Named, ...] = (
     ("P{n}", "P{n}", "state"),
@@ -32,15 +32,15 @@ _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 def figure4a(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a).
+    """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : a construction by another rule than `mean_normal`, or no such frame.
+    ValueError : if the rule is not `mean_normal`, or the frame does not exist.
     """
     letters = (*_STEP, *_PREDICTED)
     _needs(drawing, "figure 4a", "mean_normal")
@@ -50,7 +50,7 @@ def figure4a(
     sheet.lines("construction", [[p, ahead], [foot, ahead]])
     sheet.lines("successor", [[p, p_new]])
     _finish(sheet, one, plane, letters)
-    words = "PP' is as long as the mean of both normals times the turn angle"
+    words = "The length of PP' is the mean of both normals times the turn angle"
     sheet.finish(title, f"{words}: {_which(one)}")
     return sheet.figure
 
@@ -58,15 +58,15 @@ def figure4a(
 def figure4b(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """P' on the osculating circle about S, seen from D under the turn angle (AP57 figure 4b).
+    """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : a construction by another rule than `osculating_circle`, or no such frame.
+    ValueError : if the rule is not `osculating_circle`, or the frame does not exist.
     """
     letters = (*_STEP, *_PREDICTED, *_CENTRE)
     _needs(drawing, "figure 4b", "osculating_circle")
@@ -85,18 +85,18 @@ def figure4b(
 def figure8(
     drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
 ) -> Figure:
-    """The normals turned, each in the sense of its own plane (AP57 figure 8).
+    """Draw the normals turned, each in the sense of its plane (AP57 figure 8).
 
     Parameters
     ----------
-    frame : index of the step; left out, one whose letters have room
+    frame : index of the step; default: one whose letters have room
 
     Raises
     ------
-    ValueError : a construction by another rule than `tangent`, in one plane, or no such frame.
+    ValueError : if the rule is not `tangent`, there is one plane only, or the frame does not exist.
     """
     if len(drawing.planes) < 2:
-        raise ValueError(f"figure 8 shows two planes or more; {drawing.title!r} has one")
+        raise ValueError(f"figure 8 needs at least two planes; {drawing.title!r} has one")
     _needs(drawing, "figure 8", "tangent")
     one, _ = _telling(drawing, _STEP, frame, together=True)
     points = np.append(
@@ -132,21 +132,21 @@ def _fit(template: str, plane: Plane) -> str:
 
 
 def _needs(drawing: Drawing, figure: str, rule: str) -> None:
-    """Refuse a construction by another rule."""
+    """Raise ValueError unless the construction uses the rule."""
     if f"rule {rule.replace('_', ' ')}," not in drawing.title:
-        raise ValueError(f"{figure} shows the rule {rule}, not {drawing.title!r}")
+        raise ValueError(f"{figure} needs the rule {rule}; given: {drawing.title!r}")
 
 
 def _telling(
     drawing: Drawing, named: Sequence[Named], index: int | None, *, together: bool = False
 ) -> tuple[Frame, Plane]:
-    """The step and the plane whose points lie farthest apart for the room that they take up."""
+    """Return the step and the plane whose points are farthest apart relative to their range."""
     frames = drawing.frames if index is None else (frame_at(drawing, index),)
     planes = drawing.planes
     points = np.array([[_points(frame, plane, named) for plane in planes] for frame in frames])
     one, other = np.triu_indices(len(named), 1)
     clear = abs(points[..., one] - points[..., other]).min(axis=-1)
-    if together:  # on the whole sheet; otherwise on one that the plane has to itself
+    if together:  # all planes on one sheet; otherwise a close-up of one plane
         return frames[int(clear.min(axis=1).argmax())], planes[0]
     clear /= abs(bounds(points)[1])
     frame, plane = divmod(int(clear.argmax()), len(planes))
@@ -156,7 +156,7 @@ def _telling(
 def _close_up(
     drawing: Drawing, frame: Frame, plane: Plane, named: Sequence[Named], dark: bool
 ) -> Sheet:
-    """A sheet with the step alone, its y axis, its integral curve and its normal."""
+    """Return a sheet of one step only, with its y axis and its normal."""
     points = _points(frame, plane, named)
     sheet = Sheet(drawing, around(np.array(points), 0.12), palette_for(dark))
     sheet.y_axis(plane)
@@ -166,7 +166,7 @@ def _close_up(
 
 
 def _finish(sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]) -> None:
-    """The turn angle, the right angle at P, points and letters."""
+    """Draw the turn angle, the right angle at P, points and letters."""
     p, d, *_ = _points(frame, plane, named)
     _turn(sheet, frame, plane, p, d)
     ahead = frame.points[f"P{plane.number}~"]
@@ -175,7 +175,7 @@ def _finish(sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]) ->
 
 
 def _turn(sheet: Sheet, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
-    """The turn angle at D, clockwise where the y axis points to the right."""
+    """Draw the turn angle at D, clockwise where the y axis points to the right."""
     turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
     dimensions.angle(sheet, d, p, turn, typeset(f"dtau{plane.number}"))
 
@@ -183,7 +183,7 @@ def _turn(sheet: Sheet, frame: Frame, plane: Plane, p: complex, d: complex) -> N
 def _lettered(
     sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]
 ) -> list[tuple[complex, str, str]]:
-    """Points with their letters, drawn as dots."""
+    """Draw points as dots, and return them with their letters and colours."""
     letters = []
     for name, letter, role in named:
         z = frame.points[_fit(name, plane)]

@@ -35,20 +35,20 @@ Values = npt.NDArray[np.float64]
 
 _COLOURS = (RED, OCHRE, PINK, VIOLET, TEAL, GREEN, BLUE, ORANGE, GREY)
 _GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
-_LARGEST = 2.0  # of the growth, as a power of ten, that the colours tell apart
+_LARGEST = 2.0  # largest growth on the colour scale, as a power of ten
 
 
 @dataclass(frozen=True, slots=True)
 class GrowthMap:
-    """Growth over omega h and one more number.
+    """Growth over omega h and a second quantity.
 
     Parameters
     ----------
-    title : above it
-    across, up : omega h, and the other number, on a logarithmic axis
-    label : what that is
-    growth : per step or run, (len(up), len(across)); 1 is none
-    limit : omega h of the theory's limit
+    title : of the map
+    across, up : omega h, and the second quantity, on a logarithmic axis
+    label : of the second quantity
+    growth : per step or run, shape (len(up), len(across)); 1: none
+    limit : omega h of the theoretical limit
     """
 
     title: str
@@ -67,18 +67,19 @@ def stability_sheet(
     *,
     dark: bool = False,
 ) -> Figure:
-    """One sheet: radii without damping, maps of growth, and measured limits over those of theory.
+    """Draw undamped spectral radii, maps of growth, and ratios of measured to theoretical limits.
 
     Parameters
     ----------
     curves : omega h and spectral radius by method
-    limits : omega h of the theory's limits, by what is written at them
+    limits : omega h of the theoretical limits by label
     growth : up to three maps
-    found : problem, method, theory's limit and the measured one (s; None if no step grew)
+    found : problem, method, theoretical and measured limit (s; None if no step grew)
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : no curves.
+    ValueError : if there are no curves.
     """
     if not curves:
         raise ValueError("there is nothing to draw: no curves")
@@ -113,7 +114,7 @@ def _radii(
     limits: Mapping[str, float],
     palette: Palette,
 ) -> None:
-    _style(axes, palette, "Spectral radius of one step, no damping")
+    _style(axes, palette, "Spectral radius of one step, undamped")
     axes.axhline(1.0, color=palette.faint, linewidth=0.8)
     for (name, (phase, radius)), colour in zip(curves.items(), _COLOURS, strict=False):
         axes.plot(phase, radius, color=colour, linewidth=1.5, label=name)
@@ -134,7 +135,7 @@ def _found(
     colours: Mapping[str, str],
     palette: Palette,
 ) -> None:
-    _style(axes, palette, "Longest stable step on systems with switches, over the theory's")
+    _style(axes, palette, "Largest stable step of systems with switches, measured / theory")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
     methods = list(dict.fromkeys(method for _, method, *_ in found))
     axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")

@@ -19,7 +19,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours of the paper and of what has no role of its own."""
+    """Colours of the paper and of everything without a role."""
 
     paper: str
     ink: str
@@ -28,7 +28,7 @@ class Palette:
     shade: str
 
     def halo(self, width: float = 2.5) -> list[AbstractPathEffect]:
-        """An outline in the colour of the paper that keeps text legible on lines."""
+        """Return an outline in the colour of the paper that keeps text legible on lines."""
         return [withStroke(linewidth=width, foreground=self.paper)]
 
 
@@ -38,7 +38,7 @@ DARK = Palette(paper="#15181c", ink="#e8e8e8", faint="#9a9a9a", grid="#2c3138", 
 
 @dataclass(frozen=True, slots=True)
 class RoleStyle:
-    """How a role is drawn; without a colour of its own it takes that of the palette's faint ink."""
+    """The style of a role; by default its colour is the palette's faint ink."""
 
     colour: str = ""
     width: float = 0.8
@@ -77,17 +77,17 @@ SERIES = {
 
 
 def palette_for(dark: bool) -> Palette:
-    """The dark palette or the light one."""
+    """Return the dark or the light palette."""
     return DARK if dark else LIGHT
 
 
 def role_style(role: str) -> RoleStyle:
-    """The style of a role; an unknown role is drawn like construction lines."""
+    """Return the style of a role; unknown roles are drawn like construction lines."""
     return ROLES.get(role, _UNKNOWN)
 
 
 def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
-    """Ground, ticks, frame and grid of plain axes in the colours of the palette."""
+    """Set background, ticks, frame and grid of axes to the colours of the palette."""
     axes.set_facecolor(palette.paper)
     axes.tick_params(colors=palette.ink, labelsize=label_size, which="both")
     for spine in axes.spines.values():
@@ -97,15 +97,15 @@ def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True)
 
 
 def new_figure(width: float, height: float, palette: Palette) -> Figure:
-    """An empty figure of so many inches."""
+    """Return an empty figure; width and height in inches."""
     figure = Figure(figsize=(width, height), dpi=150, facecolor=palette.paper)
     FigureCanvasAgg(figure)
     return figure
 
 
-# Without dates and random names the same figure gives the same file.
+# Without dates and random names, equal figures give equal files.
 _OPTIONS: dict[str, dict[str, Any]] = {
-    # a sixth larger than at zlib's own level, in half the time
+    # a sixth larger than at zlib's default level, in half the time
     ".png": {"pil_kwargs": {"compress_level": 1}},
     ".svg": {"metadata": {"Date": None}},
     ".pdf": {"metadata": {"CreationDate": None}},
@@ -117,12 +117,12 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
     Parameters
     ----------
-    path : ending with .png, .svg or .pdf; a file that is there already is replaced
+    path : ends with .png, .svg or .pdf; an existing file is replaced
 
     Raises
     ------
-    ValueError : another suffix.
-    OSError : the folder does not exist or cannot be written to.
+    ValueError : if the suffix is another.
+    OSError : if the folder does not exist or cannot be written to.
     """
     target = Path(path)
     suffix = target.suffix.lower()
@@ -140,11 +140,11 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def written_whole(target: Path) -> Iterator[Path]:
-    """Yield a file beside the target, which replaces it if writing succeeds.
+    """Yield a temporary file that replaces the target if writing succeeds.
 
     Raises
     ------
-    OSError : the folder does not exist or cannot be written to.
+    OSError : if the folder does not exist or cannot be written to.
     """
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")

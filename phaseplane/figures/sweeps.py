@@ -1,4 +1,4 @@
-"""Sweeps: measures over one parameter, as a family of curves, over two, or over many."""
+"""Measures of a sweep over one parameter, a family of curves, two parameters, or many."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ Quantities = Mapping[str, tuple[str, Values]]
 _MOST = 6  # measures
 _LEVELS = 14
 _COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
-_FAMILY = len(_COLOURS)  # curves that are still told apart
-_LONGEST, _LEGEND = 36, 88  # characters of a text in a legend, and of a line of it
+_FAMILY = len(_COLOURS)  # curves that can still be distinguished
+_LONGEST, _LEGEND = 36, 88  # most characters of an entry in the legend, and of a line of it
 
 
 def sweep(
@@ -44,19 +44,19 @@ def sweep(
 ) -> Figure:
     """Draw the measures of a sweep over the varied parameters.
 
-    Curves over one number; a family of curves where another number, or texts, take a few values; maps
-    over two numbers; otherwise every measure against every number. Texts alone stand side by side.
+    Curves over one number, a family of curves if other parameters take few values, maps over two
+    numbers; otherwise every measure over every number. If all parameters are texts, they are ticks.
 
     Parameters
     ----------
-    varied : unit and value in each run by the parameter's name; numbers, or texts
-    measured : unit and value in each run by the measure's name; not a number where there is none
-    title : written above
-    dark : on a dark ground
+    varied : unit and value in each run, numbers or texts, by the name of the parameter
+    measured : unit and value in each run by the name of the measure; NaN where it has no value
+    title : title of the figure
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : nothing varied or nothing measured.
+    ValueError : if there are no parameters or no measures.
     """
     if not varied or not measured:
         raise ValueError("a picture of a sweep needs at least one parameter and one measure")
@@ -76,7 +76,7 @@ def sweep(
 
 
 def _abscissa(varied: Quantities) -> str:
-    """The parameter over which curves are drawn, the others taking few values; or none."""
+    """Return the parameter over which curves are drawn; empty if the others take many values."""
     numbers = [key for key, (_, values) in varied.items() if not _are_texts(values)]
     first = max(numbers or varied, key=lambda key: len(set(varied[key][1])))
     others = [values for key, (_, values) in varied.items() if key != first]
@@ -91,7 +91,7 @@ def _are_texts(values: Values) -> bool:
 
 
 def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
-    """One panel for each measure, one curve for each combination of the other parameters."""
+    """Draw a panel for each measure, with a curve for each combination of the other parameters."""
     unit, x = varied[abscissa]
     others = {key: column for key, column in varied.items() if key != abscissa}
     family = list(_family(others, len(x)))
@@ -136,7 +136,7 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Pal
 
 
 def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np.int64]]]:
-    """Return each combination of the other parameters as text, with its runs."""
+    """Yield each combination of the other parameters as text, with its runs."""
     combinations = list(zip(*(values for _, values in others.values()), strict=True))
     if not combinations:
         yield "", np.arange(runs)
@@ -149,7 +149,7 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
 
 
 def _colours(count: int) -> list[str]:
-    """Colours of so many curves; beyond what is told apart, those of a scale."""
+    """Return colours for a number of curves; those of a continuous scale if there are many."""
     if count <= _FAMILY:
         return list(_COLOURS[:count])
     scale = colormaps["viridis"](np.linspace(0.0, 0.92, count))
@@ -157,7 +157,7 @@ def _colours(count: int) -> list[str]:
 
 
 def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
-    """A map with contours for each measure; points alone where they span no plane."""
+    """Draw a map with contours for each measure; only points if they are collinear."""
     (x_key, (x_unit, x)), (y_key, (y_unit, y)) = varied.items()
     columns = min(2, len(measured))
     rows = -(-len(measured) // columns)
@@ -171,7 +171,7 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
         if np.ptp(pz) == 0.0:
             words = f"{words}: {pz[0]:.5g} everywhere"
         elif len(np.unique(px)) > 1 and len(np.unique(py)) > 1 and len(pz) > 2:
-            counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each whole number
+            counts = unit == "count" and np.ptp(pz) < _LEVELS  # a band for each integer
             levels = np.arange(pz.min() - 0.5, pz.max() + 1.0) if counts else _LEVELS
             filled = axes.tricontourf(px, py, pz, levels=levels, cmap="viridis")
             axes.tricontour(
@@ -194,7 +194,7 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
 
 
 def _matrix(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
-    """Every measure against every parameter."""
+    """Draw every measure over every parameter."""
     rows, columns = len(measured), len(varied)
     width, height = 0.8 + 2.1 * columns, 0.9 + 1.7 * rows
     figure = new_figure(max(6.0, width), height, palette)
@@ -224,12 +224,12 @@ def _words(name: str, unit: str, *, broken: bool = True) -> str:
 
 
 def _short(text: str) -> str:
-    """A text that fits into a legend."""
+    """Return a text short enough for a legend."""
     return (text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}...") or "none"
 
 
 def _wrapped(text: str) -> str:
-    """A text that fits under a tick."""
+    """Return a text wrapped to fit under a tick."""
     return fill(_short(text), _LONGEST // 2)
 
 

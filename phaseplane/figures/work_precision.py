@@ -1,4 +1,4 @@
-"""Error against run time, log over log, a panel for each problem."""
+"""Run time over error on logarithmic scales, a panel for each problem."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from phaseplane.figures.style import (
     palette_for,
 )
 
-_LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # errors: of the axis, of what failed
+_LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
 _COLOURS = (ORANGE, GREEN, PINK, OCHRE, TEAL, VIOLET, RED)
 _MARKERS = "osD^vP"
 _DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
@@ -40,9 +40,9 @@ class Curve:
 
     Parameters
     ----------
-    family : incremental, FMU, construction or peer; what is drawn alike
+    family : incremental, FMU, construction or peer; sets the style
     points : error (1) and run time (s) of each setting that gave a solution, coarse to fine
-    failed : run times of those that gave none, s
+    failed : run times of the settings that gave no solution, s
     """
 
     name: str
@@ -61,20 +61,19 @@ class _Look:
 def work_precision(
     panels: Sequence[tuple[str, Sequence[Curve]]], *, title: str = "", dark: bool = False
 ) -> Figure:
-    """Run time over error, both on logarithmic scales, for several problems.
+    """Draw run time over error, both on logarithmic scales, for several problems.
 
-    Accurate and fast is to the left and down. Runs without a solution stand as crosses in the shaded
-    strip at the right.
+    Lower left is better. Runs without a solution are crosses in the shaded strip at the right.
 
     Parameters
     ----------
-    panels : title and curves of each
-    title : written above
-    dark : on a dark ground
+    panels : title and curves of each panel
+    title : title of the figure
+    dark : use a dark background
 
     Raises
     ------
-    ValueError : no panels.
+    ValueError : if there are no panels.
     """
     if not panels:
         raise ValueError("there is nothing to draw: no panels")
@@ -117,7 +116,7 @@ def work_precision(
 
 
 def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
-    """Return the styles: the project's solver in blue and heavy, its FMU alike, the others in turn."""
+    """Return the styles: heavy blue for the incremental solver, blue for its FMU, cycled for others."""
     colours, markers = cycle(_COLOURS), cycle(_MARKERS)
     looks = {}
     own = next((name for name in names if name[1] == "incremental"), None)
@@ -151,7 +150,7 @@ def _style(axes: Axes, palette: Palette) -> None:
 
 
 def _time(seconds: float) -> str:
-    """10 us, 1 ms, 2 s."""
+    """Return a time as text, such as 10 µs, 1 ms or 2 s."""
     for unit, size in (("s", 1.0), ("ms", 1e-3)):
         if seconds >= 0.999 * size:
             return f"{seconds / size:g} {unit}"

@@ -68,7 +68,7 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     assert made.section is not None
     assert 10 < made.section.transient <= 20
     assert made.section.periods <= made.section.transient + 2
-    assert "attracting, of the drive's period" in words(figure)
+    assert "attractor, period 1" in words(figure)
     assert not figure.axes[0].collections  # no field, no curves: they would be those of one instant
 
 

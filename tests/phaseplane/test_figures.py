@@ -159,7 +159,7 @@ def test_letters_do_not_hide_each_other(lettered):
 
 
 def test_no_such_frame(drawing):
-    with pytest.raises(ValueError, match="frame 62: the drawing has frames 0 to 61"):
+    with pytest.raises(ValueError, match="no frame 62; the drawing has frames 0 to 61"):
         phase_planes(drawing, 62)
 
 
@@ -271,12 +271,12 @@ def test_a_panel_without_columns_is_left_out():
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
-        ({"body_displacement": [0.0, 1.0]}, "a column 'time' is needed; given: body_displacement"),
+        ({"body_displacement": [0.0, 1.0]}, "no column 'time'; columns given: body_displacement"),
         (
             {"time": [0.0, 1.0], "body_displacement": [0.0]},
-            r"'body_displacement' has the shape \(1,\)",
+            r"'body_displacement' has shape \(1,\)",
         ),
-        ({"time": [0.0], "body_displacement": [0.0]}, "at least two instants"),
+        ({"time": [0.0], "body_displacement": [0.0]}, "at least two values"),
         (
             {"time": [0.0, 1.0], "speed": [0.0, 1.0]},
             "none of the columns can be drawn: time, speed",

@@ -55,7 +55,7 @@ def test_instants_given_twice_count_once():
     ("columns", "message"),
     [
         ([[0.0, 0.1]] * 4, "3 columns given: must be 4, displacement and velocity of .*"),
-        ([[0.0, 0.1], *[[0.0]] * 4], "one length, at least 2; given 2, 1, 1, 1, 1"),
+        ([[0.0, 0.1], *[[0.0]] * 4], "same length, at least 2; lengths given: 2, 1, 1, 1, 1"),
         ([[0.0, 0.1], *[[0.0, nan]] * 4], r"row 1 .* \(time 0.1 s\) is not finite"),
         ([[0.1, 0.0], *[[0.0, 0.0]] * 4], "times must ascend, but 0 s follows 0.1 s"),
         ([[0.1, 0.1], *[[0.0, 0.0]] * 4], "at least two different times"),

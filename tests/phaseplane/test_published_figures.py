@@ -239,9 +239,9 @@ def test_displacements_are_those_of_an_independent_solution(grounded: Drawing) -
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("figure4a", "figure 4a shows the rule mean_normal"),
-        ("figure4b", "figure 4b shows the rule osculating_circle"),
-        ("figure8", "figure 8 shows the rule tangent"),
+        ("figure4a", "figure 4a needs the rule mean_normal"),
+        ("figure4b", "figure 4b needs the rule osculating_circle"),
+        ("figure8", "figure 8 needs the rule tangent"),
         ("figure9", "in this motion it never does"),
         ("figure10", "in this motion it never leaves the road"),
         ("figure12", "try the scene half_car_rigid_tyres"),

@@ -22,7 +22,7 @@ def test_a_replay_takes_the_rule_that_the_figure_shows(
     assert told["files"] == ["a.svg"]
     refused = CliRunner().invoke(main, [*arguments, "--construction", "delta"])
     assert refused.exit_code == 2
-    assert "figure 4b shows the rule osculating_circle" in refused.stderr
+    assert "figure 4b needs the rule osculating_circle" in refused.stderr
     assert set(RULES_SHOWN) <= set(CONSTRUCTION_FIGURES)
     assert set(RULES_SHOWN.values()) <= set(RULES)
 
