@@ -1,6 +1,6 @@
 """Constructions and runs, recorded for rerun or shown live in it.
 
-`record` writes a file from a construction, or from a `Content` that says all there is to show.
+`record` writes a file from a construction, or from a `Content` with everything to be shown.
 """
 
 import lazy_loader

@@ -1,7 +1,7 @@
 """Timelines, styles and texts as rerun's components.
 
-Every row carries all timelines it can be seen on, so each is stored once: `t` (time of the motion),
-`step`, and `stage`, which runs through the stages of one step before it goes on to the next.
+Every row is stored once, with all timelines on which it is seen: `t` (time of the motion), `step`, and
+`stage`, which counts the stages of all steps in order.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ TIMELINES = {"t": "seconds", "step": "seq", "stage": "seq"}
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """The timelines of a construction: for each step, and for the end of the last one.
+    """The timelines of a construction, at the start of each step and at the end of the last.
 
     Parameters
     ----------
-    times : s; empty where there is no construction, and then `t` is the only timeline
-    steps : their numbers
+    times : s; empty without a construction, and then `t` is the only timeline
+    steps : numbers of the steps
     stages_per_step : 0 for no timeline `stage`
     """
 
@@ -44,7 +44,7 @@ class Clock:
 
     @classmethod
     def of(cls, drawing: Drawing | None, stages: bool) -> Clock:
-        """The clock of a construction; without one, that of time alone."""
+        """Return the clock of a construction, or one of time only if there is none."""
         if drawing is None:
             return cls(np.zeros(0), np.zeros(0, np.int64))
         last = drawing.frames[-1]
@@ -55,7 +55,7 @@ class Clock:
         )
 
     def columns(self, rows: Integers, stage: int | Integers = 0) -> list[rr.TimeColumn]:
-        """The time columns of the rows that belong to the steps with these indices."""
+        """Return the time columns of rows that belong to the steps with these indices."""
         return [seconds(self.times[rows]), *self._counted(rows, stage)]
 
     def _counted(self, rows: Integers, stage: int | Integers = 0) -> list[rr.TimeColumn]:
@@ -66,13 +66,13 @@ class Clock:
         return columns
 
     def counted(self) -> list[rr.TimeColumn]:
-        """The time columns of all steps, without `t`."""
+        """Return the time columns of all steps, without `t`."""
         return self._counted(np.arange(len(self.times)))
 
     def over(self, times: Reals) -> Iterator[tuple[Reals, list[rr.TimeColumn]]]:
-        """Return times with their time columns.
+        """Yield times with their time columns.
 
-        First the steps, which all timelines have, then those of `times` that are none of them.
+        First the times of the steps, on all timelines; then the other `times`, on `t` only.
         """
         if len(self.times):
             yield self.times, self.columns(np.arange(len(self.times)))
@@ -86,9 +86,9 @@ class Clock:
             yield times, [seconds(times)]
 
     def within(self, times: Reals) -> Iterator[tuple[npt.NDArray[np.bool_], list[rr.TimeColumn]]]:
-        """Which of the instants lie within the construction, and which do not, with time columns.
+        """Yield masks of the times inside and outside the construction, with their time columns.
 
-        The former are seen on all timelines, at the step that they lie in.
+        Those inside are on all timelines, at the step that contains them.
         """
         end = self.times[-1] * (1.0 + 1e-9) if len(self.times) else -np.inf
         inside = np.asarray(times <= end)
@@ -103,13 +103,13 @@ class Clock:
 
 
 def seconds(times: Reals) -> rr.TimeColumn:
-    """Instants on the timeline `t`."""
+    """Return times on the timeline `t`."""
     return rr.TimeColumn("t", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
 
 
 def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:
-    """0xRRGGBBAA, one for each instance."""
-    return np.array(values, np.uint32)  # four of them in a list would be taken as one RGBA
+    """Return colours 0xRRGGBBAA, one per instance."""
+    return np.array(values, np.uint32)  # rerun takes a list of four as one RGBA colour
 
 
 def _radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
@@ -124,7 +124,7 @@ def line_style(styles: Sequence[Style]) -> rr.LineStrips2D:
 
 
 def point_style(styles: Sequence[Style], labels: Sequence[str] | None = None) -> rr.Points2D:
-    """How points look, one style for each, and what is written at them."""
+    """Return the style of each point, and its label."""
     return rr.Points2D.from_fields(
         colors=colours([s.colour for s in styles]),
         radii=_radii([s.size for s in styles]),
@@ -134,7 +134,7 @@ def point_style(styles: Sequence[Style], labels: Sequence[str] | None = None) ->
 
 
 def lettering(texts: Sequence[sheet.Text], role: str) -> rr.Points2D:
-    """Texts without points."""
+    """Return texts without points."""
     return rr.Points2D(
         sheet.vertices(np.array([text.place for text in texts], complex)),
         colors=colours([style(role).colour]),
@@ -145,13 +145,13 @@ def lettering(texts: Sequence[sheet.Text], role: str) -> rr.Points2D:
 
 
 def strips(z: npt.NDArray[np.complex128]) -> pa.Array:
-    """Polylines of equally many vertices, shape (n, vertices), without a loop over them."""
+    """Return polylines with equal numbers of vertices, shape (n, vertices), as one arrow array."""
     vertices = rr.encodings.Vec2DBatch(sheet.vertices(z).reshape(-1, 2)).as_arrow_array()
     offsets = np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32)
     return pa.ListArray.from_arrays(offsets, vertices, type=_STRIPS)
 
 
 def flat(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.float32]:
-    """Vectors in the plane of the sheet, shape (n, 3)."""
+    """Return vectors in the plane of the sheet, shape (n, 3)."""
     x, y = np.broadcast_arrays(np.asarray(x, np.float32), np.asarray(y, np.float32))
     return np.stack([x, y, np.full_like(x, z)], -1)

@@ -110,7 +110,7 @@ class Drawer:
         self.recording.flush()
 
     def _unless_filed(self, draw: Callable[..., None], *what: object) -> None:
-        """Draw; ignore the loss of the viewer if a file is still to be written."""
+        """Draw; ignore the loss of the viewer if a file remains to be written."""
         try:
             draw(*what)
         except Exception:  # any error of rerun when the viewer has gone
@@ -140,7 +140,7 @@ def follow(orders: BinaryIO, answers: int) -> None:
 
 
 def main() -> None:
-    """The whole process; only its answers go to the standard output."""
+    """Run the process; only its answers go to standard output."""
     answers = os.dup(1)
     os.dup2(2, 1)
     follow(sys.stdin.buffer, answers)

@@ -1,8 +1,8 @@
 """Live drawing of a run in a separate process.
 
-The run tells a `Live` after each step which rows there are. Now and then a thread takes some of the
-new ones and hands them to a process that draws; while that is busy, none are taken, so nothing piles
-up. If the viewer is slow, absent or dies, the drawing suffers and the run does not.
+The run gives a `Live` its growing list of rows. A thread regularly sends a sample of the new rows to a
+drawing process, and waits until they are drawn, so that nothing piles up. If the viewer is slow,
+absent or fails, the run is not affected.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from .server import listens
 
 _INTERVAL = 0.1  # s of wall time between two batches
 _MOST_ROWS = 250  # in a batch
-_PATIENCE = 20.0  # s for which a viewer is waited for before and after a run
+_PATIENCE = 20.0  # longest wait for a viewer before and after a run, s
 
 
 class Live:
@@ -36,15 +36,15 @@ class Live:
 
     Parameters
     ----------
-    content : what is known before the run; its columns hold no rows
+    content : the content known before the run, with columns but no rows
     url : of a running viewer, such as rerun+http://127.0.0.1:9876/proxy; empty for none
-    path : of an `.rrd` file, written whole when the run is complete; until then what is drawn is kept
-        beside it as `<name>.part.rrd`, which stays readable if all ends early
-    patience : how long a viewer is waited for, before and after the run, s
+    path : of an `.rrd` file, written whole when the run is complete; until then the drawing is in
+        `<name>.part.rrd` beside it, which stays readable if the process is stopped
+    patience : longest wait for a viewer before and after the run, s
 
     Raises
     ------
-    ValueError : not the address of a viewer.
+    ValueError : if `url` is not the address of a viewer.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Live:
         self._listener: threading.Thread | None = None
         self._over = threading.Event()
         self._answers: Queue[bytes] = Queue()
-        self._pending = False  # whether the drawer is still at the last rows
+        self._pending = False  # whether the drawer is still drawing the last rows
         self._source: Callable[[], tuple[Sequence[str], Sequence[tuple[Any, ...]]]] | None = None
         self._taken = 0
         if url and not listens(url):
@@ -76,7 +76,7 @@ class Live:
             try:
                 self._start()
             except OSError as error:
-                self._fail(f"the drawing could not begin: {error}")
+                self._fail(f"cannot start the drawing process: {error}")
         return self
 
     def __exit__(
@@ -95,8 +95,8 @@ class Live:
 
         Parameters
         ----------
-        names : of the columns, `time` among them
-        rows : all rows so far, to which only more are appended
+        names : of the columns, including `time`
+        rows : all rows so far; the run appends to this sequence
         """
         if self._source is None and not self.problem:
             self._source = lambda: (names, rows)
@@ -155,7 +155,7 @@ class Live:
         if self._pending:
             self._expect(TAKEN, "the viewer was too slow")
         self._order(Complete(content))
-        self._expect(DONE, "the viewer has not taken the whole run")
+        self._expect(DONE, "the viewer did not accept the whole run in time")
         self.filed = bool(self.path) and (self.filed or not self.problem)
 
     def _stop_thread(self) -> None:
@@ -168,7 +168,7 @@ class Live:
             self._fail(otherwise)
 
     def _answer(self, wanted: bytes, patience: float) -> bool:
-        """Return whether the drawer has answered in time."""
+        """Return whether the drawer gave this answer in time."""
         try:
             answer = self._answers.get(timeout=patience)
         except Empty:
@@ -181,14 +181,14 @@ class Live:
         return answer == wanted
 
     def _listen(self, answers: IO[bytes]) -> None:
-        """Pass on the drawer's answers, and an empty one at the end."""
+        """Queue the drawer's answers, and an empty one at the end."""
         with answers:
             while answer := answers.read(1):
                 self._answers.put(answer)
         self._answers.put(b"")
 
     def _order(self, order: object) -> None:
-        """Send an order; abandon a drawer that does not read it in time."""
+        """Send an order; kill a drawer that does not read it in time."""
         if self.problem or self._child is None:
             return
         assert self._child.stdin is not None
@@ -210,7 +210,7 @@ class Live:
         """Handle a drawer that has ended too early."""
         words = self._last_words()
         silent = self.url and not listens(self.url)
-        self._fail(self._silent if silent else words or "the drawing ended early")
+        self._fail(self._silent if silent else words or "the drawing process ended early")
 
     def _last_words(self) -> str:
         """Return the drawer's last line of error output."""
@@ -236,7 +236,7 @@ class Live:
         try:
             self._child.wait(self.patience)
         except subprocess.TimeoutExpired:
-            self._fail("the viewer has not taken the whole run")
+            self._fail("the viewer did not accept the whole run in time")
             self._child.wait()
         if self._listener is not None:
             self._listener.join()

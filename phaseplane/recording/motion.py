@@ -18,15 +18,15 @@ from .sheet import vertices
 from .styles import style
 
 RUN, LIVE = "/sheet/run", "/sheet/live"
-_HALF_WIDTH = 0.1  # m of paper, of a plane made here
-_APART = 0.3  # m of paper, between the origins of planes made here
+_HALF_WIDTH = 0.1  # half width of a plane, m of paper
+_APART = 0.3  # distance between the origins of planes, m of paper
 _MOST_ROWS = 4000
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True)
 class StatePlane:
-    """A phase plane and the columns that move in it."""
+    """A phase plane and the columns of the motion in it."""
 
     plane: Plane
     displacement: str
@@ -40,10 +40,10 @@ class StatePlane:
 
 
 def state_planes(content: Content) -> list[StatePlane]:
-    """The planes of the drawing, or of the pairs, as far as there are columns for them.
+    """Return the planes of the drawing, or else of the pairs, for which there are columns.
 
-    What is seen while a run goes on has a place of its own: it may lack rows, and the whole motion
-    takes its place in the end.
+    The motion of a live run has a separate path, because it may lack rows; the whole motion replaces
+    it at the end.
     """
     drawing = content.constructed
     if not content.shows("planes"):
@@ -65,7 +65,7 @@ def made_planes(
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
 ) -> list[StatePlane]:
-    """One plane for each pair of columns, below or beside one another, sized as they reach."""
+    """Return a plane for each pair of columns, in one or two columns, scaled to their ranges."""
     beside = 1 if len(pairs) <= 2 else 2
     origins = [_APART * complex(i % beside, -(i // beside)) for i in range(len(pairs))]
     return [
@@ -107,7 +107,7 @@ def rounded(value: float) -> float:
 
 
 def send_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """The motion of a run in all its planes: short segments, of which a view shows those so far."""
+    """Send the motion of a run in all its planes as short segments; views show those so far."""
     histories = thinned(content.histories, _MOST_ROWS)
     for plane in state_planes(content):
         send_states(recording, plane, histories, clock)
@@ -136,7 +136,7 @@ def send_states(
     histories: Mapping[str, npt.ArrayLike],
     clock: Clock,
 ) -> None:
-    """More of the motion in a plane: from each row to the next, in the units of its columns."""
+    """Send motion in a plane: a segment from each row to the next, in the units of its columns."""
     times, y, rate = (
         np.asarray(histories[name], float) for name in ("time", plane.displacement, plane.rate)
     )

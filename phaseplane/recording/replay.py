@@ -1,4 +1,4 @@
-"""Logging of a construction: the sheet once, then all steps in whole columns."""
+"""Logging of a construction: the sheet once, then the steps in whole columns."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ from .words import event_texts, stage_texts, step_text
 
 SHEET = "/sheet"
 EVENTS = f"{SHEET}/events"
-_MOST_NAMED, _MOST_LETTERED = 6, 24  # events, before their names hide the planes
+_MOST_NAMED, _MOST_LETTERED = 6, 24  # most events with full names and with letters
 WORDS, STAGES = "/words/step", "/words/stages"
 
 
 def log_construction(
     recording: rr.RecordingStream, drawing: Drawing, content: Content, clock: Clock
 ) -> None:
-    """Log the planes, the motion in them and, in more detail, how each step is drawn.
+    """Log the planes, the motion in them and, if the detail asks for it, the drawing of each step.
 
     Raises
     ------
-    ValueError : a frame lacks a point that its scheme draws.
+    ValueError : if a frame lacks a point of its scheme.
     """
     box = content.box
     log_axes(recording, drawing.planes, content.trails, box)
@@ -92,7 +92,7 @@ def _log_curves(recording: rr.RecordingStream, drawing: Drawing, box: sheet.Boun
 def _log_trail(
     recording: rr.RecordingStream, plane: Plane, z: sheet.Complexes, clock: Clock
 ) -> None:
-    """One short segment for each step; the view shows all of them up to the cursor."""
+    """Log one short segment for each step; the view shows all of them up to the cursor."""
     rows = np.arange(1, len(z))
     path = trail_path(plane)
     recording.log(path, line_style([style("trail")]), point_style([style("trail")]), static=True)
@@ -136,7 +136,7 @@ def _log_events(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -
 
 
 def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> None:
-    """Log the description of every step, its readings, and how it is drawn."""
+    """Log the description of every step, its readings, and its stages."""
     rows = np.arange(len(drawing.frames))
     for path in (WORDS, STAGES):
         style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
@@ -171,9 +171,9 @@ def log_words(recording: rr.RecordingStream, drawing: Drawing, clock: Clock) -> 
 def _log_scheme(
     recording: rr.RecordingStream, drawing: Drawing, key: str, clock: Clock, box: sheet.Bounds
 ) -> None:
-    """The construction of all steps that follow one scheme: one entity for each stage.
+    """Log the construction of all steps with the same scheme, one entity per stage.
 
-    An entity appears at its stage, and an empty row takes it away where the next step begins.
+    An entity appears at its stage, and an empty row clears it where the next step begins.
     """
     steps = np.array([i for i, f in enumerate(drawing.frames) if f.scheme == key], np.int64)
     if not steps.size:
@@ -202,7 +202,7 @@ def _named(scheme: Scheme) -> set[str]:
 
 
 def _rows(steps: Integers, after: Integers, stage: int) -> tuple[Integers, Integers, Integers]:
-    """Of every row of an entity: the index of its step, its stage, and whether it draws."""
+    """Return, for every row of an entity, the index of its step, its stage, and whether it draws."""
     blank = np.union1d(steps, after) if stage else after
     rows = np.concatenate([blank, steps])
     drawn = np.repeat([0, 1], [len(blank), len(steps)])
@@ -241,7 +241,7 @@ def _primitives(
         )
     if columns:
         yield "", statics, columns
-    if arcs:  # of another number of vertices than strokes: apart, so that both stay one array
+    if arcs:  # a separate entity, because arcs have more vertices than strokes
         z = sheet.arcs(
             *(of([getattr(a, part) for a in arcs]) for part in ("centre", "start", "end"))
         )

@@ -1,6 +1,6 @@
 """The sheet as arrays of numbers: tables of points, strips, ticks and bounds.
 
-Nothing here knows of rerun. Points are complex, in metres of paper.
+This module does not depend on rerun. Points are complex, in metres of paper.
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from .styles import typeset
 Complexes = npt.NDArray[np.complex128]
 Vertices = npt.NDArray[np.float32]
 
-# Radians of arc between two vertices: the chord then misses the arc by a thousandth of its radius.
+# Radians of arc between two vertices: the chord then differs from the arc by 0.1 % of its radius.
 _ARC_RESOLUTION = 0.1
-# Shift of a letter, and the text that brings it about: blanks beside it move it by a number of
-# screen points whatever the zoom; a zero-width space keeps the viewer from trimming them.
+# Shift of a letter, and the text that causes it: blanks beside it move it by a fixed number of
+# screen points at any zoom; a zero-width space keeps the viewer from trimming them.
 _SIDES = {0.0: "{}", -1.0: "{}     \N{ZERO WIDTH SPACE}", 1.0: "\N{ZERO WIDTH SPACE}     {}"}
-_LEFT = "{}         \N{ZERO WIDTH SPACE}"  # of an upright axis
-_SAMPLE = 200  # steps that are looked at to place the letters
-_NEIGHBOURHOOD = 1.5  # sizes of the trails around them
-_AT_REST = 0.1  # m of paper that are shown around a single point
+_LEFT = "{}         \N{ZERO WIDTH SPACE}"  # text to the left of an upright axis
+_SAMPLE = 200  # steps used to place the letters
+_NEIGHBOURHOOD = 1.5  # margin around the trails, in sizes of the trails
+_AT_REST = 0.1  # m of paper shown around a single point
 _COUNTED_ROLES = ("state", "foot", "excitation", "normal", "successor")
 _DISPLAY_UNITS = {"m": ((2.0, "m", 1.0), (0.02, "cm", 100.0), (0.0, "mm", 1000.0))}
 
@@ -45,44 +45,44 @@ class Bounds:
 
     @property
     def width(self) -> float:
-        """From left to right."""
+        """The distance from left to right."""
         return self.right - self.left
 
     @property
     def height(self) -> float:
-        """From bottom to top."""
+        """The distance from bottom to top."""
         return self.top - self.bottom
 
     def grown(self, margin: float) -> Bounds:
-        """The rectangle with a margin on every side."""
+        """Return the rectangle with a margin on every side."""
         return Bounds(
             self.left - margin, self.right + margin, self.bottom - margin, self.top + margin
         )
 
     @property
     def corners(self) -> tuple[complex, complex]:
-        """Lower left and upper right."""
+        """Return the lower left and the upper right corner."""
         return complex(self.left, self.bottom), complex(self.right, self.top)
 
     def clamped(self, z: Complexes) -> Complexes:
-        """The nearest places inside."""
+        """Return the nearest points inside."""
         x, y = np.clip(z.real, self.left, self.right), np.clip(z.imag, self.bottom, self.top)
         return np.asarray(x + 1j * y)
 
     @staticmethod
     def around(points: npt.ArrayLike) -> Bounds:
-        """The smallest rectangle around all finite points."""
+        """Return the smallest rectangle around all finite points."""
         z = np.asarray(points, complex)
         z = z[np.isfinite(z)]
         return Bounds(*map(float, (z.real.min(), z.real.max(), z.imag.min(), z.imag.max())))
 
 
 def points(frames: Sequence[Frame], names: Sequence[str]) -> Complexes:
-    """The named points of the frames, shape (frames, names).
+    """Return the named points of the frames, shape (frames, names).
 
     Raises
     ------
-    ValueError : a frame lacks a point that its scheme draws.
+    ValueError : if a frame lacks a point.
     """
     read = itemgetter(*names)
     rows = (read(frame.points) for frame in frames)
@@ -95,20 +95,20 @@ def points(frames: Sequence[Frame], names: Sequence[str]) -> Complexes:
 
 
 def vertices(z: Complexes) -> Vertices:
-    """Complex points as pairs x, y: one more dimension, of length 2."""
+    """Return complex points as pairs x, y, in an additional last dimension."""
     return np.ascontiguousarray(z).view(float).reshape(*z.shape, 2).astype(np.float32)
 
 
 def arcs(centre: Complexes, start: Complexes, end: Complexes) -> Complexes:
-    """Polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
+    """Return polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
 
     Parameters
     ----------
-    centre, start, end : of the same shape
+    centre, start, end : points, all of the same shape
 
     Returns
     -------
-    one dimension more, of a length that is the same for all arcs
+    the vertices in an additional last dimension, equally many for all arcs
     """
     radius = start - centre
     with np.errstate(invalid="ignore"):
@@ -119,7 +119,7 @@ def arcs(centre: Complexes, start: Complexes, end: Complexes) -> Complexes:
 
 
 def trail(drawing: Drawing, plane: Plane) -> Complexes:
-    """The state points of a plane, the end of the motion included where the last step names it."""
+    """Return the state points of a plane, including the end of the motion if the last step has it."""
     states = points(drawing.frames, [plane.state])[:, 0]
     successor = drawing.frames[-1].points.get(f"{plane.state}'")
     return states if successor is None else np.append(states, successor)
@@ -128,12 +128,12 @@ def trail(drawing: Drawing, plane: Plane) -> Complexes:
 def bounds(drawing: Drawing, moved: Sequence[Complexes]) -> Bounds:
     """Return the bounds of the whole sheet: trails, axes, normals and turn angles.
 
-    Other points may lie anywhere, like the crossing of two nearly parallel lines: they do not
-    count, and normals count as far as they stay in the neighbourhood of the trails.
+    Normals count only in the neighbourhood of the trails. Other points do not count, because they may
+    be far away, such as the intersection of two nearly parallel lines.
 
     Parameters
     ----------
-    moved : the trails in its planes
+    moved : the trails in the planes
     """
     origins = np.array([plane.displacement.origin for plane in drawing.planes])
     trails = Bounds.around(np.concatenate([origins, *moved]))
@@ -159,19 +159,19 @@ def _places(scheme: Scheme) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A text on the sheet; the viewer centres it just below its position."""
+    """A text on the sheet, which the viewer centres just below its position."""
 
     place: complex
     label: str
 
 
 def ticks(axis: Axis, values: npt.ArrayLike, spacing: float) -> list[Text]:
-    """Graduations of 1, 2 or 5 times a power of ten that cover the values, zero left out.
+    """Return ticks at 1, 2 or 5 times a power of ten that cover the values, without zero.
 
     Parameters
     ----------
-    values : what has to be covered, in the unit of the axis
-    spacing : least distance of two graduations, m of paper
+    values : values to be covered, in the unit of the axis
+    spacing : least distance of two ticks, m of paper
     """
     finite = np.asarray(values)[np.isfinite(values)]
     low, high = float(finite.min(initial=0.0)), float(finite.max(initial=0.0))
@@ -190,12 +190,12 @@ def ticks(axis: Axis, values: npt.ArrayLike, spacing: float) -> list[Text]:
 def axes(
     plane: Plane, planes: Sequence[Plane], trail: Complexes, box: Bounds
 ) -> tuple[list[list[complex]], list[Text]]:
-    """The axes of a plane: lines, arrow heads and graduations; the values and the names.
+    """Return the axes of a plane: first lines, arrow heads and ticks; then values and names.
 
     Parameters
     ----------
     planes : all planes of the sheet
-    trail : what moves in this one, on the sheet
+    trail : the motion in this plane, on the sheet
     """
     size = max(box.width, box.height)
     room = _room(plane, planes)
@@ -236,7 +236,7 @@ def _room(plane: Plane, planes: Sequence[Plane]) -> float:
 
 
 def curve_names(curves: Sequence[Curve], box: Bounds) -> list[Text]:
-    """The names of curves where they end or leave the box; the upper of two close ones higher."""
+    """Return the names of curves, placed where they end or leave the box, moved apart if close."""
     size = max(box.width, box.height)
     named = [curve for curve in curves if curve.label]
     ends = [_last_inside(curve.vertices, box.grown(-0.02 * size)) for curve in named]
@@ -264,9 +264,9 @@ def _last_inside(polyline: Sequence[complex], box: Bounds) -> complex:
 
 
 def letters(scheme: Scheme, frames: Sequence[Frame], box: Bounds) -> dict[Mark, str]:
-    """What is written at each mark of a scheme, moved left or right where it would hide another.
+    """Return the text at each mark of a scheme, moved left or right to avoid overlap.
 
-    A mark keeps its side in all steps, so that letters do not jump.
+    The side of a mark is the same in all steps, so that letters do not jump.
     """
     written = dict.fromkeys(scheme.marks, "")
     marks = [mark for mark in scheme.marks if mark.label]
@@ -277,7 +277,7 @@ def letters(scheme: Scheme, frames: Sequence[Frame], box: Bounds) -> dict[Mark, 
     z = points(sample, [mark.point for mark in marks])
     width = 0.6 * em * np.array([len(mark.label) for mark in marks])
     shift = np.zeros(len(marks))
-    weight = np.var(z, axis=1)[:, None]  # where all points lie on one spot no letter can be read
+    weight = np.var(z, axis=1)[:, None]  # letters are illegible anyway where all points coincide
 
     def overlap(j: int, side: float) -> float:
         """Return the overlap of mark j's letters with others and, at less cost, with their margins."""

@@ -1,4 +1,4 @@
-"""The vehicle seen from the side, on its road: parts that are logged once, and their motion."""
+"""The side view of the vehicle on its road: shapes that are logged once, and their motion."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MARGIN = 0.15
 
 
 def vehicle_of(content: Content) -> Vehicle | None:
-    """Return the vehicle, if it is shown and the columns that move it are present."""
+    """Return the vehicle if it is shown and the columns of its motion are present."""
     vehicle = content.vehicle
     shown = content.shows("vehicle") and vehicle is not None
     return vehicle if shown and vehicle and vehicle.columns <= content.histories.keys() else None
@@ -51,7 +51,7 @@ def view_box(vehicle: Vehicle) -> Bounds:
 
 
 def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Log the positions of its parts at every time."""
+    """Log the positions of the vehicle's parts at every time."""
     vehicle = vehicle_of(content)
     if vehicle is None or not len(content.histories["time"]):  # type: ignore[arg-type]
         return
@@ -63,7 +63,7 @@ def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) 
 
 
 def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
-    """Log the shapes of its parts, and the road as far as it is known."""
+    """Log the shapes of the vehicle's parts, and the road as far as it is known."""
     vehicle = vehicle_of(content)
     if vehicle is None:
         return
@@ -74,7 +74,7 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
         _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), "wheel")
         _log_part(recording, f"{axle.name}/spring", [coils()], "spring")
         recording.log(f"{VEHICLE}/{axle.name}/gap", line_style([style("gap")]), static=True)
-    if content.live:  # until the first row comes, all stands at rest
+    if content.live:  # at rest until the first row
         at_rest = dict.fromkeys(content.histories, np.zeros(1))
         send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
     histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
@@ -103,8 +103,8 @@ def send_positions(
 
     Parameters
     ----------
-    at : `time` and the columns of the vehicle at these instants
-    columns : their time columns
+    at : `time` and the columns of the vehicle at these times
+    columns : the time columns
     """
 
     def place(name: str, x: npt.ArrayLike, y: npt.ArrayLike, **more: npt.ArrayLike) -> None:
@@ -144,7 +144,7 @@ def _send_gap(
     at: Mapping[str, Reals],
     columns: list[rr.TimeColumn],
 ) -> None:
-    """The gap between road and tyre, shaded while there is one; an empty row takes it away."""
+    """Log the gap between road and tyre, shaded while it is open; an empty row clears it."""
     if not axle.wheel:
         return
     gap = gap_at(axle, at)

@@ -55,16 +55,16 @@ def record(
 
     Parameters
     ----------
-    frames : the construction to replay; or the whole content, with which other arguments are ignored
+    frames : the construction to replay; or the whole content, and then other arguments are ignored
     path : of the file; its folder must exist, an existing file is replaced
-    histories : `time` (s) and columns of the same length over it, in SI; those whose names have an
-        ending in `quantities.QUANTITIES` are plotted, the others are left out
+    histories : `time` (s) and columns of the same length, in SI; those whose names have an ending
+        in `quantities.QUANTITIES` are plotted
     detail, vehicle, views : see `Content`
 
     Raises
     ------
-    OSError : the folder is missing or the file cannot be written.
-    ValueError : see `Content.check`; a frame that lacks a point of its scheme.
+    OSError : if the folder is missing or the file cannot be written.
+    ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
     """
     content = (
         frames

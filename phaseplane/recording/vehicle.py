@@ -1,7 +1,7 @@
-"""A vehicle seen from the side: the shapes of its parts, and the columns that move them.
+"""The side view of a vehicle: the shapes of its parts at rest, and the columns that move them.
 
-Nothing here knows of rerun. Lengths are in metres, to scale; x points forwards, y upwards from the
-level road, and the parts stand as at rest.
+This module does not depend on rerun. Lengths are in metres, to scale; x points forwards, y upwards
+from the level road.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ Polyline = list[complex]
 
 TYRE_RADIUS = 0.32
 _RIM = 0.19
-_PLATE = 0.1  # of the strut's lower end above the wheel's centre
+_PLATE = 0.1  # height of the strut's lower end above the wheel's centre
 _STRUT = 0.5  # length of spring and damper at rest
-FLOOR = TYRE_RADIUS + _PLATE + _STRUT  # of the body above the road
+FLOOR = TYRE_RADIUS + _PLATE + _STRUT  # height of the body above the road
 _HULL = 0.28  # height of the body
 _OVERHANG = 0.45
 _COILS = 6
@@ -36,11 +36,11 @@ class AxleView:
     ----------
     name : of its entities
     position : forwards from the middle of the vehicle, m
-    body, road : columns: displacement of the body over it, elevation of the road under it, m
-    wheel : column: displacement of the wheel, m; empty where it rolls on the road without a tyre
-    airborne : column: whether the wheel has left the road; empty where it cannot
+    body, road : columns of the body's displacement above it and the road's elevation below it, m
+    wheel : column of the wheel's displacement, m; empty if it follows the road without a tyre
+    airborne : column of whether the wheel is off the road; empty if it cannot lift off
     static_tyre_deflection : m
-    bump_gap, rebound_gap : m; none where there is no stop
+    bump_gap, rebound_gap : m; None without a stop
     """
 
     name: str
@@ -65,10 +65,10 @@ class Vehicle:
 
     Parameters
     ----------
-    axles : the foremost first
+    axles : from front to rear
     speed : of travel, m/s
-    road : instants at which the foremost axle meets its points, s, and their elevations, m; left
-        out, it is taken from the columns
+    road : times at which the front axle passes points of the road, s, and their elevations, m;
+        default: taken from the columns
     """
 
     axles: tuple[AxleView, ...]
@@ -82,13 +82,13 @@ class Vehicle:
 
     @property
     def reach(self) -> tuple[float, float]:
-        """Its extent backwards and forwards, m."""
+        """The extent backwards and forwards, m."""
         positions = [axle.position for axle in self.axles]
         return min(positions) - _OVERHANG, max(positions) + _OVERHANG
 
 
 def hull(vehicle: Vehicle) -> list[Polyline]:
-    """The body, about the middle of the vehicle at the height of its floor."""
+    """Return the body, about the middle of the vehicle at the height of its floor."""
     left, right = vehicle.reach
     corners = [complex(left, 0), complex(right, 0), complex(right, _HULL), complex(left, _HULL)]
     return [[*corners, corners[0]]]
@@ -130,7 +130,7 @@ def _circle(radius: float) -> Polyline:
 
 
 def coils() -> Polyline:
-    """A spring of length 1, upwards from 0."""
+    """Return a spring of length 1, upwards from 0."""
     zigzag = [
         0.045 * (-1) ** k + 1j * (0.1 + 0.8 * (k + 0.5) / (2 * _COILS)) for k in range(2 * _COILS)
     ]
@@ -138,25 +138,25 @@ def coils() -> Polyline:
 
 
 def spring_at(axle: AxleView, body: Reals, wheel: Reals) -> tuple[Reals, Reals]:
-    """Height of a spring's lower end, and its length."""
+    """Return the height of a spring's lower end, and its length."""
     return rest_height(axle) + wheel + _PLATE, strut_length(axle) + body - wheel
 
 
-SPRING_BESIDE = -0.08  # of the axle
+SPRING_BESIDE = -0.08  # position of the spring relative to the axle, m
 
 
 def rest_height(axle: AxleView) -> float:
-    """Height of a wheel's centre at rest: the tyre is drawn with the radius it has when free."""
+    """Return the height of a wheel's centre at rest; the tyre is drawn with its free radius."""
     return TYRE_RADIUS - axle.static_tyre_deflection
 
 
 def strut_length(axle: AxleView) -> float:
-    """From the plate at a wheel to the floor, at rest."""
+    """Return the distance from the plate at a wheel to the floor, at rest."""
     return FLOOR - rest_height(axle) - _PLATE
 
 
 def body_over(vehicle: Vehicle, histories: Mapping[str, Reals]) -> tuple[Reals, Reals]:
-    """Height of the body's floor in the middle of the vehicle, and its pitch, rad, front upwards."""
+    """Return the height of the floor in the middle of the vehicle, and the pitch, rad, front up."""
     front, rear = vehicle.axles[0], vehicle.axles[-1]
     ahead, behind = histories[front.body], histories[rear.body]
     wheelbase = front.position - rear.position
@@ -167,7 +167,7 @@ def body_over(vehicle: Vehicle, histories: Mapping[str, Reals]) -> tuple[Reals, 
 
 
 def wheel_over(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
-    """Displacement of a wheel's centre; without a tyre it follows the road."""
+    """Return the displacement of a wheel's centre; without a tyre it follows the road."""
     return histories[axle.wheel or axle.road]
 
 
@@ -179,7 +179,7 @@ def gap_at(axle: AxleView, histories: Mapping[str, Reals]) -> Reals:
 
 
 def gap_strokes(axle: AxleView, wheel: Reals, road: Reals) -> npt.NDArray[np.complex128]:
-    """Upright strokes between road and tyre, shape (instants, strokes, 2)."""
+    """Return vertical strokes between road and tyre, shape (times, strokes, 2)."""
     x = 0.16 * np.linspace(-1.0, 1.0, _GAP_STROKES)
     tyre = rest_height(axle) - np.sqrt(TYRE_RADIUS**2 - x**2)
     top = wheel[:, None] + tyre
@@ -188,11 +188,11 @@ def gap_strokes(axle: AxleView, wheel: Reals, road: Reals) -> npt.NDArray[np.com
 
 
 def road_profile(vehicle: Vehicle, histories: Mapping[str, Reals]) -> list[Polyline]:
-    """The road in the frame of the ground, over which the vehicle's middle goes from x = 0 on.
+    """Return the road in ground coordinates; the vehicle's middle starts at x = 0.
 
     Returns
     -------
-    its surface, and strokes below it that show how fast it passes
+    the surface, and strokes below it that make the speed visible
     """
     front = vehicle.axles[0]
     times, y = (

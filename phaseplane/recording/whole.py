@@ -22,7 +22,7 @@ def log(recording: rr.RecordingStream, content: Content) -> None:
 
     Raises
     ------
-    ValueError : see `Content.check`; a frame that lacks a point which its scheme draws.
+    ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
     """
     begin(recording, content)
     send(recording, content, Clock.of(content.drawing, stages=content.detail == "stages"))
@@ -54,7 +54,7 @@ def send(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
 
 
 def log_state_planes(recording: rr.RecordingStream, content: Content) -> None:
-    """Where the planes of the columns lie, and the axes of those that no construction has drawn."""
+    """Log the positions of the columns' planes, and their axes unless a construction has drawn them."""
     planes = state_planes(content)
     for plane in planes:
         log_plane(recording, plane)
@@ -70,7 +70,7 @@ def state_box(planes: list[StatePlane], content: Content) -> sheet.Bounds:
 
 
 def _corners(state_plane: StatePlane, content: Content) -> sheet.Complexes:
-    """The ends of what moves in a plane, on its axes."""
+    """Return the ends of the motion in a plane, on its axes."""
     plane = state_plane.plane
     ends = [plane.displacement.origin]
     for axis, name in (
