@@ -51,7 +51,7 @@ def test_what_is_there_stays_when_writing_fails(drawing: Drawing, tmp_path: Path
 
 def test_mp4_without_ffmpeg_is_refused(drawing, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(FFMpegWriter, "isAvailable", classmethod(lambda cls: False))
-    with pytest.raises(ValueError, match=r"needs the program ffmpeg.*\.gif does without"):
+    with pytest.raises(ValueError, match=r"needs the program ffmpeg.*write a .gif instead"):
         animation(drawing, tmp_path / "a.mp4")
     assert list(tmp_path.iterdir()) == []
 

@@ -197,7 +197,7 @@ def test_sections_of_the_models() -> None:
     assert len(set(rest.eigenvalues)) == 2  # rebound and bump are damped differently
     quarter = build("QuarterCar", checked_parameters("QuarterCar", {}))
     assert of_coordinate(quarter).function(0.0, 0.01, 0.0) == pytest.approx(0.01 * c / m)
-    with pytest.raises(ValueError, match="there are body, wheel"):
+    with pytest.raises(ValueError, match=r"must be from 0 to 1 \(body, wheel\)"):
         of_coordinate(quarter, 2)
     frame = build("Elastoplastic", checked_parameters("Elastoplastic", {}))
     with pytest.raises(ValueError, match="has a memory"):

@@ -147,6 +147,6 @@ def test_unusable_drawings(tmp_path: Path) -> None:
         record(strayed, tmp_path / "f.rrd")
     with pytest.raises(ValueError, match="has no steps"):
         record(replace(drawing(), frames=()), tmp_path / "f.rrd")
-    with pytest.raises(ValueError, match="there are trail, steps, stages"):
+    with pytest.raises(ValueError, match="details are trail, steps, stages"):
         record(drawing(5), tmp_path / "f.rrd", detail="everything")  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
