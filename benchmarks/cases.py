@@ -1,4 +1,4 @@
-"""What is timed: single steps, whole runs, and thousands of runs."""
+"""The functions to time: single steps, whole runs, and thousands of runs."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from phaseplane.suspension.batch import run_many
 STEP, DURATION = 1e-3, 2.0
 STEPS = round(DURATION / STEP)
 PACKAGED = ("numbalsoda dop853", "numbalsoda lsoda", "heyoka")
-"""Those peers that are not slower by an order of magnitude."""
+"""The peers that are within an order of magnitude."""
 _BLOW_OFF = {
     "damper.rebound_limit": 588.0, "damper.bump_limit": 294.0, "damper.limit_slope": 300.0,
     "solver.tolerance": 1e-4,
@@ -37,7 +37,7 @@ RACERS = ("extrapolated", *PACKAGED, "rk4, numba")
 
 
 def uncompiled_integrator() -> Any:
-    """The integrator from its Python source, beside the compiled one."""
+    """Import the integrator from its Python source, in addition to the compiled one."""
     name = "uncompiled_kernel"
     package = ModuleType(name)
     package.__path__ = [str(engine.KERNEL)]
@@ -47,7 +47,7 @@ def uncompiled_integrator() -> Any:
 
 
 def fixed_steps(integrator_class: Any, method: str = "equilibrium") -> Callable[[], int]:
-    """The quarter car over its bump in fixed steps; returns how many there were."""
+    """Return a run of the quarter car over its bump in fixed steps, which returns their number."""
     integrator = integrator_class(PROBLEMS["lift_off"]().system, method, STEP, energy=False)
     start = integrator.snapshot()
 
@@ -59,7 +59,7 @@ def fixed_steps(integrator_class: Any, method: str = "equilibrium") -> Callable[
 
 
 def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:
-    """The same steps hard-coded: by the C compiler, by numba if there is one, in plain floats."""
+    """Return the same steps hard-coded in C, in numba if installed, and in plain floats."""
     made: dict[str, Callable[[], object]] = {
         "C": partial(hard_coded.compiled_by_cc(folder), STEPS, STEP)
     }
@@ -73,15 +73,15 @@ def hard_coded_steps(folder: Path) -> dict[str, Callable[[], object]]:
 
 
 def c_steps_in_threads(folder: Path, threads: int) -> Callable[[], object]:
-    """Hard-coded steps in C, many runs of a few milliseconds dealt out to so many threads."""
+    """Return hard-coded steps in C: runs of a few milliseconds distributed to threads."""
     run = hard_coded.compiled_by_cc(folder)
     pool = ThreadPoolExecutor(threads)
-    # not so long that the motion becomes denormal numbers, which are slow
+    # short enough that the motion does not decay to denormal numbers, which are slow
     return lambda: list(pool.map(run, [100 * STEPS] * 10, [STEP] * 10))
 
 
 def racers(problem: str) -> list[tuple[Solver, float, float, Callable[[], object]]]:
-    """Solver, setting, error and whole run of the fast ones on a problem."""
+    """Return solver, setting, error and run of the fast solvers on a problem."""
     made = PROBLEMS[problem]()
     bench = Workbench(made, truth(made))
     interval = made.duration / made.intervals
@@ -103,13 +103,13 @@ def racers(problem: str) -> list[tuple[Solver, float, float, Callable[[], object
 
 
 def lsoda_run(tolerance: float = 1e-4) -> Callable[[], object]:
-    """One run of 2 s by scipy's LSODA with a compiled right-hand side."""
+    """Return a run of 2 s by scipy's LSODA with a compiled right-hand side."""
     problem = PROBLEMS["lift_off"]()
     return peers.scipy_method("LSODA", Workbench(problem, truth(problem)), tolerance)
 
 
 def batch_of_runs(count: int, workers: int) -> Callable[[], object]:
-    """Quarter cars of 2 s at 1e-4 with lift-off and blow-off, no two alike, up to their columns."""
+    """Return a batch of different quarter cars, 2 s at 1e-4, with lift-off and blow-off."""
     random = Random(1)
     cars = [
         {**_BLOW_OFF, **{name: random.uniform(*between) for name, between in _DRAWN.items()}}

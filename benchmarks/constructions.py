@@ -1,9 +1,9 @@
-"""How fast the geometry of a construction is made, and how fast its recording is written.
+"""Speed of constructing the geometry of a motion, and of writing its recording.
 
     python benchmarks/constructions.py [STEPS]
 
-The worked example with lift-off over a random road, in steps of 0.1 ms; both take turns, and the
-median of five is told.
+The worked example with lift-off on a random road, in steps of 0.1 ms. Measurements are interleaved,
+and the median of five is printed.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""What an FMU costs beside FMPy's own work; writes `fmu_cost.json`.
+"""Cost of an FMU compared with FMPy's own; writes `fmu_cost.json`.
 
     python benchmarks/fmu_cost.py [--print]
 
-Three FMUs are stepped in turn, so that a busy machine is busy for all of them: the smallest that C can
-make, a pythonfmu slave that does nothing, and `QuarterCar`. Minima of short stretches are compared.
+Three FMUs are stepped in turn, so that a busy machine slows all of them: a minimal one in C, a
+pythonfmu slave that does nothing, and `QuarterCar`. Minima over short series of steps are compared.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Empty(Fmi2Slave):
 
 
 def empty_fmu(folder: Path) -> Path:
-    """A pythonfmu slave that does nothing: what the wrapper costs."""
+    """Build a pythonfmu slave that does nothing, to measure the cost of the wrapper."""
     (folder / "empty.py").write_text(_EMPTY_SLAVE)
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", "empty.py"]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
@@ -62,7 +62,7 @@ def empty_fmu(folder: Path) -> Path:
 
 
 class Stepped:
-    """An FMU under FMPy's slave interface, and the time one step and eight values take, s."""
+    """An FMU in FMPy's slave interface; measures the time of one step and eight values."""
 
     def __init__(self, fmu: Path, names: tuple[str, ...]) -> None:
         folder = extract(str(fmu))
@@ -78,7 +78,7 @@ class Stepped:
         self._fmu.exitInitializationMode()
 
     def time(self) -> float:
-        """The best of several stretches of one run."""
+        """Return the least time per step over several series of steps of one run, s."""
         self._fmu.reset()
         self._begin()
         best = float("inf")
@@ -92,13 +92,13 @@ class Stepped:
 
 
 def best_of(functions: dict[str, Callable[[], float]], rounds: int) -> dict[str, float]:
-    """The least that each function returns when they take turns."""
+    """Return the least value of each function over interleaved rounds."""
     found = [{name: function() for name, function in functions.items()} for _ in range(rounds)]
     return {name: min(one[name] for one in found) for name in functions}
 
 
 def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
-    """Time of one doStep and eight getReal, s, for each of the three FMUs."""
+    """Return the time of one doStep and eight getReal for each of the three FMUs, s."""
     blank = tuple(f"y{k}" for k in range(OUTPUTS))
     stepped = {
         "native": Stepped(native_fmu(folder), blank),
@@ -109,7 +109,7 @@ def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
 
 
 def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
-    """Time of the worked example of AP57, 1 s at 1 ms, s: in-process and by `fmpy.simulate_fmu`."""
+    """Return the time of the AP57 scene, 1 s at 1 ms, in-process and by `fmpy.simulate_fmu`, s."""
     blank = tuple(f"y{k}" for k in range(OUTPUTS))
     times = [k * STEP for k in range(1001)]
 
@@ -147,7 +147,7 @@ def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
 
 
 def measured() -> dict[str, Any]:
-    """Both tables with their ratios, the machine and the versions."""
+    """Return both tables with their ratios, the machine and the versions."""
     with tempfile.TemporaryDirectory() as work:
         step, scene = step_costs(Path(work)), scene_costs(Path(work))
     return {
@@ -169,7 +169,7 @@ def _processor() -> str:
 
 
 if __name__ == "__main__":
-    told = json.dumps(measured(), indent=2) + "\n"
-    print(told, end="")
+    text = json.dumps(measured(), indent=2) + "\n"
+    print(text, end="")
     if "--print" not in sys.argv[1:]:
-        Path(__file__).with_suffix(".json").write_text(told)
+        Path(__file__).with_suffix(".json").write_text(text)

@@ -1,6 +1,6 @@
-"""The fixed step of `quarter_car.c` once more in plain floats, and its bare fourth-order rival.
+"""The fixed step of `quarter_car.c` in plain floats.
 
-Both functions run as they stand and through `numba.njit`.
+It runs as Python and through `numba.njit`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ RATE, HEIGHT, PASSED = 125.66370614359172, 0.05, 0.05
 
 
 def run(steps: int, h: float) -> tuple[float, float]:
-    """Linear acceleration, equilibrium by Newton: both displacements after so many steps from rest."""
+    """Return both displacements after steps from rest: linear acceleration, equilibrium by Newton."""
     x1 = x2 = v1 = v2 = a1 = a2 = 0.0
     for k in range(1, steps + 1):
         t = k * h
@@ -66,7 +66,7 @@ def run(steps: int, h: float) -> tuple[float, float]:
 
 
 def compiled_by_cc(folder: Path) -> Callable[[int, float], tuple[float, float]]:
-    """`quarter_car.c` as a function like `run`, compiled into the folder with the kernel's flags."""
+    """Return `quarter_car.c` as a function like `run`, compiled with the flags of the kernel."""
     library = folder / "quarter_car.so"
     source = Path(__file__).with_name("quarter_car.c")
     flags = ["-O3", "-ffp-contract=off", "-shared", "-fPIC"]

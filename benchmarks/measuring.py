@@ -1,4 +1,4 @@
-"""Times of several functions that take turns, so that a busy machine is busy for all of them."""
+"""Interleaved timing of several functions, so that a busy machine slows all of them."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from statistics import median
 
 from phaseplane.scenarios.studies.workbench import timed
 
-_TURN = 2e-3  # s that a turn takes, about or more
+_TURN = 2e-3  # least time of a turn, approximately, s
 
 
 def medians(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Median time of each function over rounds in which all of them have their turn, s.
+    """Return the median time of each function over rounds in which each has one turn, s.
 
-    A turn of what is over sooner than in two milliseconds is as many calls as take about so long, and
-    the mean of them: what the one before it has left in the processor says nothing about either. Anything
-    else is called once more before it is timed, for the same reason.
+    A turn is the mean of as many calls as take about two milliseconds, at least one. An uncounted call
+    before it warms the caches, so that the previous function has no influence.
     """
     times: dict[str, list[float]] = {name: [] for name in functions}
     for _ in range(rounds):

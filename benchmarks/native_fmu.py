@@ -1,4 +1,4 @@
-"""The smallest FMU there can be, in C: what FMPy itself costs, without what an FMU computes."""
+"""A minimal FMU in C, to measure the cost of FMPy itself."""
 
 from __future__ import annotations
 
@@ -65,11 +65,11 @@ S fmi2GetVersion(void) { return "2.0"; }
 
 
 def native_fmu(folder: Path) -> Path:
-    """Compile and pack it; needs a C compiler on Linux.
+    """Compile and pack the FMU; needs a C compiler on Linux.
 
     Parameters
     ----------
-    folder : where to
+    folder : of the FMU
     """
     source, library = folder / "native.c", folder / "Native.so"
     source.write_text(_SOURCE)

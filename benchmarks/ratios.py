@@ -1,9 +1,9 @@
-"""The ratios that the integrator is held to, measured in one run and written beside this file.
+"""Ratios of run times with limits for the integrator; writes `results.json` and `results.md`.
 
     python benchmarks/ratios.py [--rounds 25] [--only steps,levels,batch]
 
-Everything in a ratio takes turns; ratios are of medians. A ratio at most its bar holds; those of one
-worker to two have to be at least their bars, and that of C says whether two cores are there at all.
+Both sides of a ratio are interleaved, and their medians compared. A ratio must not exceed its bar;
+those of one worker to two must reach it, and that of C shows whether two cores are available.
 """
 
 from __future__ import annotations
@@ -24,17 +24,20 @@ from phaseplane.suspension.engine import Integrator
 
 HERE = Path(__file__).parent
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
-_FEWER = 5  # times fewer rounds for what takes longest
-_RUNS = 10_000  # of a batch
+_FEWER = 5  # factor by which the longest measurements have fewer rounds
+_RUNS = 10_000  # in a batch
 
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """One ratio: what it is, what it came to, and its bar and aim.
+    """One ratio with its bar and aim.
 
     Parameters
     ----------
-    seconds, against : of what is measured and of what it is held against, s
+    seconds, against : time of the measured function and of its reference, s
+    bar : limit that the ratio must keep
+    aim : value to be reached in future
+    at_least : whether the bar is a lower limit
     """
 
     name: str
@@ -54,7 +57,7 @@ class Ratio:
 
 
 def steps(rounds: int) -> Iterator[Ratio]:
-    """One fixed step of the quarter car, compiled and not."""
+    """Yield the ratios of one fixed step of the quarter car, compiled and uncompiled."""
     with tempfile.TemporaryDirectory() as folder:
         coded = cases.hard_coded_steps(Path(folder))
         plain = coded.pop("plain floats")
@@ -80,12 +83,12 @@ def steps(rounds: int) -> Iterator[Ratio]:
 def fastest(
     reached: Sequence[tuple[str, float, float]], level: float, names: Sequence[str]
 ) -> float | None:
-    """The least time of the named among (name, error, time) whose error is at most `level`."""
+    """Return the least time of the named solvers with an error of at most `level`."""
     return min((t for name, e, t in reached if name in names and e <= level), default=None)
 
 
 def levels(rounds: int) -> Iterator[Ratio]:
-    """The default against the fastest peer at each error level, and against bare Runge-Kutta."""
+    """Yield the ratios of the default solver to the fastest peer and to a bare RK4 at each error."""
     for problem in ("lift_off", "half_car"):
         found = cases.racers(problem)
         functions = {f"{s.name} {value:.3g}": run for s, value, _, run in found}
@@ -105,7 +108,7 @@ def levels(rounds: int) -> Iterator[Ratio]:
 
 
 def batch(rounds: int) -> Iterator[Ratio]:
-    """Thousands of quarter-car runs of 2 s at 1e-4, drawn at random, against scipy's LSODA for each."""
+    """Yield the ratios of a batch of random quarter cars, 2 s at 1e-4, to LSODA and between workers."""
     one, two = (cases.batch_of_runs(_RUNS, workers) for workers in (1, 2))
     runs = {"one": one, "two": two, "lsoda": cases.lsoda_run()}
     with tempfile.TemporaryDirectory() as folder:
@@ -123,7 +126,7 @@ PARTS = {"steps": steps, "levels": levels, "batch": batch}
 
 
 def table(ratios: list[Ratio]) -> str:
-    """The ratios as a Markdown table."""
+    """Return the ratios as a Markdown table."""
     lines = [
         "| ratio | µs | against, µs | value | bar | aim | |",
         "|---|---:|---:|---:|---:|---:|---|",

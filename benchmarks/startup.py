@@ -1,9 +1,9 @@
-"""What it costs to begin: whole commands against processes that only import what they cannot do without.
+"""Start-up time: whole commands compared with processes that only import the libraries they need.
 
     python benchmarks/startup.py [--rounds 15] [--only help,bare,whole]
 
-Each round starts every process once, one after the other; ratios are of medians over the rounds. The
-first round, which packs the FMU of the scene, does not count.
+Each round starts every process once, one after the other. Ratios are of medians over the rounds,
+without the first, which packs the FMU of the scene.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from phaseplane.scenarios.studies.telling import machine, versions
 HERE = Path(__file__).parent
 PHASEPLANE = "from phaseplane.scenarios.cli import main; main()"
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
-# figures of the size of those of the main job, in inches
+# sizes of the figures of `run ap57`, in inches
 EMPTY = """
 import fmpy, numpy, rerun
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -40,12 +40,12 @@ for i, size in enumerate([(9.0, 7.5), (8.79, 11.5)]):
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """One ratio: a command, what it is held against, and its bar.
+    """One ratio: a command, its reference and its bar.
 
     Parameters
     ----------
     arguments : of `phaseplane`
-    against : code of the process that it is held against
+    against : code of the reference process
     """
 
     name: str
@@ -65,20 +65,20 @@ PARTS = {
 
 @dataclass(frozen=True, slots=True)
 class Seconds:
-    """Median times of a process, s: of the clock, and of the processor for all that it started."""
+    """Times of a process, s: wall time, and processor time including its children."""
 
     clock: float
     processor: float
 
 
 def begun(code: str, arguments: Sequence[str], folder: Path) -> Seconds:
-    """The times of one process.
+    """Return the times of one process.
 
     Raises
     ------
-    CalledProcessError : it failed.
+    CalledProcessError : if it fails.
     """
-    # as it is for users: what has been compiled once is not compiled again
+    # as for users: Python keeps its compiled files
     around = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
     command = [sys.executable, "-P", "-c", code, *arguments]
     before, started = os.times(), perf_counter()
@@ -88,7 +88,7 @@ def begun(code: str, arguments: Sequence[str], folder: Path) -> Seconds:
 
 
 def measured(names: Sequence[str], rounds: int) -> dict[str, tuple[Seconds, Seconds]]:
-    """What each part takes, and what it is held against."""
+    """Return the median times of each command and of its reference."""
     processes = {
         **{(name, "ours"): (PHASEPLANE, PARTS[name].arguments) for name in names},
         **{(name, "against"): (PARTS[name].against, ()) for name in names},
@@ -126,7 +126,7 @@ def main() -> None:
         }
         print(
             f"{part.name:<50} {1e3 * ours.clock:6.0f} ms against {1e3 * against.clock:6.0f} ms: "
-            f"{ratio:.2f}, of processors {ours.processor / against.processor:.2f}, bar {part.bar}"
+            f"{ratio:.2f}, processor time {ours.processor / against.processor:.2f}, bar {part.bar}"
         )
     if not given.only_print:
         data = {

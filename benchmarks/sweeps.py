@@ -1,11 +1,11 @@
-"""Runs of a sweep in a second, rows written; writes `sweeps.json`.
+"""Runs of a sweep per second, results written; writes `sweeps.json`.
 
     python benchmarks/sweeps.py [--runs 10000] [--rounds 3] [--print]
 
-The same quarter cars of 2 s with lift-off at 1e-4, which differ in three parameters: as a sweep from its
-file to its folder, by the integrator's own batch with the same outputs, by a loop over scipy's LSODA, and
-as a sweep through the FMU. Sweep and batch take turns; of several rounds medians count. Seconds are of
-the clock and of all processors; on a machine that has other work the latter are the fairer ones.
+Quarter cars with lift-off, 2 s at 1e-4, vary in three parameters. They run as a sweep from its file to
+its folder, in the integrator's own batch with the same outputs, in a loop over scipy's LSODA, and as a
+sweep through the FMU. All are interleaved, and medians of several rounds are compared. Times are wall
+time and processor time; on a busy machine processor time is the better measure.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ solver.tolerance = 1e-4
 [show]
 output_interval = "5 ms"
 """
-FEWER = 100  # times fewer runs for what takes longest
+FEWER = 100  # factor by which the slowest ways have fewer runs
 
 
 def sweep(folder: Path, runs: int, through: str = "process") -> Callable[[], object]:
-    """A sweep from its file to its folder."""
+    """Return a sweep from its file to its folder."""
     (folder / "scene.toml").write_text(SCENE)
     file = folder / f"{through}.toml"
     file.write_text(SWEEP.format(runs=runs))
@@ -56,7 +56,7 @@ def sweep(folder: Path, runs: int, through: str = "process") -> Callable[[], obj
 
 
 def batch(plan: Plan) -> Callable[[], object]:
-    """The integrator's own batch over the same cars, with the outputs that the measures need."""
+    """Return the integrator's batch over the same cars, with the outputs that the measures need."""
     sets = [
         {**plan.scene.parameters, **dict(zip(plan.keys, point, strict=True))}
         for point in plan.points
@@ -69,7 +69,7 @@ def batch(plan: Plan) -> Callable[[], object]:
 
 
 def timed(function: Callable[[], object]) -> tuple[float, float]:
-    """Seconds of the clock, and of all processors, children's among them."""
+    """Return wall time and processor time including children, s."""
     before, started = os.times(), perf_counter()
     function()
     elapsed, after = perf_counter() - started, os.times()
@@ -77,7 +77,7 @@ def timed(function: Callable[[], object]) -> tuple[float, float]:
 
 
 def measured(runs: int, rounds: int) -> dict[str, dict[str, float]]:
-    """Seconds for each way, and runs in a second."""
+    """Return the times of each way, s, and its runs per second."""
     lsoda, few = cases.lsoda_run(), max(1, runs // FEWER)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -111,17 +111,17 @@ def main() -> None:
     options.add_argument("--print", action="store_true", dest="only_print", help="write no file")
     given = options.parse_args()
     found = measured(given.runs, given.rounds)
-    for way, told in found.items():
+    for way, row in found.items():
         print(
-            f"{way:<22} {told['runs']:>6} runs {told['seconds']:8.2f} s "
-            f"{told['processor_seconds']:8.2f} s of processors {told['runs_per_second']:8.1f} runs/s"
+            f"{way:<22} {row['runs']:>6} runs {row['seconds']:8.2f} s, processor "
+            f"{row['processor_seconds']:8.2f} s {row['runs_per_second']:8.1f} runs/s"
         )
     ratios = {
         kind: found["sweep"][kind] / found["batch"][kind]
         for kind in ("seconds", "processor_seconds")
     }
     print(
-        f"sweep / batch: {ratios['seconds']:.2f}, of processors {ratios['processor_seconds']:.2f}"
+        f"sweep / batch: {ratios['seconds']:.2f}, processor time {ratios['processor_seconds']:.2f}"
     )
     if not given.only_print:
         data = {

@@ -1,4 +1,4 @@
-"""The cost of an FMU in FMPy, held to its bar."""
+"""The cost of an FMU in FMPy stays below its limit."""
 
 from __future__ import annotations
 

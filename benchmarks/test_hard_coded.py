@@ -1,4 +1,4 @@
-"""What the integrator is timed against takes the same steps as the integrator."""
+"""The hard-coded references take the same steps as the integrator."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_c_and_plain_floats_take_the_same_steps(tmp_path: Path) -> None:
 
 def test_they_are_the_steps_of_the_integrator() -> None:
     system = PROBLEMS["lift_off"]().system
-    # contact by force, which needs no event: the tyre's force is cut off in every iteration
+    # contact by force needs no event: the tyre's force is limited in every iteration
     elements = tuple(replace(element, contact="force") for element in system.elements)
     system = replace(system, elements=elements)
     integrator = Integrator(system, "equilibrium", STEP, landing=False)

@@ -1,4 +1,4 @@
-"""Recordings: how fast, how large, and how much a viewer costs a run. Ratios of interleaved repeats.
+"""Speed and size of recordings, and the cost of a viewer for a run, as interleaved ratios.
 
 pytest -s -m slow benchmarks/test_recording.py
 """
@@ -34,7 +34,7 @@ def construction(steps: int) -> Drawing:
 
 
 def log_one_by_one(drawing: Drawing) -> int:
-    """The same construction by a `log` call for each entity of each step, its style static."""
+    """Log the same construction with a `log` call per entity and step, with static styles."""
     recording = new_recording(Content("one by one", drawing))
     memory = recording.memory_recording()
     for frame in drawing.frames:
@@ -79,7 +79,7 @@ def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) ->
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Time of the processor, of all threads: a busy machine does not count."""
+    """Return the processor time of all threads, which other processes affect little, s."""
     begun = process_time()
     work()
     return process_time() - begun
@@ -123,13 +123,13 @@ def entities(made: bytes) -> int:
 def test_a_frame_costs_at_most_two_kilobytes() -> None:
     one, three = (len(encoded(Content("sizes", construction(n)))) for n in (1000, 3000))
     each = (three - one) / 2000
-    print(f"\n{each:.0f} bytes for each frame, {one - 1000 * each:.0f} once")
+    print(f"\n{each:.0f} bytes per frame, {one - 1000 * each:.0f} bytes once")
     assert each <= 2000
 
 
 @pytest.mark.parametrize("realtime", [True, False])
 def test_what_a_viewer_costs_a_run(realtime: bool) -> None:
-    """A run of about five seconds, paced by the clock or as fast as it goes."""
+    """A run of about five seconds, in real time or as fast as possible."""
     settings = ["show.figures=[]", "show.recording=stages", "show.outputs=all"]
     settings += ["duration=5"] if realtime else ["duration=10", "show.output_interval=0.05 ms"]
     scene = load_scene("ap57", settings)

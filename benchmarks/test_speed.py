@@ -1,6 +1,6 @@
-"""Times of steps and whole runs, for `pytest benchmarks` to keep and compare.
+"""Times of steps and whole runs, stored and compared by `pytest benchmarks`.
 
-The ratios that count are measured by `ratios.py`, where everything takes turns.
+`ratios.py` measures the decisive ratios, with interleaved sides.
 """
 
 from __future__ import annotations
