@@ -19,7 +19,7 @@ class BodyMasses:
 
     Raises
     ------
-    ValueError : masses that are not positive, or M1 M2 not above M3^2.
+    ValueError : if masses are not positive, or M1 M2 is not above M3^2.
     """
 
     front_mass: float

@@ -31,7 +31,7 @@ class Strut:
 
     Raises
     ------
-    ValueError : forces that do not vanish at rest, a spring whose rate at 0 is not positive.
+    ValueError : if forces do not vanish at rest, or the rate of the spring at 0 is not positive.
     """
 
     spring: Characteristic
@@ -79,7 +79,7 @@ def check_number(name: str, value: float, least: float = -inf, *, exclusive: boo
 
     Raises
     ------
-    ValueError : the number is out of range; the message has name, value and range.
+    ValueError : if the number is out of range; the message has name, value and range.
     """
     if not isfinite(value) or value < least or (exclusive and value == least):
         relation = "greater than" if exclusive else "at least"
@@ -91,7 +91,7 @@ def check_contact(rule: str) -> None:
 
     Raises
     ------
-    ValueError : neither `gap` nor `force`.
+    ValueError : if the rule is neither `gap` nor `force`.
     """
     if rule not in CONTACTS:
         raise ValueError(f"contact = {rule!r}: must be one of {', '.join(CONTACTS)}")
@@ -122,7 +122,7 @@ def check_laws(spring: Characteristic, damper: Damper) -> None:
 
     Raises
     ------
-    ValueError : forces that do not vanish at rest, a spring whose rate at zero is not positive.
+    ValueError : if forces do not vanish at rest, or the rate of the spring at zero is not positive.
     """
     if not isinstance(spring, Characteristic):
         raise ValueError(f"spring = {spring!r}: must be a Characteristic")

@@ -61,9 +61,9 @@ def frames(
 
     Raises
     ------
-    StepError : a step that is not positive, or that turns a normal by more than a right angle.
-    ValueError : a duration that is not positive, both or neither of duration and steps.
-    ArithmeticError : the construction diverges, for example if the step is too long for a stiff stop.
+    StepError : if the step is not positive, or turns a normal by more than a right angle.
+    ValueError : if the duration is not positive, or both or neither of duration and steps are given.
+    ArithmeticError : if the construction diverges, e.g. with too long a step for a stiff stop.
     """
     _check_step(construction, step)
     length = _length(step, duration, steps)

@@ -251,7 +251,7 @@ def rule_named(name: str) -> Rule:
 
     Raises
     ------
-    ValueError : no such rule; the message lists them all.
+    ValueError : if there is no such rule; the message lists all rules.
     """
     try:
         return RULES[name]

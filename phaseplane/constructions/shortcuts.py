@@ -68,7 +68,7 @@ def with_shortcuts(
 
     Raises
     ------
-    ValueError : not a quarter car with a linear tyre.
+    ValueError : if the construction is not a quarter car with a linear tyre.
     """
     if not (isinstance(construction, QuarterCarPlanes) and construction.tyre is None):
         raise ValueError("AP57's shortcut for touchdown is for quarter cars with linear tyres")

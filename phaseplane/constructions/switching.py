@@ -9,7 +9,7 @@ from phaseplane.constructions.construction import Window
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
 
-_LOOKS = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
+_SAMPLES = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
 _DOUBTFUL = 0.05  # of the largest margin: dips that stay above it are ignored
 
 
@@ -48,7 +48,7 @@ def first_end(
         at = tuple([p + part * (t + part * (q - p - t)) for p, t, q in parabolas])
         return margins(mode, at, window.start + part * window.duration)
 
-    rows = (margins(mode, states, window.start), *map(between, _LOOKS), last)
+    rows = (margins(mode, states, window.start), *map(between, _SAMPLES), last)
     found: End | None = None
     for limit, course in enumerate(zip(*rows, strict=True)):
 
@@ -88,7 +88,7 @@ def _end_of(
 
 def _descents(course: Sequence[float]) -> Iterator[tuple[float, float]]:
     """Yield the parts of the window in which a margin may fall through zero, including dips."""
-    parts = (0.0, *_LOOKS, 1.0)
+    parts = (0.0, *_SAMPLES, 1.0)
     doubtful = _DOUBTFUL * max(course)
     positive: int | None = 0  # where the margin was positive last
     for i in range(1, len(course)):

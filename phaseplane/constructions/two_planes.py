@@ -69,8 +69,9 @@ class QuarterCarPlanes(Construction):
 
     Raises
     ------
-    ValueError : masses, stiffness, scales or distance that are not positive, a negative damping or
-        gravity, a value that is not finite, a spring without a positive rate at 0, a force at rest.
+    ValueError : if masses, stiffness, scales or distance are not positive, damping or gravity is
+        negative, a value is not finite, a spring has no positive rate at 0, or there is a force at
+        rest.
     """
 
     sprung_mass: float

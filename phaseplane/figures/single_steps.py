@@ -44,7 +44,7 @@ def figure4a(
     """
     letters = (*_STEP, *_PREDICTED)
     _needs(drawing, "figure 4a", "mean_normal")
-    one, plane = _telling(drawing, letters, frame)
+    one, plane = _clearest(drawing, letters, frame)
     sheet = _close_up(drawing, one, plane, letters, dark)
     p, _, p_new, ahead, foot = _points(one, plane, letters)
     sheet.lines("construction", [[p, ahead], [foot, ahead]])
@@ -70,7 +70,7 @@ def figure4b(
     """
     letters = (*_STEP, *_PREDICTED, *_CENTRE)
     _needs(drawing, "figure 4b", "osculating_circle")
-    one, plane = _telling(drawing, letters, frame)
+    one, plane = _clearest(drawing, letters, frame)
     sheet = _close_up(drawing, one, plane, letters, dark)
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
     sheet.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
@@ -98,7 +98,7 @@ def figure8(
     if len(drawing.planes) < 2:
         raise ValueError(f"figure 8 needs at least two planes; {drawing.title!r} has one")
     _needs(drawing, "figure 8", "tangent")
-    one, _ = _telling(drawing, _STEP, frame, together=True)
+    one, _ = _clearest(drawing, _STEP, frame, together=True)
     points = np.append(
         motion_points(drawing), [_points(one, plane, _STEP) for plane in drawing.planes]
     )
@@ -137,7 +137,7 @@ def _needs(drawing: Drawing, figure: str, rule: str) -> None:
         raise ValueError(f"{figure} needs the rule {rule}; given: {drawing.title!r}")
 
 
-def _telling(
+def _clearest(
     drawing: Drawing, named: Sequence[Named], index: int | None, *, together: bool = False
 ) -> tuple[Frame, Plane]:
     """Return the step and the plane whose points are farthest apart relative to their range."""

@@ -77,8 +77,8 @@ class Content:
 
         Raises
         ------
-        ValueError : an unknown detail or view, neither steps nor columns, a step with an unknown
-            scheme, columns without `time` or of unequal length.
+        ValueError : if a detail, a view or the scheme of a step is unknown, there are neither steps
+            nor columns, or columns lack `time` or differ in length.
         """
         if self.detail not in DETAILS:
             raise ValueError(f"detail {self.detail!r} is unknown; details are {', '.join(DETAILS)}")

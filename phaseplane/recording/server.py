@@ -51,7 +51,7 @@ def serving(
 
     Raises
     ------
-    OSError : it cannot listen there.
+    OSError : if the server cannot listen at the address.
     """
     data, page = _free_port(address, _PORTS[0]), _free_port(address, _PORTS[1])
     host = _host(address)
@@ -102,7 +102,7 @@ def listens(url: str, patience: float = 1.0) -> bool:
 
     Raises
     ------
-    ValueError : not the address of a viewer.
+    ValueError : if `url` is not the address of a viewer.
     """
     parts = urlsplit(url)
     try:

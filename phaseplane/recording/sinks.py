@@ -28,7 +28,7 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
 
     Raises
     ------
-    ValueError : rerun is switched off by its environment variable.
+    ValueError : if rerun is switched off by its environment variable.
     """
     digest = content.digest()
     # A viewer has one layout per application, so each content is its own application.
