@@ -2,8 +2,8 @@
 
     y'' = -(1/M + 1/m) S + T/m,   x2'' = (S - T) / m,   S = Phi + F,  T = f + phi     (AP57 eq. 16)
 
-T is the force of the tyre and the road on the wheel, in flight the tyre's static load. M is the
-effective mass of the body above this axle.
+T is the force of the tyre relative to rest, in flight the tyre's static load. M is the effective
+mass of the body above this axle.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 
     y1'' = -(M2/Delta + 1/m1) S1 + (M3/Delta) S2 + T1/m1,   x12'' = (S1 - T1) / m1,  Delta = M1 M2 - M3^2
 
-Exchange the indices for the rear axle. S = Phi + F is the force of a strut, T that of a tyre and the
-road on the wheel, in flight the tyre's static load. Each axle is drawn like a quarter car, its planes
+Exchange the indices for the rear axle. S = Phi + F is the force of a strut, T that of a tyre
+relative to rest, in flight the tyre's static load. Each axle is drawn like a quarter car, its planes
 numbered 11 and 12 in front, 21 and 22 behind. The planes of both struts are between those of the
 wheels and are coupled by inertia: K11, the projection of Q21, gives the effect of the rear strut in
 front. Its distance from A11* is laid off from D11 to give the foot H11 of the normal.
