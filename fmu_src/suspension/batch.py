@@ -19,7 +19,7 @@ from typing import Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from .engine import FAILURES, Integrator
+from .engine import Integrator, why_stopped
 from .many import PartingError, many, table
 from .models import build, build_checked
 from .series import Series, at_the_end, over_time
@@ -273,7 +273,7 @@ class _Bench:
                     yield Outcome(found, "", self._series.ends(k, one), *corners)
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
-                why = f"{FAILURES[one.status]} at {one.time:.6g} s, in step {one.steps}"
+                why = why_stopped(one.status, f"at {one.time:.6g} s, in step {one.steps}")
                 yield Outcome(found, why, {}, *corners)
             first += len(ended)
 

@@ -72,3 +72,15 @@ Integrator = _integrator.Integrator
 Rows = _integrator.Rows
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
+
+
+def why_stopped(status: int, where: str) -> str:
+    """Return why a run ended early, where, and what to try.
+
+    Parameters
+    ----------
+    status : key of `FAILURES`
+    where : instant and step, e.g. "at 0.1 s, in step 20"
+    """
+    cause, _, remedy = FAILURES[status].partition("; ")
+    return f"{cause} {where}; {remedy}"

@@ -15,7 +15,7 @@ from functools import cache
 from math import inf, isfinite, nan
 from typing import Any
 
-from .engine import FAILURES, KINDS, Integrator
+from .engine import KINDS, Integrator, why_stopped
 from .equilibrium import static_equilibrium
 from .inputs import Course, Line, carried, carried_road, from_plain, to_plain
 from .models import build
@@ -219,9 +219,8 @@ class Session:
         if status != 0:
             self.ok = False
             self.time = self._integrator.time
-            reason = (
-                f"{FAILURES[status]} at {self.time:.6g} s, in step {self._integrator.step_count}"
-            )
+            step = self._integrator.step_count
+            reason = why_stopped(status, f"at {self.time:.6g} s, in step {step}")
             self.messages.append(("error", reason))
             raise SimulationError(reason)
 

@@ -8,7 +8,7 @@ from math import sqrt
 from time import perf_counter
 from typing import Any
 
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import Integrator, why_stopped
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import checked_parameters
@@ -133,7 +133,7 @@ def _motion(
         t = duration * k / _INSTANTS
         status = integrator.advance(t)
         if status != 0:
-            return found, integrator, f"{FAILURES[status]} at {integrator.time:.4g} s"
+            return found, integrator, why_stopped(status, f"at {integrator.time:.4g} s")
         integrator.sample(t)
         found += integrator.sample_q
     return found, integrator, ""

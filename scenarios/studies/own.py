@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import Integrator, why_stopped
 from phaseplane.suspension.variables import MODELS
 from phaseplane.vehicle_fmus.content import SCRIPTS
 
@@ -48,7 +48,7 @@ def in_process(bench: Workbench, **options: Any) -> Run:
         out = np.empty((n, len(times)))
         status = integrator.run(times, out.reshape(-1))
         if status:
-            raise ArithmeticError(f"{FAILURES[status]} at {integrator.time:.6g} s")
+            raise ArithmeticError(why_stopped(status, f"at {integrator.time:.6g} s"))
         return out.T
 
     return Prepared(lambda: integrator.restore(start), go)

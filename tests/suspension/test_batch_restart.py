@@ -173,7 +173,7 @@ def test_a_row_without_a_proper_mass_tells_nothing_of_the_run_before() -> None:
     rows = Rows(integrator, True)
     rows.take(array("d", good + bad + good), 0.0)
     first, refused, last = rows.go(0, 3)
-    assert FAILURES[refused[0]] == "the mass matrix must be symmetric and positive definite"
+    assert FAILURES[refused[0]].startswith("the mass matrix must be")
     assert refused[1:4] == (0, 0.0, 0)
     assert first[:4] == last[:4]
     assert last[1] == len(TIMES)
@@ -189,11 +189,11 @@ def test_rows_that_are_not_there_are_refused() -> None:
         rows.go(0, 1)  # nothing prepared
     integrator.prepare(2, TIMES, array("d", bytes(8 * 2 * 2 * len(TIMES))))
     rows = Rows(integrator, False)
-    with pytest.raises(ValueError, match="no rows"):
+    with pytest.raises(ValueError, match="not whole rows"):
         rows.take(row[:-1], 0.0)
     rows.take(row, 0.0)
     for first, last in ((0, 2), (1, 1), (-1, 1)):
-        with pytest.raises(ValueError, match="no room, or no rows"):
+        with pytest.raises(ValueError, match="no such rows"):
             rows.go(first, last)
     assert len(rows.go(0, 1)) == 1
     integrator.run(TIMES, array("d", bytes(8 * 2 * len(TIMES))))

@@ -83,7 +83,7 @@ def test_each_method_has_its_limit(options: dict[str, object], limit: float) -> 
             oscillator(1.0), step=factor * limit, beyond_stable="refuse", **options
         )
         assert integrator.advance(50.0) == status
-    assert "stable_step" in FAILURES[6]
+    assert "largest stable step" in FAILURES[6]
 
 
 @pytest.mark.parametrize("method", ["wilson", "exact"])
@@ -147,7 +147,7 @@ def test_a_session_says_once_that_its_step_is_too_long() -> None:
             "solver.beyond_stable": "refuse",
         },
     )
-    with pytest.raises(SimulationError, match="longer than the largest stable one"):
+    with pytest.raises(SimulationError, match="longer than the largest stable step at 0 s"):
         refusing.advance(0.1)
 
 
@@ -305,7 +305,7 @@ def test_what_would_take_for_ever_is_refused_soon() -> None:
     parameters = {"unsprung_mass": 1e-12}
     integrator = Integrator(car(**parameters))
     status = integrator.advance(0.5)
-    assert FAILURES[status].startswith("it would take far too many steps")
+    assert FAILURES[status].startswith("the run needs more than 30 million steps")
     assert integrator.step_count < 250_000
     again = Integrator(car(**parameters), energy=False)
     filled = array("d", bytes(2 * 8 * 2))

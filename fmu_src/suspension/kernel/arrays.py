@@ -1,8 +1,8 @@
-"""The arrays that all numbers of the kernel stand in; memory is had once, at the start.
+"""The arrays that hold all numbers of the kernel, allocated once at the start.
 
-Those of one integrator lie together in memory of their own. Where two threads write into one line of the
-processor's cache, each waits for the other, and what Python has for small things it deals out to all
-threads in turn: two integrators side by side were slower so than one after the other.
+The arrays of one integrator are contiguous, in memory of their own. Threads that write to the same cache
+line wait for each other, and Python's allocator hands out small blocks to all threads in turn, so two
+integrators in parallel would otherwise be slower than one after the other.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from threading import local
 
 import cython
 
-_LINE = 64  # bytes of the processor's cache that go together
-_BLOCK = 1 << 15  # bytes had at a time
-_WORD = 8  # bytes; every array begins at a multiple of them
+_LINE = 64  # bytes of a cache line
+_BLOCK = 1 << 15  # bytes allocated at a time
+_WORD = 8  # bytes; every array starts at a multiple
 
 
 class _Place(local):
-    """Where there is room for the next array, in each thread."""
+    """The free memory for the next array, in each thread."""
 
     room = memoryview(b"")
 
@@ -27,7 +27,7 @@ _place = _Place()
 
 
 def begin_apart():
-    """What this thread makes from now on lies apart from all that has been made."""
+    """Allocate the next arrays of this thread apart from all existing ones."""
     _place.room = memoryview(b"")
 
 
@@ -44,7 +44,7 @@ def vectors(count, size):
 
 
 def _placed(values):
-    """The same numbers where there is room for them; uncompiled, an array as it is is read faster."""
+    """Copy an array into the free memory; uncompiled, return it, as plain arrays are read faster."""
     if not (cython.compiled and values):
         return values
     content = memoryview(values)

@@ -1,7 +1,7 @@
-"""When a quantity known by its derivatives at both ends of a step first leaves its bounds.
+"""Find when a quantity, given by its derivatives at both ends of a step, first leaves its bounds.
 
-In Bernstein form a polynomial lies between its smallest and largest coefficient, so most steps are
-cleared by comparing six or eight numbers; the rest by halving and Newton.
+A polynomial in Bernstein form is between its smallest and largest coefficient, so for most steps it is
+enough to compare six or eight numbers; the others need bisection and Newton's method.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ if not cython.compiled:
     from math import fabs
 
 
-_CLOSE = 1e-8  # of a step; Newton's next correction would be of its square
+_CLOSE = 1e-8  # of a step; Newton's next correction would be of the order of its square
 
 
 class Crossing:
-    """One Hermite polynomial on (0, 1), and the search for its first exit."""
+    """A Hermite polynomial on (0, 1), and the search for its first exit."""
 
     def __init__(self):
         self.bezier, self.casteljau = [0.0] * 8, [0.0] * 8
@@ -25,7 +25,7 @@ class Crossing:
         self.slot_low, self.slot_width = [0.0] * 64, [0.0] * 64
 
     def hermite7(self, x, at, h):
-        """The septic through value and three derivatives at both ends, x[at:] and x[at + 4:]."""
+        """Set the septic through value and three derivatives at both ends, x[at:] and x[at + 4:]."""
         b = self.bezier
         d1 = h * x[at + 1] / 7.0
         d2 = h * h * x[at + 2] / 42.0
@@ -43,7 +43,7 @@ class Crossing:
         b[4] = x[at + 4] - 3.0 * d1 + 3.0 * d2 - d3
 
     def hermite5(self, x0, dx0, ddx0, x1, dx1, ddx1, h):
-        """The quintic through value and two derivatives at both ends."""
+        """Set the quintic through value and two derivatives at both ends."""
         b = self.bezier
         d1 = h * dx0 / 5.0
         d2 = h * h * ddx0 / 20.0
@@ -57,7 +57,7 @@ class Crossing:
         b[3] = x1 - 2.0 * d1 + d2
 
     def hermite3(self, x0, dx0, x1, dx1, h):
-        """The cubic through value and derivative at both ends."""
+        """Set the cubic through value and derivative at both ends."""
         b = self.bezier
         b[0] = x0
         b[1] = x0 + h * dx0 / 3.0
@@ -65,11 +65,10 @@ class Crossing:
         b[3] = x1
 
     def exit(self, bound, side, degree, departing):
-        """First fraction of the step at which the polynomial passes the bound outwards, or 2.
+        """Return the first fraction of the step at which the polynomial crosses the bound outwards, or 2.
 
-        A branch just entered starts on its own bound: there that root is divided out, so that a
-        return is found however soon it comes. Where a road's velocity has jumped, a branch may also
-        be entered far from its bound.
+        A branch just entered starts on its bound. That root is divided out, so that even an immediate
+        return is found. After a jump of a road's velocity a branch may also start far from its bound.
         """
         c = self.halves
         m = degree
@@ -78,11 +77,11 @@ class Crossing:
             c[i] = (self.bezier[i] - bound) * -side
             largest = max(largest, fabs(c[i]))
         if departing and fabs(c[0]) <= 1e-3 * largest:
-            # what departs starts on the bound, whatever rounding has made of it
+            # a departing value starts on the bound, whatever the rounding
             start = c[0]
             for i in range(degree + 1):
                 c[i] -= start
-            # p(s)/s in Bernstein form; again while the derivative vanishes too, to rounding (a start
+            # p(s)/s in Bernstein form, repeated while the derivative also vanishes to rounding (a start
             # at rest, friction that has just broken loose, flow that has just ended)
             for _k in range(3):
                 largest = 0.0
@@ -97,10 +96,10 @@ class Crossing:
         return self.first_root(m)
 
     def first_root(self, m):
-        """First change from positive to negative of the Bernstein polynomial at `halves[0..m]`.
+        """Return the first root of the Bernstein polynomial at `halves[0..m]` from positive to negative.
 
-        Halving (de Casteljau) until one sign change is left, then bracketed Newton. Slot `depth` of
-        `halves` holds the interval at hand, the slots below it the right halves that wait.
+        Bisection (de Casteljau) until one sign change is left, then bracketed Newton. Slot `depth` of
+        `halves` holds the current interval, the slots below it the right halves still to be searched.
         """
         c = self.halves
         depth = 0
@@ -142,9 +141,9 @@ class Crossing:
         return 2.0
 
     def _single_root(self, at, m):
-        """The one root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton.
+        """Return the only root in (0, 1) of the polynomial at `halves[at..at+m]`, by bracketed Newton.
 
-        Value and slope are sums of c C(m, i) x^i (1 - x)^(m - i), as Horner adds them up.
+        Value and slope are sums of c C(m, i) x^i (1 - x)^(m - i), evaluated by Horner's scheme.
         """
         c = self.halves
         b = self.terms
@@ -180,7 +179,7 @@ class Crossing:
         return x
 
     def value(self, x, degree):
-        """The polynomial at a fraction x of the step (de Casteljau)."""
+        """Return the polynomial at a fraction x of the step (de Casteljau)."""
         c = self.casteljau
         for i in range(degree + 1):
             c[i] = self.bezier[i]
@@ -190,7 +189,7 @@ class Crossing:
         return c[0]
 
     def extent(self, degree):
-        """Smallest and largest coefficient, into `low` and `high`."""
+        """Set `low` and `high` to the smallest and largest coefficient."""
         b = self.bezier
         self.low = b[0]
         self.high = b[0]

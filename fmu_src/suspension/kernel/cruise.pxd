@@ -22,7 +22,7 @@ cdef class Cruise:
     cdef int[64] signal
     cdef double[64] of_road, of_rate, at_rest, low, high, offset, drift
     cdef double[64] value, rate, value1, rate1
-    # what came of it
+    # results
     cdef double start, time, reach
     cdef int taken
 

@@ -1,15 +1,15 @@
-"""Equal steps in one linear branch, one after the other, while nothing comes near a bound.
+"""Equal steps in one linear branch, as long as no watched quantity comes near a bound.
 
-The step is that of `stepper` with the matrices of the branch, kept while it lasts,
+The step is that of `stepper` with the matrices of the branch, which are stored,
 
     a1 = (M + h/2 B + h^2/6 K)^-1 (p1 - B v* - K q*),    v* = v0 + h/2 a0,    q* = q0 + h v0 + h^2/3 a0.
 
-Whatever is watched, w = g q + c v less the same of its road, is in such a step a cubic. It stays
-between its bounds if its four Bernstein coefficients do, which are
+A watched quantity, w = g q + c v minus the same for its road, is a cubic within such a step. It stays
+within its bounds if its four Bernstein coefficients do:
 
     w0,    w0 + h/3 w0',    w1 - h/3 w1',    w1;
 
-a step in which they do not is left to the search for switches.
+Any other step is left to the search for switches.
 """
 
 from __future__ import annotations
@@ -19,32 +19,32 @@ import cython
 if not cython.compiled:
     from math import fabs
 
-_ROOM = 256  # numbers for what is watched: one for each coordinate
+_ROOM = 256  # numbers for the watched quantities, one per coordinate each
 _WATCHED = 64
 _DAMPER, _CONTACT, _FRICTION = 1, 3, 4  # as in elements
 
 
 class Cruise:
-    """The linear branch cruised in, and where the last step in it stands.
+    """Equal steps in the present linear branch, and the state after the last one.
 
     Parameters
     ----------
-    stepper : whose branch it is
-    switches : what is watched there
+    stepper : the stepper of the branch
+    switches : the quantities watched in it
     """
 
     def __init__(self, stepper, switches):
         self.stepper, self.switches = stepper, switches
         self.net, self.lanes, self.n = self.stepper.net, self.stepper.lanes, self.stepper.n
-        self.last = (self.stepper.fractions - 1) * self.n  # of the loads: those at a step's end
+        self.last = (self.stepper.fractions - 1) * self.n  # index of the loads at the end of a step
         self.stamp = -1
-        # sizes are literals, for they are those of C arrays
+        # literal sizes, as these are C arrays
         self.stiffness, self.damping, self.inverse = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.q, self.v, self.a, self.load = [0.0] * 8, [0.0] * 8, [0.0] * 8, [0.0] * 8
         self.q0, self.v0, self.a0 = [0.0] * 8, [0.0] * 8, [0.0] * 8  # before the last step
-        self.q1, self.v1, self.a1 = [0.0] * 8, [0.0] * 8, [0.0] * 8  # after the one at hand
+        self.q1, self.v1, self.a1 = [0.0] * 8, [0.0] * 8, [0.0] * 8  # after the current step
         self.pq, self.pv, self.f = [0.0] * 8, [0.0] * 8, [0.0] * 8
-        self.origin = [0.0] * 8  # from which motion counts
+        self.origin = [0.0] * 8  # from which the motion is measured
         self.g, self.c = [0.0] * 256, [0.0] * 256
         self.signal = [0] * 64
         self.of_road, self.of_rate, self.at_rest = [0.0] * 64, [0.0] * 64, [0.0] * 64
@@ -54,10 +54,10 @@ class Cruise:
         self.value1, self.rate1 = [0.0] * 64, [0.0] * 64
         self.watched = self.taken = 0
         self.h = 0.0
-        self.start = self.time = self.reach = 0.0  # the last step, and the largest motion
+        self.start = self.time = self.reach = 0.0  # of the last step, and the largest motion
 
     def enter(self, h):
-        """Take over the present branch for steps h; whether it is one to cruise in."""
+        """Copy the present branch for steps h; return whether it is suitable."""
         if self.stamp == self.stepper.stamp:
             return self.fits
         self.stamp = self.stepper.stamp
@@ -81,7 +81,7 @@ class Cruise:
         return 1
 
     def _watch(self, k):
-        """What is watched as a combination of displacements, velocities and its road."""
+        """Store a watched quantity as a combination of displacements, velocities and its road."""
         e, kind = self.switches.watched_element[k], self.switches.watched_kind[k]
         row = self.net.element_row[e]
         value, rate, rest = 1.0, 0.0, 0.0  # a deflection
@@ -121,7 +121,7 @@ class Cruise:
             self.value[k], self.rate[k] = w, r
 
     def _read_roads(self, t):
-        """What roads and loads do at time t: to the masses, and to what is watched."""
+        """Evaluate roads and loads at time t, for the masses and the watched quantities."""
         self.net.all_signals(t)
         self.stepper.loads_at_end(t)
         for i in range(self.n):
@@ -136,8 +136,8 @@ class Cruise:
                 self.drift[k] -= g * self.net.road[4 * s + 1] + c * self.net.road[4 * s + 2]
 
     def go(self, grid, index, until, end, most):
-        """Steps on the grid + h index, none after `until`, none that reaches `end`."""
-        # with a number in place of n the compiler writes the loops out
+        """Take steps on the grid + h index, none after `until`, none that reaches `end`."""
+        # with a constant in place of n the compiler unrolls the loops
         if self.n == 2:
             self._go(grid, index, until, end, most, 2)
         elif self.n == 1:

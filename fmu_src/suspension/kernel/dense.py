@@ -1,8 +1,8 @@
-"""The last step as a polynomial: what is read between its ends.
+"""The last step as a polynomial, for values between its ends.
 
-`extrapolated` has the septic through q and its three derivatives at both ends, right to order 8; the
-methods of order 2 have the cubic (15.11), in which the acceleration is linear. Either is kept in
-Newton's form with its nodes at the ends,
+`extrapolated` uses the septic through q and its three derivatives at both ends, accurate to order 8; the
+methods of order 2 use the cubic (15.11), in which the acceleration is linear. Both are stored in Newton's
+form with the nodes at the ends,
 
     q = c0 + x (c1 + x (c2 + x (c3 + x (s0 + u (s1 + u (s2 + u s3)))))),   u = x - 1, x from 0 to 1.
 """
@@ -20,9 +20,9 @@ class Dense:
     Parameters
     ----------
     n : number of coordinates
-    cubic : whether the step is one of constant third derivative
-    to_end : whether that derivative follows from where the step ends: the acceleration there is that
-        of the equation of motion, which steps by increments do not have as their own
+    cubic : whether the third derivative is constant within the step
+    to_end : whether that derivative follows from the displacement at the end; steps by increments end
+        with the acceleration of the equation of motion, which is not that of their cubic
     """
 
     def __init__(self, n, cubic, to_end):
@@ -30,12 +30,12 @@ class Dense:
         self.start = self.end = 0.0
         self.qa, self.va, self.aa, self.ja = vectors(4, n)
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
-        self.q, self.v, self.a = vectors(3, n)  # what was read last
+        self.q, self.v, self.a = vectors(3, n)  # the last values read
         self.terms = doubles([0.0] * (_SEPTIC * n))
-        self.known = 0  # whether the terms are those of the present ends
+        self.known = 0  # whether the terms belong to the present ends
 
     def _find_terms(self):
-        """c0 to c3 from the start; s0 to s3 from what the end has beyond them."""
+        """Find c0 to c3 from the start, and s0 to s3 from the remainder at the end."""
         h = self.end - self.start
         for i in range(self.n):
             at = _SEPTIC * i
@@ -47,7 +47,7 @@ class Dense:
                 c3 = self.qb[i] - c0 - c1 - c2
             if not self.cubic:
                 c3 = h * h * h * self.ja[i] / 6.0
-                # value and derivatives over 1, 1, 2, 6 of what is left, at x = 1; then over x^4
+                # value and derivatives (over 1, 1, 2, 6) of the remainder at x = 1; then over x^4
                 d0 = self.qb[i] - c0 - c1 - c2 - c3
                 d1 = h * self.vb[i] - c1 - 2.0 * c2 - 3.0 * c3
                 d2 = 0.5 * h * h * self.ab[i] - c2 - 3.0 * c3
@@ -63,7 +63,7 @@ class Dense:
         self.known = 1
 
     def read(self, t):
-        """Displacements, velocities and accelerations at an instant of the step, into q, v, a."""
+        """Set q, v and a to their values at time t of the step."""
         h = self.end - self.start
         if h <= 0.0:
             for i in range(self.n):
@@ -78,7 +78,7 @@ class Dense:
             first = 0.0
             second = 0.0
             for k in range(6, -1, -1):
-                # Horner, from the inside; the innermost nodes are those at the end
+                # Horner, from the inside; the innermost nodes are at the end
                 u = x - 1.0 if k >= 4 else x
                 second = u * second + 2.0 * first
                 first = u * first + value
@@ -88,7 +88,7 @@ class Dense:
             self.a[i] = second / (h * h)
 
     def read_values(self, t, out, at, width):
-        """Displacements alone, the same numbers for less: into out at `at` and each `width` further."""
+        """Write only the displacements, at less cost, to `out` from `at` on at intervals of `width`."""
         h = self.end - self.start
         if h <= 0.0:
             for i in range(self.n):

@@ -12,7 +12,7 @@ cdef class Elements(Laws):
     cdef double[::1] opening
     cdef int[::1] row_signal, element_row, yields, modulated
     cdef bint always_affine
-    cdef int switchable  # how many kinds of branches of elements can change
+    cdef int switchable  # number of branches that can change
     cdef int[::1] switch_element, switch_kind
     # its branches
     cdef int[::1] branch, departing, stuck_element, row_stuck
@@ -20,7 +20,7 @@ cdef class Elements(Laws):
     cdef double exchange
     cdef int[::1] kept_branch, kept_signal
     cdef double[::1] kept_set
-    # what the last evaluation left
+    # results of the last evaluation
     cdef double[::1] row_d, row_v, row_f, row_k, row_c
     cdef double[::1] branch_f, branch_k, branch_c
     cdef double force0, force1, force2

@@ -1,11 +1,11 @@
-"""The elements of a system: the rows they lie on, the branches they are in, and their forces.
+"""The elements of a system: their rows, their branches and their forces.
 
 Rows are the distinct directions b with the road under them; deflection, rate and their derivatives
-are worked out once per row. Each element is in one *branch*: a piece of its spring, a piece of its
-damper, a piece of what modulates the damper, and for a tyre on the road or off it. The spring of an
-element that yields has three pieces, the two lines on which it flows and the elastic one between
-them, which moves with the permanent set; flow ends where the rate turns. Dry friction slips one way
-or the other, or it sticks.
+are computed once per row. Each element is in one *branch*: a piece of its spring, a piece of its
+damper, a piece of the modulation of the damper and, for a tyre, on or off the road. The spring of an
+element that yields has three pieces: two lines of flow and between them an elastic one, which moves
+with the permanent set. Flow ends where the rate changes sign. Dry friction slips one way or the
+other, or sticks.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from .laws import Laws, law_numbers
 if not cython.compiled:
     from math import fabs
 
-# What a switch concerns: one of the element's laws, its contact (1: off), its dry friction (-1, 1,
-# or 0 where it sticks).
+# The kinds of switches: of one of the element's laws, of its contact (1: off) or of its dry friction
+# (-1, 1, or 0 if it sticks).
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION = 0, 1, 2, 3, 4
 KINDS = ("spring", "damper", "modulation", "contact", "friction")
 _KINDS = 5
 _LAWS, _PIECE = 3, 9  # as in laws
 
-_ELASTIC = 1  # the middle one of the three pieces of an element that yields
-_CREEP = 1e-12  # m/s below which what sticks goes on sticking when signals change
+_ELASTIC = 1  # the middle piece of an element that yields
+_CREEP = 1e-12  # m/s, below which friction keeps sticking when signals change
 
 
 class Elements(Laws):
@@ -38,7 +38,7 @@ class Elements(Laws):
 
     Raises
     ------
-    ValueError : directions that do not fit, or two elements with friction along one direction.
+    ValueError : if a direction has the wrong length, or two elements rub along one direction.
     """
 
     def __init__(self, system):
@@ -86,7 +86,7 @@ class Elements(Laws):
             raise ValueError("two elements with friction act along one direction; make them one")
 
     def forget_branches(self):
-        """As before anything has moved: no branch chosen, nothing lifted off, slipped or kept."""
+        """Reset all branches to the state before any motion."""
         for s in range(self.signals):
             self.signal_now[s] = self.kept_signal[s] = 0
         for e in range(self.elements):
@@ -97,7 +97,7 @@ class Elements(Laws):
         self.exchange = 0.0
 
     def enter_elements(self, x, at):
-        """Take over all elements from x[at:], as `element_numbers` gives them; where they end there."""
+        """Read all elements from x[at:], as given by `element_numbers`; return where they end."""
         for e in range(self.elements):
             at = self.enter_laws(e, x, at)
             self.modulated[e] = x[at] != 0.0
@@ -114,7 +114,7 @@ class Elements(Laws):
         return at
 
     def list_switchable(self):
-        """The branches that there is another one to, and whether all forces are always linear."""
+        """List the branches that can change, and find whether all forces are always linear."""
         self.switchable = 0
         self.always_affine = 1
         for e in range(self.elements):
@@ -124,7 +124,7 @@ class Elements(Laws):
                 elif kind == _FRICTION:
                     several = self.friction[e] > 0.0
                 else:
-                    # where flow ends, the rate turns
+                    # flow ends where the rate changes sign
                     several = self.count[_LAWS * e + kind] > 1 or (
                         kind == _DAMPER and self.yields[e] != 0
                     )
@@ -142,7 +142,7 @@ class Elements(Laws):
     # -- rows ----------------------------------------------------------------------------------------
 
     def row_states(self, q, v):
-        """Deflection and rate of every row, with the signals in `road`."""
+        """Set deflection and rate of every row, with the signals in `road`."""
         n = self.n
         for r in range(self.rows):
             d = 0.0
@@ -160,11 +160,11 @@ class Elements(Laws):
     # -- forces --------------------------------------------------------------------------------------
 
     def piece_now(self, e, law):
-        """The piece of a law of element e in which it is now."""
+        """Return the present piece of a law of element e."""
         return self.first[_LAWS * e + law] + self.branch[_KINDS * e + law]
 
     def damper_force(self, e):
-        """D(v) m(d)."""
+        """Return the damper force D(v) m(d)."""
         r = self.element_row[e]
         force = self.law(self.piece_now(e, _DAMPER), self.row_v[r])
         if self.modulated[e]:
@@ -172,7 +172,7 @@ class Elements(Laws):
         return force
 
     def element_force(self, e):
-        """Force of element e at `row_d`, `row_v`; what sticking takes is not in it."""
+        """Return the force of element e at `row_d`, `row_v`, without that of sticking."""
         if self.branch[_KINDS * e + _CONTACT]:
             force = self.limit[e]
         else:
@@ -181,7 +181,7 @@ class Elements(Laws):
         return force + self.branch[_KINDS * e + _FRICTION] * self.friction[e]
 
     def row_forces(self):
-        """Force and tangents of every row from its elements, at `row_d`, `row_v`."""
+        """Set force and tangents of every row from its elements, at `row_d`, `row_v`."""
         for r in range(self.rows):
             self.row_f[r] = 0.0
             self.row_k[r] = 0.0
@@ -237,7 +237,7 @@ class Elements(Laws):
             self.row_c[r] = self.branch_c[r]
 
     def unlimited_force(self, e, row, at):
-        """S(d) + D(v) m(d) of element e with two time derivatives, into force0, force1, force2."""
+        """Set force0, force1, force2 to S(d) + D(v) m(d) of element e and two time derivatives."""
         ps = self.piece_now(e, _SPRING)
         pd = self.piece_now(e, _DAMPER)
         d, v, a, j = row[at], row[at + 1], row[at + 2], row[at + 3]
@@ -259,7 +259,7 @@ class Elements(Laws):
         self.force2 = k * a + self.law_curvature(ps, d) * v * v + damping2
 
     def is_affine(self):
-        """Whether every force is linear in deflection and rate while the branches stay."""
+        """Return whether every force is linear in deflection and rate in the present branches."""
         if self.always_affine:
             return 1
         for e in range(self.elements):
@@ -278,7 +278,7 @@ class Elements(Laws):
     # -- branches ------------------------------------------------------------------------------------
 
     def bound(self, e, kind, side):
-        """The value at which element e leaves its branch downwards (side -1) or upwards (+1)."""
+        """Return the value at which element e leaves its branch downwards (side -1) or upwards (+1)."""
         now = self.branch[_KINDS * e + kind]
         if kind == _CONTACT:
             if now:
@@ -291,7 +291,7 @@ class Elements(Laws):
         if self.yields[e] and kind != _MODULATION:
             spring = self.branch[_KINDS * e + _SPRING]
             if kind == _DAMPER or spring != _ELASTIC:
-                # flow upwards ends when the rate falls to zero, flow downwards when it rises to it
+                # flow upwards ends when the rate falls to zero, flow downwards when it rises to zero
                 if kind == _DAMPER and spring == _ELASTIC - side:
                     return 0.0
                 return side * 1e300
@@ -303,7 +303,7 @@ class Elements(Laws):
         return 1e300
 
     def enter(self, e, kind, side, t, q, v):
-        """Element e goes over to its neighbouring branch; returns the number of the branch entered."""
+        """Move element e to its neighbouring branch; return the number of the new branch."""
         at = _KINDS * e + kind
         if self.yields[e] and kind == _DAMPER:
             self.all_signals(t)
@@ -313,8 +313,8 @@ class Elements(Laws):
             self.departing[_KINDS * e + _SPRING] = -side
             return _ELASTIC
         if kind == _FRICTION:
-            # slipping that comes to rest sticks, be it for no time at all; what long steps have let
-            # slip back a little already does not rest
+            # slip that comes to rest sticks, even if only for an instant; it does not if a long step has
+            # already let it slip back a little
             self.all_signals(t)
             self.row_states(q, v)
             back = self.row_v[self.element_row[e]] * side > _CREEP
@@ -331,14 +331,14 @@ class Elements(Laws):
         return self.branch[at]
 
     def locate_branches(self, t, q, v):
-        """Choose every branch from the present state; on a corner the upper piece, to be confirmed."""
+        """Choose every branch from the present state; at a corner the upper piece, to be confirmed."""
         self.all_signals(t)
         self.row_states(q, v)
         for e in range(self.elements):
             d = self.row_d[self.element_row[e]]
             w = self.row_v[self.element_row[e]]
             at = _KINDS * e
-            if not self.yields[e]:  # a yielding one knows its branch from its history
+            if not self.yields[e]:  # the branch of a yielding element depends on its history
                 self.branch[at + _SPRING] = self.piece_at(_LAWS * e + _SPRING, d)
             self.branch[at + _DAMPER] = self.piece_at(_LAWS * e + _DAMPER, w)
             self.branch[at + _MODULATION] = self.piece_at(_LAWS * e + _MODULATION, d)
@@ -352,7 +352,7 @@ class Elements(Laws):
         self.mark_bounds()
 
     def list_stuck(self):
-        """The elements that stick, and the rows whose deflection they keep."""
+        """List the elements that stick, and the rows whose deflection they hold."""
         self.stuck = 0
         for r in range(self.rows):
             self.row_stuck[r] = 0
@@ -363,7 +363,7 @@ class Elements(Laws):
                 self.row_stuck[self.element_row[e]] = 1
 
     def follow_slips(self, t, q, v):
-        """What rubs slips, and slips the other way, where its road has suddenly got another rate."""
+        """Update sticking and the direction of slip after a jump of a road's rate."""
         self.all_signals(t)
         self.row_states(q, v)
         for k in range(self.switchable):
@@ -378,12 +378,12 @@ class Elements(Laws):
             self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
 
     def mark_bounds(self):
-        """Note which variables stand exactly on a bound of their branch, as at rest."""
+        """Mark the variables that are exactly on a bound of their branch, as at rest."""
         for k in range(self.switchable):
             e = self.switch_element[k]
             kind = self.switch_kind[k]
             r = self.element_row[e]
-            x = 1e300  # contact is never marked: where it starts it is inside
+            x = 1e300  # contact is never marked: it starts inside
             if kind in (_SPRING, _MODULATION):
                 x = self.row_d[r]
             elif kind == _DAMPER or (
@@ -398,12 +398,12 @@ class Elements(Laws):
             self.departing[_KINDS * e + kind] = mark
 
     def clear_marks(self):
-        """Nothing stands on its bound any more."""
+        """Clear all marks of variables on their bounds."""
         for k in range(self.switchable):
             self.departing[_KINDS * self.switch_element[k] + self.switch_kind[k]] = 0
 
     def keep_branches(self):
-        """Remember the present branches, before they change at the end of a step."""
+        """Store the present branches before they change at the end of a step."""
         for s in range(self.signals):
             self.kept_signal[s] = self.signal_now[s]
         for k in range(self.switchable):
@@ -414,7 +414,7 @@ class Elements(Laws):
                 self.kept_set[e] = self.piece[(self.first[_LAWS * e] + _ELASTIC) * _PIECE + 1]
 
     def exchange_branches(self):
-        """Exchange the present branches for the remembered ones; doing it again takes it back."""
+        """Exchange the present branches for the stored ones; a second call reverses it."""
         for s in range(self.signals):
             now = self.signal_now[s]
             self.signal_now[s] = self.kept_signal[s]
@@ -435,10 +435,10 @@ class Elements(Laws):
     # -- contact and yield ---------------------------------------------------------------------------
 
     def _book_exchange(self, e, t, q, v):
-        """Book what the potential of a tyre jumps by when it leaves the road or meets it again.
+        """Book the jump of a tyre's potential when it leaves the road or meets it again.
 
-        A damped tyre does so at another deflection than its free length; the difference is neither
-        stored nor dissipated and stands in the balance as an entry of its own.
+        A damped tyre does so at a deflection other than its free length; the difference is neither
+        stored nor dissipated, and has its own entry in the balance.
         """
         self.all_signals(t)
         self.row_states(q, v)
@@ -447,11 +447,11 @@ class Elements(Laws):
         self.exchange += change if self.branch[_KINDS * e + _CONTACT] else -change
 
     def free_potential(self, e, d):
-        """Potential beyond the free length: that of the free length plus limit times the rest."""
+        """Return the potential beyond the free length: that at free length plus limit times the rest."""
         return self.free_energy[e] + self.limit[e] * (d - self.free_length[e])
 
     def settle(self, t, q, v):
-        """Give elements that yield their set at the start; one that stands beyond has flowed there."""
+        """Set the initial permanent sets; an element beyond its yield force has flowed to where it is."""
         self.all_signals(t)
         self.row_states(q, v)
         for e in range(self.elements):
@@ -465,11 +465,11 @@ class Elements(Laws):
                         self._unload(e, d)
 
     def permanent_set(self, e, d):
-        """Where the spring of an element that yields would be free of force, from its force at d."""
+        """Return the deflection at which a yielding spring is free of force, from its force at d."""
         return d - self.law(self.piece_now(e, _SPRING), d) / self.spring_rate[e]
 
     def _set_at(self, e, permanent_set):
-        """Move the elastic piece: its zero, and its ends on the two lines of flow."""
+        """Move the elastic piece: its zero and its ends on the two lines of flow."""
         at = (self.first[_LAWS * e] + _ELASTIC) * _PIECE
         above = at + _PIECE
         rate = self.spring_rate[e]
@@ -479,12 +479,12 @@ class Elements(Laws):
         self.piece[above] = (rate * permanent_set + self.piece[above + 2]) / (rate - flow)
 
     def _unload(self, e, d):
-        """Flow ends at deflection d: elastic again, with the set that is left behind."""
+        """End the flow at deflection d: the element is elastic again, with its new permanent set."""
         self._set_at(e, self.permanent_set(e, d))
         self.branch[_KINDS * e] = _ELASTIC
 
     def follow(self, t, q, v):
-        """Branches for the next step from the state at the end of the last one, without landing."""
+        """Choose the branches for the next step from the state at its start, without landing."""
         self.locate_branches(t, q, v)
         for e in range(self.elements):
             if self.yields[e]:
@@ -499,7 +499,7 @@ class Elements(Laws):
                     self.branch[_KINDS * e] = _ELASTIC - 1
 
     def element_energy(self, e, d):
-        """What element e stores at deflection d."""
+        """Return the energy stored in element e at deflection d."""
         if self.branch[_KINDS * e + _CONTACT]:
             return self.free_potential(e, d)
         if self.yields[e]:
@@ -507,28 +507,28 @@ class Elements(Laws):
         return self.potential(self.piece_now(e, _SPRING), d)
 
     def _yielding_energy(self, e, d):
-        """f^2 / 2k of the spring, and what hardening (kinematic) stores in the permanent set."""
+        """Return f^2 / 2k of the spring plus the energy of kinematic hardening in the permanent set."""
         rate = self.spring_rate[e]
         flow = self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 3]
         p = self.permanent_set(e, d)
         return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
 
     def dissipation(self, e):
-        """Power that element e takes from the motion, at `row_d`, `row_v`."""
+        """Return the power dissipated by element e at `row_d`, `row_v`."""
         w = self.row_v[self.element_row[e]]
         power = self.branch[_KINDS * e + _FRICTION] * self.friction[e] * w
         if not self.branch[_KINDS * e + _CONTACT]:
             power += self.damper_force(e) * w
             if self.yields[e] and self.branch[_KINDS * e] != _ELASTIC:
-                # yield force times the rate of the set; signed, so that it stays smooth where a
-                # substep goes a little beyond the end of flow
+                # yield force times the rate of the set; signed, so that it stays smooth if a substep
+                # passes the end of flow a little
                 side = self.branch[_KINDS * e] - _ELASTIC
                 power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * side * w
         return power
 
 
 def element_numbers(element):
-    """The laws of an element, and what modulates, limits, yields and rubs."""
+    """Return the numbers of an element: laws, modulation, limit, yield and friction."""
     limited, yields = element.limit < 1e300, element.yield_force < 1e300
     free = element.free_length if limited else 0.0
     return [

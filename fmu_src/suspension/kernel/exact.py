@@ -1,14 +1,14 @@
 """Linear branches propagated exactly: the exponential of state and excitation together.
 
-While all branches are straight, the motion and what drives it obey one linear system x' = X x in
+While all branches are linear, the motion and its excitation obey one linear system x' = X x in
 
-    x = (q - q0, q', 1, t, t^2/2, t^3/6, and for each sinusoid under way its cosine and sine),
+    x = (q - q0, q', 1, t, t^2/2, t^3/6, and the cosine and sine of each present sinusoid),
 
-because a signal is a cubic and a cosine. The column of the 1 is such that the acceleration at the
-start is the one that is there, so that what rests stays to the bit where it is. exp(h X) is a Taylor
-series over h / 2^k, so short that 16 terms are right to rounding, squared k times. What is squared
-is the exponential less the identity, D <- 2 D + D D: a slow motion beside one that is damped within
-a microsecond keeps its digits.
+because a signal is a cubic plus a cosine. The column of the 1 is chosen to reproduce the acceleration
+at the start, so that a mass at rest stays at rest to the bit. exp(h X) is a Taylor series over h / 2^k,
+short enough for 16 terms to be accurate to rounding, then squared k times. The exponential minus the
+identity is squared, D <- 2 D + D D, so that a slow motion keeps its digits beside one that is damped
+within a microsecond.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ if not cython.compiled:
     from .linear import solve
 
 _TERMS = 16
-_SHORT = 0.5  # of every motion and every road: so far that many terms suffice
+_SHORT = 0.5  # largest change of any motion or road in one part, for which the terms suffice
 _POWERS = 4  # of time, in the cubic of a signal
 _SEGMENT = 10  # as in signals
 _DIVERGED = 2  # key of integrator.FAILURES
 
 
 class Propagator:
-    """Steps of any length in the present linear branch.
+    """Exact steps of any length in the present linear branch.
 
     Parameters
     ----------
     network : of the system
-    stiffness, damping : of the branch: K and B by rows
-    start : displacements, velocities and accelerations that a step begins with
-    middle, end : where displacements and velocities of its middle and of its end go
+    stiffness, damping : K and B of the branch, by rows
+    start : displacements, velocities and accelerations at the start of a step
+    middle, end : arrays for displacements and velocities halfway and at the end of a step
     """
 
     def __init__(self, network, stiffness, damping, start, middle, end):
@@ -54,7 +54,7 @@ class Propagator:
         self.size = most
 
     def attempt(self, t, h):
-        """From `start` at t over h, in two halves; 0, or the key of `FAILURES` that says why not."""
+        """Step from `start` at t over h, in two halves; return 0 or a key of `FAILURES`."""
         n = self.n
         doublings = 0
         self.part = 0.5 * h
@@ -83,7 +83,7 @@ class Propagator:
         return 0
 
     def _is_short(self):
-        """Whether no motion and no road goes far within one part."""
+        """Return whether every motion and road changes little within one part."""
         n = self.n
         for j in range(n):
             for matrix in range(2):
@@ -106,7 +106,7 @@ class Propagator:
         return 1
 
     def _find_rates(self, t):
-        """X over one part, in which velocities count as the way of a part, and x at t but q and q'."""
+        """Find X, scaled to one part with velocities as distance per part, and x at t without q, q'."""
         n = self.n
         cosines = 0
         for s in range(self.net.signals):
@@ -143,7 +143,7 @@ class Propagator:
         self._enter_start()
 
     def _enter_start(self):
-        """The column of the 1: what the acceleration at the start is more than the others make it."""
+        """Set the column of the 1: the start acceleration minus the share of the other columns."""
         n, size = self.n, self.size
         for i in range(n):
             x = self.part * self.part * self.a0[i]
@@ -157,7 +157,7 @@ class Propagator:
         return (self.net.signal_first[s] + self.net.signal_now[s]) * _SEGMENT
 
     def _enter_sinusoid(self, s, at, t):
-        """Cosine and sine of signal s turn into each other; its derivatives are -w sin, -w^2 cos."""
+        """Enter cosine and sine of signal s, which rotate; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
         amplitude, speed = self.net.segment[g + 6], self.net.segment[g + 8]
         angle = self.net.segment[g + 7] + speed * (t - self.net.segment[g + 1])
@@ -181,7 +181,7 @@ class Propagator:
             self.column[i] = 0.0
 
     def _derivative(self, s, t, order):
-        """A derivative of the cubic part of signal s, from the first on."""
+        """Return a derivative, of order 1 or more, of the cubic part of signal s."""
         g = self._segment(s)
         x = t - self.net.segment[g + 1]
         c1, c2, c3 = self.net.segment[g + 3], self.net.segment[g + 4], self.net.segment[g + 5]
@@ -192,7 +192,7 @@ class Propagator:
         return 6.0 * c3 if order == 3 else 0.0
 
     def _add_excitation(self):
-        """The force of loads, and of the roads under the rows, with the signals in `road`."""
+        """Add the forces of loads and of the roads under the rows, with the signals in `road`."""
         n = self.n
         for m in range(self.net.loads):
             p = self.net.road[4 * self.net.load_signal[m]]
@@ -209,7 +209,7 @@ class Propagator:
                     self.column[i] += self.net.row_direction[r * n + i] * p
 
     def _enter_column(self, j, factor):
-        """The acceleration that the force makes, while what sticks keeps to its road."""
+        """Enter the acceleration due to the force in `column`; sticking rows follow their roads."""
         solve(self.net.mass_factor, 0, self.n, self.column)
         if self.net.stuck:
             self.net.stick(self.net.mass_factor, 0, self.column, self.net.zero, 2, self.multiplier)
@@ -217,7 +217,7 @@ class Propagator:
             self.rates[(self.n + i) * self.size + j] = factor * self.column[i]
 
     def _sum_series(self):
-        """exp(X) - 1 = X + X^2/2 + ..."""
+        """Set `change` to exp(X) - 1 = X + X^2/2 + ..."""
         size = self.size * self.size
         for i in range(size):
             self.term[i] = self.change[i] = self.rates[i]
@@ -228,7 +228,7 @@ class Propagator:
                 self.change[i] += self.term[i]
 
     def _multiply(self, left, right):
-        """The product of two matrices, into `product`; most of their entries are zero."""
+        """Set `product` to the product of two matrices, most of whose entries are zero."""
         size = self.size
         for i in range(size):
             for j in range(size):
@@ -252,7 +252,7 @@ class Propagator:
 
 
 def not_straight(system):
-    """Why a system is not linear in each of its branches, in words; empty if it is."""
+    """Return why a system is not linear in each of its branches; empty if it is."""
     for element in system.elements:
         for what in ("spring", "damper", "modulation"):
             for piece in getattr(element, what).pieces:

@@ -8,11 +8,11 @@ cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MAN
 
 @cython.final
 cdef class Integrator(March):
-    # what a run fills
+    # arrays that a run fills
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
     cdef double[::1] instants, out_q, out_v, out_a, out_f
-    # from where its pace is judged
+    # step and time from which its pace is measured
     cdef long long begun
     cdef double started
 

@@ -1,4 +1,4 @@
-"""The integrator as others use it: states and signals in, runs, results and the whole state out."""
+"""The integrator's interface: set states and signals, run, read results, save and restore."""
 
 from __future__ import annotations
 
@@ -16,68 +16,69 @@ if not cython.compiled:
 
 __all__ = ["FAILURES", "KINDS", "Integrator", "Rows"]
 
-# How a run of steps ended that did not reach its end.
+# Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {
-    2: "the motion has diverged",
-    3: "the step has become too small to go on",
-    4: "the equilibrium at the end of a step was not found: the fixed step is too long for it",
-    5: "the step is too long: its matrix is not positive definite",
-    6: "the fixed step is longer than the largest stable one (stable_step)",
-    7: "energy grows without work done: the fixed step is too long, or the tolerance too loose",
-    8: "switches follow one another while no time passes",
-    9: "it would take far too many steps: a motion is too fast for so long a time",
-    10: "the mass matrix must be symmetric and positive definite",
-    11: "the balance of energy lacks more than was ever stored or supplied: the tolerance is too loose",
+    2: "the motion has diverged; shorten solver.step, or look for forces that add energy",
+    3: "the step has become too small; increase solver.tolerance, or look for extreme parameters",
+    4: "no equilibrium was found at the end of a step; shorten solver.step, or set it to 0",
+    5: "the matrix of a step is not positive definite; shorten solver.step, or set it to 0",
+    6: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
+    7: "energy grows without external work; shorten solver.step, or reduce solver.tolerance",
+    8: "switches follow one another in no time; shorten solver.step, or look for extreme parameters",
+    9: "the run needs more than 30 million steps; shorten the run, or look for extreme parameters",
+    10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
+    11: "the energy balance is off by more than all energy stored or supplied; "
+    "reduce solver.tolerance",
 }
 
 _PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
 _TOO_MANY, _NO_MASS = 9, 10
-_ENOUGH_STEPS = 200000  # from which it is judged, again and again, how many are still to come
-_MOST_STEPS = 30000000  # still to come in one call
+_ENOUGH_STEPS = 200000  # after which the number of steps still to come is estimated, repeatedly
+_MOST_STEPS = 30000000  # still to come, in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
 
 
 class Integrator(March):
     """Steps one system and holds its whole state.
 
-    The methods, with omega_max^2 the largest eigenvalue of M^-1 K, K the present tangent:
+    The methods, where omega_max^2 is the largest eigenvalue of M^-1 K and K the present tangent:
 
     - `extrapolated`: the incremental step (H83 eqs. 15.9 to 15.18) in 1, 2, 3 and 5 parts,
       extrapolated; order 8 (or 2, 4, 6), omega_max h < 3.2 (2.2 at orders 4 and 6), any damping.
-      The default: step and order by the tolerance.
+      The default; the tolerance sets step and order.
     - `equilibrium`: one incremental step with Newton to the equilibrium at its end; order 2,
-      omega_max h < 2 sqrt 3. For fixed steps: the most accurate of the plain ones.
-    - `mean`: tangents averaged over the step (15.7), iterated; as `equilibrium`. To follow H83.
-    - `tangent`: tangents of the start of the step, as in H83's hand calculation; order 2, the same
-      limit. To follow a calculation by hand, with `landing` off.
+      omega_max h < 2 sqrt 3. The most accurate method of order 2 for fixed steps.
+    - `mean`: tangents averaged over the step (15.7), iterated; limits as `equilibrium`. To follow H83.
+    - `tangent`: tangents at the start of the step, as in H83's hand calculation; order 2, the same
+      limit. To follow a hand calculation, with `landing` off.
     - `wilson`: (15.12), (15.13) up to theta h, equilibrium there, and 1/theta of the change of
       acceleration (Bathe and Wilson 1976); order 2, stable at any step for linear systems only. It
-      damps what is fast and lengthens periods; where a fast mode starts out of equilibrium its
-      first steps overshoot by some (omega h)^2. For stiff linear systems at large fixed steps.
-    - `exact`: the matrix exponential, with every cubic and sinusoid of roads and loads; right to
-      rounding at any step, and what is read between steps to the tolerance. Only where every
-      element is straight in each of its branches; others are refused. For truth to compare with,
-      and for extreme stiffness or damping.
+      damps fast modes and lengthens periods; a fast mode that starts out of equilibrium overshoots
+      by about (omega h)^2 in its first steps. For stiff linear systems with large fixed steps.
+    - `exact`: the matrix exponential, with all cubics and sinusoids of roads and loads; accurate to
+      rounding at any step, and to the tolerance between steps. Only for systems whose elements are
+      linear in each branch; others are refused. For reference solutions, and for extreme stiffness
+      or damping.
 
     Parameters
     ----------
-    system : `models.System`; read once, not kept
+    system : `models.System`; read once, not stored
     method : one of these
     step : fixed macro step, s; 0 lets the tolerance choose
-    tolerance : largest error wanted in displacement, relative to the largest motion so far, which
-        counts from where the run starts
-    start : s
+    tolerance : largest error of displacement, relative to the largest motion so far from the start
+        of the run
+    start : start time, s
     order : of `extrapolated`; 0 lets the tolerance choose
-    landing : whether steps end on switches; without it, as in a calculation by hand, an element
-        changes its branch at the end of the step in which it passed its corner
+    landing : whether steps end on switches; otherwise, as in a hand calculation, an element changes
+        branch at the end of the step in which it passed its corner
     theta : of `wilson`, at least 1.37
-    beyond_stable : what becomes of a fixed step that is not stable: `substep` takes it in equal
-        parts that are, `refuse` ends the run, `allow` takes it all the same
-    energy : whether the energy ledger is kept; without it steps cost less
+    beyond_stable : what to do with an unstable fixed step: `substep` divides it into stable equal
+        parts, `refuse` ends the run, `allow` takes it as it is
+    energy : whether to keep the energy ledger; steps cost less without it
 
     Raises
     ------
-    ValueError : unknown method, or a mass matrix that is not positive definite.
+    ValueError : if the method is unknown or the mass matrix is not positive definite.
     """
 
     def set_state(self, displacements, velocities):
@@ -85,22 +86,22 @@ class Integrator(March):
 
         Raises
         ------
-        ValueError : not one value per coordinate.
+        ValueError : if there is not one value per coordinate.
         """
         if len(displacements) != self.n or len(velocities) != self.n:
-            raise ValueError(f"{self.n} displacements and {self.n} velocities are wanted")
+            raise ValueError(f"{self.n} displacements and {self.n} velocities are required")
         self._enter_state(array("d", [*displacements, *velocities]), 0)
 
     def take_over(self, earlier, pairs):
-        """Go on from where the integrator of a system with the same coordinates and signals stands.
+        """Continue from the state of the integrator of a system with the same coordinates and signals.
 
-        For a parameter that changes during a run. What that does to the energy stored is nobody's
-        work, so the residual goes on from where it was; the work of roads and loads begins anew.
+        For a parameter that changes during a run. The resulting change of stored energy is not work,
+        so the residual continues from its value; the work of roads and loads starts from zero.
 
         Parameters
         ----------
-        earlier : the integrator so far
-        pairs : numbers of elements, here and there, that are the same thing
+        earlier : the previous integrator
+        pairs : numbers of corresponding elements, here and in the previous integrator
         """
         s, before = self.stepper, earlier.stepper
         self.set_state(before.q, before.v)
@@ -120,19 +121,19 @@ class Integrator(March):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
 
         A jump of the value acts on the masses through the dampers as an impulse, so that a sampled
-        road carries the momentum of the continuous one.
+        road transfers the momentum of the continuous one.
 
         Parameters
         ----------
-        signal : its number in the order of the system's signals
+        signal : number of the signal in the order of the system
         coefficients : four numbers
-        jumps : whether a change of the value is such a jump
+        jumps : whether to treat a change of the value as such a jump
         """
         before = self._energy_now() - self.net.exchange
         self._remember_branches()
         jump = self.net.replace_signal(signal, self.time, array("d", coefficients))
         if jumps and jump != 0.0:
-            # a damper at rest stands on its corner: the road's new velocity says on which side it acts
+            # a damper at rest is at its corner: the road's new velocity decides on which side it acts
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
             self.stepper.refresh(self.time)
             self.net.impulse(signal, jump, self.stepper.v)
@@ -153,13 +154,13 @@ class Integrator(March):
 
         Parameters
         ----------
-        until : s
-        stop : end a step on `until` exactly, as signals from outside demand; otherwise the steps do
-            not depend on `until` at all, and results are read off the last step's interpolant
+        until : time, s
+        stop : whether to end a step exactly on `until`, as sampled signals require; otherwise the steps
+            do not depend on `until`, and results are read from the interpolant of the last step
 
         Returns
         -------
-        0, or the key of `FAILURES` that says why the run cannot go on.
+        0, or the key in `FAILURES` of the reason why the run ended early.
         """
         self._look_at_pace()
         while True:
@@ -171,13 +172,13 @@ class Integrator(March):
                 return _TOO_MANY
 
     def _look_at_pace(self):
-        """From now on it is judged how fast the run goes."""
+        """Start to measure the pace of the run."""
         self.begun, self.started = self.step_count, self.time
 
     def _may_go_on(self, until):
-        """Between parts of a long run: switches make room, and an interrupt may end it.
+        """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
-        Whether the steps to come are not far too many, at the pace of the last ones.
+        Return whether the number of steps still to come, at the present pace, is acceptable.
         """
         self._log_events()
         self.since_pause = 0
@@ -193,15 +194,15 @@ class Integrator(March):
     def run(self, times, displacements, velocities=None, accelerations=None, forces=None):
         """Step over a whole run and fill arrays, without Python between the instants.
 
-        What is wanted says `prepare`.
+        See `prepare` for the arguments.
 
         Returns
         -------
-        0, or the key of `FAILURES` that says why the run could not go on; `filled` instants are right.
+        0, or the key in `FAILURES` of the reason why the run ended early; `filled` instants are valid.
 
         Raises
         ------
-        ValueError : an array that is too short.
+        ValueError : if an array is too short.
         """
         self.prepare(1, times, displacements, velocities, accelerations, forces)
         self._look_at_pace()
@@ -218,21 +219,21 @@ class Integrator(March):
         return status
 
     def prepare(self, runs, times, displacements, velocities=None, accelerations=None, forces=None):
-        """Say what so many runs are to fill, one after the other.
+        """Set the arrays that the next runs fill, one after the other.
 
         Parameters
         ----------
-        runs : how many the arrays have room for
-        times : s, ascending, none before the last step; an array of doubles, as all of them
+        runs : number of runs that the arrays have room for
+        times : s, ascending, none before the last step; like the others, an array of doubles
         displacements : m, of the first coordinate at all instants, then of the second and so on; then
-            likewise of the next run
-        velocities, accelerations : likewise, m/s and m/s^2; None if not wanted
-        forces : N, one for each element; with them the accelerations are those of the equation of
-            motion, as `sample_forces` finds them
+            the same for the next run
+        velocities, accelerations : in the same order, m/s and m/s^2; None to omit them
+        forces : N, of each element; with them the accelerations are those of the equation of motion, as
+            in `sample_forces`
 
         Raises
         ------
-        ValueError : an array that is too short.
+        ValueError : if an array is too short.
         """
         self.count, self.places = len(times), runs
         for out in (displacements, velocities, accelerations):
@@ -246,10 +247,10 @@ class Integrator(March):
 
     def _check_room(self, out, numbers):
         if out is not None and len(out) < numbers:
-            raise ValueError(f"{numbers} numbers do not fit into an array of {len(out)}")
+            raise ValueError(f"an array has {len(out)} numbers; it needs at least {numbers}")
 
     def _run(self, place):
-        """Step over the instants and fill what is wanted, in the room of one of the runs."""
+        """Step over the instants and fill the arrays, in the place of one run."""
         before = place * self.count
         while self.filled < self.count:
             t = self.instants[self.filled]
@@ -287,12 +288,12 @@ class Integrator(March):
 
     @property
     def log(self):
-        """Switches so far: (time, element, kind, branch before, branch after)."""
+        """The switches so far: (time, element, kind, branch before, branch after)."""
         self._log_events()
         return self.logged
 
     def take_log(self):
-        """The switches since it was last taken."""
+        """Return the switches since the last call, and clear them."""
         taken = self.log
         self.logged = []
         self.flushed = 0
@@ -301,10 +302,10 @@ class Integrator(March):
     # -- reading results ---------------------------------------------------------------------------
 
     def sample(self, t):
-        """Displacements, velocities and accelerations at an instant of the last step.
+        """Find displacements, velocities and accelerations at time t within the last step.
 
-        They go to `sample_q`, `sample_v`, `sample_a`: by the cubic of the method itself (15.11), for
-        `extrapolated` by the septic through q and its three derivatives at both ends.
+        They are written to `sample_q`, `sample_v`, `sample_a`, from the cubic of the method (15.11), or
+        for `extrapolated` the septic through q and its three derivatives at both ends.
         """
         self.dense.read(t)
         for i in range(self.n):
@@ -312,11 +313,10 @@ class Integrator(March):
             self.sample_a[i] = self.dense.a[i]
 
     def sample_forces(self, t):
-        """Accelerations and element forces at the instant sampled last, from the equation of motion.
+        """Find accelerations and element forces at the last sampled time, by the equation of motion.
 
-        They go to `sample_a` and `sample_f`, in the branches of the last step: dry friction knows
-        whether it slips or sticks, and then has the force that sticking takes; what has yielded
-        knows its set, which goes to `sample_set`.
+        They are written to `sample_a` and `sample_f`, for the branches of the last step; the force of
+        dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
         """
         if self.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
@@ -326,11 +326,11 @@ class Integrator(March):
 
     @property
     def residual_end(self):
-        """What the energy balance lacks at the end of the last step, J."""
+        """The residual of the energy balance at the end of the last step, J."""
         return self.ledger.residual_end
 
     def residual_at(self, t):
-        """What the energy balance lacks, J, carried linearly through the last step."""
+        """Return the residual of the energy balance at t, J, linear within the last step."""
         h = self.dense.end - self.dense.start
         if h <= 0.0:
             return self.ledger.residual_end
@@ -340,12 +340,12 @@ class Integrator(March):
         )
 
     def energies(self):
-        """Where the energy is at the end of the last step, and where it has gone until then, J.
+        """Return the stored energies at the end of the last step and the works until then, J.
 
         Returns
         -------
-        The kinetic energy, what each element stores, what each element has dissipated, and what each
-        signal, as a road or as a load, has brought in.
+        The kinetic energy, the energy stored in each element, the energy dissipated by each element, and
+        the work done by each signal as a road or a load.
         """
         net, work = self.net, self.ledger.work
         net.all_signals(self.time)
@@ -361,21 +361,21 @@ class Integrator(March):
         return kinetic, stored, list(work[: net.elements]), brought_in
 
     def limited_time_at(self, e, t):
-        """How long element e has been at its limit (a tyre off the road) up to t, s."""
+        """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""
         late = self.dense.end - t if self.step_limited[e] else 0.0
         return self.limited_time[e] - late
 
     def at_limit(self, e):
-        """Whether element e is at its limit now: a tyre off the road."""
+        """Return whether element e is now at its limit (a tyre off the road)."""
         return self.net.branch[_KINDS * e + _CONTACT] != 0
 
     def yielding(self, e):
-        """Whether element e, which may yield, did so in the last step."""
+        """Return whether element e, which can yield, did so in the last step."""
         branch = self.net.branch if self.in_step else self.net.kept_branch
         return branch[_KINDS * e + _SPRING] != 1
 
     def permanent_set(self, e):
-        """Deflection at which element e, which yields, would be free of force now, m."""
+        """Return the deflection at which element e, which can yield, is free of force, m."""
         d = sum(
             self.net.row_direction[self.net.element_row[e] * self.n + i] * self.stepper.q[i]
             for i in range(self.n)
@@ -387,7 +387,7 @@ class Integrator(March):
         return self.net.permanent_set(e, d)
 
     def stable_step(self):
-        """Largest stable step for the present tangent: 2 sqrt 3 / omega_max; 0 where none is needed.
+        """Return the largest stable step for the present tangent, 2 sqrt 3 / omega_max; 0 if unlimited.
 
         omega_max^2 is the largest eigenvalue of M^-1 K.
         """
@@ -395,7 +395,7 @@ class Integrator(March):
         return 2.0 * sqrt(3.0) / omega if omega > 0.0 else 0.0
 
     def beyond_stable(self):
-        """When a fixed step was first found too long, and what was stable then, s; or None."""
+        """Return when a fixed step was first too long and the stable step then, s; or None."""
         if self.watch.beyond_since == -1e300:
             return None
         return self.watch.beyond_since, self.watch.beyond_step
@@ -413,7 +413,7 @@ class Integrator(March):
         )  # fmt: skip
 
     def snapshot(self):
-        """The whole state as bytes, from which `restore` continues to the bit."""
+        """Return the whole state as bytes, from which `restore` continues to the bit."""
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         head = pack(
             "<15d6q", self.time, d.start, d.end, self.grid_start, self.proposal,
@@ -429,13 +429,13 @@ class Integrator(March):
 
         Raises
         ------
-        ValueError : a snapshot of another system.
+        ValueError : if the snapshot is of another system.
         """
         s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
         parts = self._parts()
         at = 8 * 21
         if len(state) != at + sum(memoryview(part).nbytes for part in parts):
-            raise ValueError("this state belongs to another system")
+            raise ValueError("this state is of another system")
         (
             self.time, d.start, d.end, self.grid_start, self.proposal,
             net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.scale,
@@ -451,7 +451,7 @@ class Integrator(March):
         self.logged = []
         d.known = 0
         net.find_levels()
-        # tangents follow from the state; accelerations and multipliers are kept to the bit
+        # tangents follow from the state; accelerations and multipliers are restored to the bit
         net.list_stuck()
         derived = [s.a, s.j, s.multiplier, s.multiplier_rate]
         kept = [bytes(part) for part in derived]
@@ -462,14 +462,14 @@ class Integrator(March):
 
 
 class Rows:
-    """Runs of systems that differ in their numbers alone, one after the other without Python between.
+    """Runs of systems that differ only in their numbers, in sequence, without Python in between.
 
-    Other threads of Python have their way meanwhile.
+    Other Python threads can run meanwhile.
 
     Parameters
     ----------
-    integrator : it makes as many in one go as it is prepared for
-    logs : whether the switches of all runs of a go are wanted
+    integrator : prepared for the number of runs in one batch
+    logs : whether to log the switches of all runs of a batch
     """
 
     def __init__(self, integrator, logs):
@@ -486,39 +486,39 @@ class Rows:
         )
 
     def take(self, numbers, start):
-        """Take the rows of all runs that are to come.
+        """Set the rows of all runs.
 
         Parameters
         ----------
-        numbers : the `row` of each, one after the other; an array of doubles
-        start : of all runs, s
+        numbers : the `row` of each run, one after the other; an array of doubles
+        start : start time of all runs, s
 
         Raises
         ------
-        ValueError : rows of another system.
+        ValueError : if the rows are of another system.
         """
         if len(numbers) % self.width:
-            raise ValueError(f"{len(numbers)} numbers are no rows of {self.width}")
+            raise ValueError(f"{len(numbers)} numbers are not whole rows of {self.width}")
         self.numbers, self.start, self.rows = numbers, start, len(numbers) // self.width
 
     def go(self, first, last):
-        """Make the runs from `first` on that come before `last`, at least one of them.
+        """Make the runs from `first` up to `last`, or as many as there is room for, at least one.
 
-        There may be no room for all: they are no more than the integrator is prepared for, and another
-        one begins only while three quarters of the log, if it is wanted, are empty.
+        There are at most as many as the integrator is prepared for, and with a log the next run starts
+        only while three quarters of the log are empty.
 
         Returns
         -------
-        For each 0, or the key of `FAILURES` that says why it could not go on; how many instants it
-        reached, the time, s, and the number of steps at its end; and where its switches end in `log`.
+        For each run 0 or the key in `FAILURES` of the reason why it ended early, the number of instants
+        reached, time (s) and number of steps at its end, and the end of its switches in `log`.
 
         Raises
         ------
-        ValueError : an integrator that is not prepared, or runs that there are no rows for.
+        ValueError : if the integrator is not prepared, or rows for these runs are missing.
         """
         one = self.integrator
         if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
-            raise ValueError(f"runs {first} to {last} of {self.rows}: no room, or no rows")
+            raise ValueError(f"runs {first} to {last} of {self.rows}: no such rows, or no room")
         one.take_log()
         self.first, self.wanted = first, min(last - first, self.most)
         self.made = 0
@@ -536,14 +536,14 @@ class Rows:
         ]
 
     def limited_time(self, k, e):
-        """How long element e was at its limit, s, in run k of the last go up to its last instant."""
+        """Return for how long element e was at its limit, s, in run k of the last batch."""
         for i in range(self.contacts):
             if self.integrator.contact_element[i] == e:
                 return self.limited[k * self.contacts + i]
         return 0.0  # it has no limit
 
     def _go(self):
-        """Whether a run has paused; else all are made, or as many as there is room for."""
+        """Return whether a run has paused; otherwise all runs are made, or as many as fit."""
         while self.made < self.wanted:
             status = 0
             if not self.underway:
@@ -567,7 +567,7 @@ class Rows:
         return _NO_MASS if status != 0 else 0
 
     def _end(self, status):
-        """Note how the run that is underway has ended."""
+        """Note how the present run has ended."""
         k = self.made
         self.status[k], self.filled[k] = status, self.integrator.filled
         self.time[k], self.steps[k] = self.integrator.time, self.integrator.step_count

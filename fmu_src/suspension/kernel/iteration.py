@@ -1,7 +1,7 @@
-"""One step of the incremental method where forces are curved, by iteration.
+"""One step of the incremental method with curved forces, by iteration.
 
 Either to the equilibrium at the end of the step (Newton), or by the increments of H83 (15.16) to (15.18)
-with tangents of the start, or with their mean over the step (15.7), which is iterated.
+with tangents at the start, or with their mean over the step (15.7), which is iterated.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ _LEAST_SHARE = 1e-3  # of a correction
 
 
 class Iteration:
-    """Steps from displacements, velocities and accelerations, which it moves on.
+    """Steps that overwrite displacements, velocities and accelerations.
 
     Parameters
     ----------
     network : of the system
     state : displacements, velocities, accelerations
-    signal_table : of every signal its value and two derivatives at the instants where steps end
-    once : whether tangents of the start are all
+    signal_table : value and two derivatives of every signal at the ends of steps
+    once : whether to use the tangents at the start only
     """
 
     def __init__(self, network, state, signal_table, once):
@@ -39,21 +39,21 @@ class Iteration:
         self.stiffness_end, self.damping_end = vectors(2, self.n * self.n)
         self.factor = doubles([0.0] * self.n * self.n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, self.n)
-        # tangents of the rows at the start of a step, and those it is made with
+        # tangents of the rows at the start of a step, and those used for it
         self.start_k, self.start_c, self.mean_k, self.mean_c = vectors(4, network.rows)
 
     def take_signals(self, fraction):
-        """Let `road` hold the signals at an instant of the table."""
+        """Set `road` to the signals at an instant of the table."""
         at = 3 * self.net.signals * fraction
         for s in range(self.net.signals):
             for order in range(3):
                 self.net.road[4 * s + order] = self.signal_table[at + 3 * s + order]
 
     def reach_equilibrium(self, h, fraction, reach):
-        """(15.12), (15.13) with Newton's iteration to the end-of-step equilibrium.
+        """Step by (15.12), (15.13), with Newton's iteration to the end-of-step equilibrium.
 
-        It ends where corrections are rounding, or grow no smaller and are almost so, beside the
-        forces, which may cancel, and beside what a displacement of `reach` would bring.
+        It ends when corrections are at rounding level, or close to it and no longer decreasing. They
+        are compared with the forces, which may cancel, and with those at a displacement of `reach`.
         """
         n = self.n
         self.take_signals(fraction)
@@ -87,7 +87,7 @@ class Iteration:
             lack = self._lack(h)
             largest = self._largest_acceleration(reach)
             if lack > lack_before and size > 1e-10 * largest and share > _LEAST_SHARE:
-                # beyond where a damper saturates, say: only half as far
+                # past the saturation of a damper, for example: go only half as far
                 share *= 0.5
                 for i in range(n):
                     self.ca[i] -= share * self.correction[i]
@@ -106,7 +106,7 @@ class Iteration:
         return _NOT_CONVERGED
 
     def _lack(self, h):
-        """What the equation of motion lacks before the correction in `rhs`, per mass."""
+        """Return the residual of the equation of motion, per mass, before the correction in `rhs`."""
         n = self.n
         largest = 0.0
         for i in range(n):
@@ -122,7 +122,7 @@ class Iteration:
         return largest
 
     def _largest_acceleration(self, reach):
-        """By all forces, though they cancel, with springs as at a displacement of `reach`."""
+        """Return the largest acceleration by all forces in magnitude, with springs at `reach`."""
         n = self.n
         largest = 1e-30
         for i in range(n):
@@ -138,7 +138,7 @@ class Iteration:
         return largest
 
     def _solve_step_matrix(self, h):
-        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices of `stiffness2`, `damping2`."""
+        """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness2`, `damping2`."""
         size = self.n * self.n
         for i in range(size):
             self.factor[i] = (
@@ -150,7 +150,7 @@ class Iteration:
         return 0
 
     def add_increments(self, t, h, fraction):
-        """The increments of (15.16) to (15.18), with tangents of the start or their mean (15.7)."""
+        """Add the increments of (15.16) to (15.18), with tangents at the start or their mean (15.7)."""
         n = self.n
         for i in range(n):
             self.pq[i] = self.cq[i]
@@ -199,7 +199,7 @@ class Iteration:
             ):
                 return 0
             if iteration > 0:
-                # a damper that saturates throws the mean from one side to the other
+                # the mean may oscillate between both sides of a damper's saturation
                 share = max(0.5 * share, _LEAST_SHARE) if change > 0.9 * before else share
                 before = change
             self.take_signals(fraction)
@@ -221,7 +221,7 @@ class Iteration:
         return _NOT_CONVERGED
 
     def _excitation_increment(self, t, fraction):
-        """Delta f of (15.6): loads, and roads through the same tangents as the motion, into `rhs`."""
+        """Set `rhs` to Delta f of (15.6): loads, and roads through the same tangents as the motion."""
         n = self.n
         for i in range(n):
             self.rhs[i] = 0.0

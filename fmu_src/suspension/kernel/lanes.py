@@ -1,13 +1,13 @@
-"""The macro step in a linear branch: all sequences of substeps side by side.
+"""The macro step in a linear branch: all columns of the extrapolation side by side.
 
-Within a branch whose elements are all straight, the step of the incremental method (see `stepper`)
-is a product with a matrix that is kept while branch and step stay,
+Within a linear branch, the step of the incremental method (see `stepper`) is a product with a matrix
+that is stored as long as branch and step stay the same,
 
     a1 = (M + s/2 B + s^2/6 K)^-1 (p1 - B v* - K q*),
 
-and the columns of the extrapolation do not depend on each other: each goes on in a lane of its own,
-one substep of every lane after the other, so that the processor need not wait for any of them. All
-matrices are symmetric and taken by columns, for which it has vector instructions.
+and the columns of the extrapolation are independent: one substep of each column is taken in turn, so
+that the processor can overlap them. All matrices are symmetric and are read by columns, which suits
+vector instructions.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from .arrays import integers
 if not cython.compiled:
     from math import isfinite
 
-_SUBSTEPS = 5  # of the longest sequence
-_LANE = 8  # coordinates that have room in each
+_SUBSTEPS = 5  # in the longest sequence
+_LANE = 8  # coordinates that each column has room for
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
 
 def extrapolation_weights(sequence):
-    """w with sum w = 1 and sum w / n^(2k) = 0: of the macro steps made with n substeps each."""
+    """Return the weights w of macro steps with n substeps: sum w = 1, sum w / n^(2k) = 0."""
     weights = []
     for n in sequence:
         w = 1.0
@@ -37,7 +37,7 @@ def extrapolation_weights(sequence):
 
 
 def multiply(m, at, x, first, n, out, to):
-    """out[to:] = m x[first:]; the matrix begins at `at` and is symmetric."""
+    """Set out[to:] = m x[first:]; the symmetric matrix starts at `at`."""
     for i in range(n):
         out[to + i] = m[at + i] * x[first]
     for j in range(1, n):
@@ -46,19 +46,19 @@ def multiply(m, at, x, first, n, out, to):
 
 
 class Lanes:
-    """The numbers of one linear branch, and macro steps in it.
+    """Macro steps in one linear branch.
 
     Parameters
     ----------
-    masses : their matrix and its inverse by rows, kg, of which `enter_mass` takes what stands there
-    sequence : substeps in each column of the extrapolation, one to four of them, ascending
-    fraction_index : place of each substep's instant in `loads`, 5 for each column
-    loads : forces of roads and loads at those instants, one for each coordinate, N; the last are
-        those at the end of the step
+    masses : mass matrix and its inverse by rows, kg, copied by `enter_mass`
+    sequence : substeps in each column of the extrapolation, one to four columns, ascending
+    fraction_index : index in `loads` of the time of each substep, 5 for each column
+    loads : forces of roads and loads at those times, one for each coordinate, N; the last are those
+        at the end of the step
     load_rate : their rates at the end, N/s
-    tangents : K and B by rows, of which `enter` takes what stands there
-    start : displacements, velocities, accelerations and jerks that steps begin with
-    end : where displacements, velocities, accelerations and jerks at their end go
+    tangents : K and B by rows, copied by `enter`
+    start : displacements, velocities, accelerations and jerks at the start of a step
+    end : arrays for displacements, velocities, accelerations and jerks at its end
     """
 
     def __init__(self, masses, sequence, fraction_index, loads, load_rate, tangents, start, end):
@@ -71,7 +71,7 @@ class Lanes:
         self.given_stiffness, self.given_damping = tangents
         self.q0, self.v0, self.a0, self.j0 = start
         self.q1, self.v1, self.a1, self.j1 = end
-        # sizes are literals, for they are those of C arrays
+        # literal sizes, as these are C arrays
         self.weight, self.check = [0.0] * 4, [0.0] * 4
         weights = extrapolation_weights(sequence)
         lower = [0.0, *extrapolation_weights(sequence[1:])]
@@ -90,15 +90,15 @@ class Lanes:
         self.enter_mass()
 
     def enter_mass(self):
-        """Take over the mass matrix and its inverse."""
+        """Copy the mass matrix and its inverse."""
         for i in range(self.n * self.n):
             self.mass[i], self.flexibility[i] = self.given_mass[i], self.given_flexibility[i]
         self.step = -1.0
 
     def enter(self):
-        """Take over the tangents of a branch, and find acceleration and jerk where it begins.
+        """Copy the tangents of a branch, and find acceleration and jerk at its start.
 
-        Nothing moves in `loads` but what stands at the end of a step: there its start is, too.
+        The loads at its start are taken from the last entry of `loads`, that of the end of a step.
         """
         n = self.n
         for i in range(n * n):
@@ -112,13 +112,13 @@ class Lanes:
             self.a0[i], self.j0[i] = self.at_a[i], self.at_j[i]
 
     def attempt(self, h):
-        """One macro step h: the state at its end, and by how much the last two columns differ.
+        """Take a macro step h: find the state at its end and the difference of the last two columns.
 
         Returns
         -------
-        0, or the key of `integrator.FAILURES` that says why it could not be made.
+        0, or the key in `integrator.FAILURES` of the reason why it failed.
         """
-        # with a number in place of n the compiler writes the loops out
+        # with a constant in place of n the compiler unrolls the loops
         if self.n == 2:
             return self._attempt(h, 2)
         if self.n == 1:
@@ -137,7 +137,7 @@ class Lanes:
         return 0
 
     def finish(self):
-        """Acceleration and jerk at the end, by the equation of motion and its derivative."""
+        """Find acceleration and jerk at the end, by the equation of motion and its derivative."""
         if self.n == 2:
             self._finish(2)
         elif self.n == 4:
@@ -150,7 +150,7 @@ class Lanes:
         return h != self.step and self._invert(h, self.n) != 0
 
     def _invert(self, h, n):
-        """(M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns, by Gauss and Jordan."""
+        """Find (M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns, by Gauss and Jordan."""
         self.step = -1.0
         for c in range(self.columns):
             s = h / self.substeps[c]
@@ -182,7 +182,7 @@ class Lanes:
         return 0
 
     def _advance(self, n):
-        """All columns over the whole macro step, the shorter ones arriving first."""
+        """Step all columns over the whole macro step; the shorter ones finish first."""
         for c in range(self.columns):
             for i in range(n):
                 self.q[_LANE * c + i] = self.q0[i]
@@ -196,7 +196,7 @@ class Lanes:
                 self._substep(n, c, self.load_at[_SUBSTEPS * c + k])
 
     def _substep(self, n, c, load):
-        """(15.12), (15.13) with the end-of-step equilibrium, which is linear; loads stand at `load`."""
+        """Step by (15.12), (15.13) to the equilibrium at the end; the loads start at `load`."""
         at = _LANE * c
         for i in range(at, at + n):
             self.q[i] = self.q[i] + self.s[c] * self.v[i] + self.third[c] * self.a[i]
@@ -211,7 +211,7 @@ class Lanes:
             self.q[i] += self.sixth[c] * self.a[i]
 
     def _extrapolate(self, n):
-        """Ends of the macro step, each as that of the last column and small corrections to it."""
+        """Find the end of the macro step: that of the last column plus small corrections."""
         last = _LANE * (self.columns - 1)
         for i in range(n):
             q = self.q[last + i]
@@ -243,7 +243,7 @@ class Lanes:
             self.a1[i], self.j1[i] = self.at_a[i], self.at_j[i]
 
     def _solve_motion(self, n):
-        """Acceleration and jerk at the state `at_q`, `at_v`, with the last of the loads."""
+        """Find acceleration and jerk at the state `at_q`, `at_v`, with the last of the loads."""
         multiply(self.damping, 0, self.at_v, 0, n, self.fb, 0)
         multiply(self.stiffness, 0, self.at_q, 0, n, self.fk, 0)
         for i in range(n):

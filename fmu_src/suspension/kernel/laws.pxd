@@ -7,9 +7,9 @@ cdef double _LOG_2
 
 cdef class Laws(Signals):
     cdef double[::1] piece
-    cdef int[::1] first, count  # of the pieces of law k of element e: at _LAWS e + k
-    cdef int[::1] straight  # each piece, whether it is
-    cdef double[::1] low, high  # each piece, between which it is curved
+    cdef int[::1] first, count  # of the pieces of law k of element e, at index _LAWS e + k
+    cdef int[::1] straight  # whether each piece is straight
+    cdef double[::1] low, high  # range in which each piece is curved
 
     @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
     cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil

@@ -12,13 +12,13 @@ from .signals import Signals
 if not cython.compiled:
     from math import exp, fabs, log1p, sinh, tanh
 
-_LAWS = 3  # of each element: its spring, its damper, and what modulates its damper
+_LAWS = 3  # of each element: spring, damper, modulation of the damper
 _PIECE = 9  # numbers stored for one piece of a law
 _LOG_2 = 0.6931471805599453
 
 
 class Laws(Signals):
-    """The pieces of every law, over the signals that act on them.
+    """The pieces of every law, in addition to the signals.
 
     Parameters
     ----------
@@ -32,11 +32,11 @@ class Laws(Signals):
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
         self.straight = integers([1] * sum(count))
-        # beyond these a cubic goes on straight: what it does there is none of the law's
+        # beyond its ends a cubic is continued by its tangent
         self.low, self.high = vectors(2, sum(count))
 
     def enter_laws(self, e, x, at):
-        """Take over the pieces of the laws of element e from x[at:], and say where they end there."""
+        """Read the pieces of the laws of element e from x[at:]; return where they end."""
         first = self.first[_LAWS * e]
         last = self.first[_LAWS * (e + 1)]
         for i in range(_PIECE * (last - first)):
@@ -57,7 +57,7 @@ class Laws(Signals):
         return at + _PIECE * (last - first)
 
     def law(self, p, x):
-        """Piece p: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin."""
+        """Return c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) of piece p, s = x - origin."""
         at = p * _PIECE
         s = x - self.piece[at + 1]
         if self.straight[p]:
@@ -117,7 +117,7 @@ class Laws(Signals):
         return energy
 
     def piece_at(self, law, x):
-        """Which piece of a law holds at x; on a corner the upper one."""
+        """Return the piece of a law at x; at a corner the upper one."""
         k = 0
         first = self.first[law]
         while k + 1 < self.count[law] and self.piece[(first + k + 1) * _PIECE] <= x:
@@ -125,19 +125,19 @@ class Laws(Signals):
         return k
 
     def intercept(self, p):
-        """Force of the straight piece p carried on to zero."""
+        """Return the force of the straight piece p extended to zero."""
         at = p * _PIECE
         return self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
 
 
 def sech_squared(u):
-    """1 / cosh^2 u, the slope of tanh, which neither overflows nor cancels."""
+    """Return 1 / cosh^2 u, the slope of tanh, without overflow or cancellation."""
     w = exp(-2.0 * fabs(u))
     return 4.0 * w / ((1.0 + w) * (1.0 + w))
 
 
 def log_cosh(u):
-    """The integral of tanh, which neither overflows nor cancels."""
+    """Return log cosh u, the integral of tanh, without overflow or cancellation."""
     x = fabs(u)
     if x < 1.0:
         w = sinh(x)
@@ -146,16 +146,16 @@ def log_cosh(u):
 
 
 def pieces_of(element):
-    """How many pieces the laws of an element have: its spring, its damper, what modulates it."""
+    """Return the numbers of pieces of an element's spring, damper and modulation."""
     spring = len(element.spring.pieces) if element.yield_force > 1e300 else 3
     return spring, len(element.damper.pieces), len(element.modulation.pieces)
 
 
 def law_numbers(element):
-    """The pieces of the laws of an element, one after the other.
+    """Return the pieces of the laws of an element, one after the other.
 
-    Of a spring with what is stored up to each piece, of what modulates with its integral; a force
-    over a rate stores nothing.
+    A piece of a spring includes the energy stored up to it, a piece of a modulation its integral; a
+    damper stores nothing.
     """
     if element.yield_force < 1e300:
         numbers = _flow_pieces(element)
@@ -172,7 +172,7 @@ def law_numbers(element):
 
 
 def _numbers(law, potentials):
-    """The pieces of a law, one after the other."""
+    """Return the pieces of a law, one after the other."""
     numbers = []
     for piece, potential in zip(law.pieces, potentials, strict=False):
         numbers += (piece.start, piece.origin, *piece.coefficients)
@@ -181,7 +181,7 @@ def _numbers(law, potentials):
 
 
 def _flow_pieces(element):
-    """The three pieces of an element that yields: flow down, elastic, flow up.
+    """Return the three pieces of an element that yields: flow down, elastic, flow up.
 
     The lines of flow are fixed: -+ yield force (1 - flow / rate) + flow d.
     """

@@ -1,7 +1,7 @@
-"""The energy ledger: what elements dissipate and what roads and loads bring in, step by step.
+"""The energy ledger: the energy dissipated by elements and the work of roads and loads, step by step.
 
-The powers are integrated over the dense output of each step by Gauss and Legendre's four points,
-which are right to order 8 as it is.
+The powers are integrated over the dense output of each step by four-point Gauss-Legendre quadrature,
+which has the order of that output, 8.
 """
 
 from __future__ import annotations
@@ -14,16 +14,17 @@ if not cython.compiled:
     from math import fabs
 
 _POINTS = 4
-_TIMES = 2.0  # the energy known of
-_LEAST = 1e-9  # J, of which rounding alone may be the cause
+_TIMES = 2.0  # times the energy accounted for
+_LEAST = 1e-9  # J, which rounding alone may cause
 
 
 class Ledger:
-    """Works so far, J: dissipated by each element, brought in by each row's road, by each load.
+    """Works so far, J: dissipated by each element, done by the road of each row, by each load.
 
     Parameters
     ----------
-    network, dense : of the system, of its last step
+    network : network of the system
+    dense : dense output of its last step
     """
 
     def __init__(self, network, dense):
@@ -50,15 +51,15 @@ class Ledger:
         self.start()
 
     def start(self):
-        """Nothing has been done yet."""
-        # what roads and loads have moved in and out, every joule counted as one
+        """Reset all works to zero."""
+        # energy that roads and loads have moved in or out, all counted as positive
         self.supplied = self.most_stored = 0.0
         self.residual_start = self.residual_end = 0.0
         for i in range(self.net.works):
             self.work[i] = 0.0
 
     def book(self):
-        """Enter the works of the last step, with the branches of that step."""
+        """Add the works of the last step, with the branches of that step."""
         h = self.dense.end - self.dense.start
         for k in range(_POINTS):
             t = self.dense.start + self.point[k] * h
@@ -76,7 +77,7 @@ class Ledger:
                     self.supplied += self.weight[k] * h * fabs(self.power[i])
 
     def bring_in(self, signal, energy):
-        """Book what a jump of a road does, J."""
+        """Add the work of a jump of a road, J."""
         for r in range(self.net.rows):
             if self.net.row_signal[r] == signal:
                 self.work[self.net.elements + r] += energy
@@ -84,21 +85,21 @@ class Ledger:
         self.supplied += fabs(energy)
 
     def grows(self):
-        """Whether far more energy is there than ever was, or was brought in.
+        """Return whether the stored energy is far more than the initial energy and all energy supplied.
 
-        Nothing but roads, loads and dampers that drive can add to it; the exchange at contact
-        switches is an entry of its own and no growth. A right run never has twice that, for every
-        joule brought in counts although most go again; steps too long soon have.
+        Only roads, loads and driving dampers can add energy; the exchange at contact switches has its
+        own entry. A correct run never reaches twice that sum, as energy supplied still counts after it
+        has left the system; with unstable steps the energy soon exceeds it.
         """
         return self.stored > _TIMES * (fabs(self.initial_energy) + self.supplied) + _LEAST
 
     def is_out_of_balance(self):
-        """Whether the balance lacks more than was ever stored or brought in: nothing of it is right."""
+        """Return whether the residual exceeds all energy ever stored or supplied: the run is wrong."""
         most = max(self.most_stored, self.supplied) + fabs(self.initial_energy)
         return fabs(self.residual_end) > most + _LEAST
 
     def strike_balance(self, t, q, v):
-        """T + U + dissipated - brought in - exchanged at contact switches - its start: 0 if exact."""
+        """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
         self.net.all_signals(t)
         self.net.row_states(q, v)
         self.stored = self.net.energy(v) - self.net.exchange
@@ -112,6 +113,6 @@ class Ledger:
         self.residual_end = balance
 
     def carry_on(self, residual):
-        """Let the balance just struck stand at a residual that was there before, J."""
+        """Continue the present balance from an earlier residual, J."""
         self.initial_energy += self.residual_end - residual
         self.residual_start = self.residual_end = residual

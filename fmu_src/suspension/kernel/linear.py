@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def decompose(m, at, n):
-    """L D L' in place (unit L below the diagonal, its transpose above); 1 if not positive definite."""
+    """Factorise into L D L' in place (unit L below, L' above); return 1 if not positive definite."""
     for k in range(n):
         pivot = m[at + k * n + k]
         if not pivot > 0.0:
@@ -14,7 +14,7 @@ def decompose(m, at, n):
             for j in range(k + 1, i + 1):
                 m[at + i * n + j] -= ratio * m[at + k * n + j]
             m[at + i * n + k] = ratio
-        # the row of the pivot served as the column of multipliers until here
+        # up to here the row of the pivot served as the column of multipliers
         for i in range(k + 1, n):
             m[at + k * n + i] = m[at + i * n + k]
             for j in range(k + 1, i + 1):
@@ -23,7 +23,7 @@ def decompose(m, at, n):
 
 
 def solve(m, at, n, x):
-    """Overwrite x by the solution of (L D L') x = x."""
+    """Overwrite x with the solution y of (L D L') y = x."""
     for i in range(n):
         for k in range(i):
             x[i] -= m[at + i * n + k] * x[k]

@@ -1,7 +1,7 @@
-"""Macro steps chosen, cut at joints and switches, and accepted: the loop of the integrator.
+"""The loop of the integrator: choose macro steps, end them at joints and switches, accept them.
 
-Branches stay fixed within a step, in which the motion is therefore smooth; a step that would leave
-a branch is cut short so that it ends on the switch, located to rounding.
+Branches are fixed within a step, so the motion within it is smooth. A step that would leave a branch
+is shortened to end on the switch, which is located to rounding.
 """
 
 from __future__ import annotations
@@ -21,30 +21,30 @@ from .watch import LIMITS, POLICIES, UNLIMITED, Watch
 if not cython.compiled:
     from math import fabs, pow, sqrt
 
-# How a run of steps ended; 2 and more are keys of integrator.FAILURES.
+# How a run of steps ended; 2 and above are keys of integrator.FAILURES.
 _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
 
 _CONTACT, _KINDS = 3, 5  # as in elements
 _EVENT_CAPACITY = 512
-_FLIPS = 24  # of branches at one instant, several elements being at their corners
-_LINK = 1e4  # times the fastest frequency: a decay so fast is that of a rigid link
-_FINE = 1e-4  # tolerances below it are reached faster at order 8 than at order 6
-_PAUSE = 5000  # steps after which Python may look for signals, such as an interrupt
-_STALLED = 100  # steps in which no time passes
-_OVERRUNS = 1000  # of a run, each after so many steps
+_FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
+_LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
+_FINE = 1e-4  # tolerance below which order 8 is faster than order 6
+_PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
+_STALLED = 100  # consecutive steps in which no time passes
+_OVERRUNS = 1000  # overruns allowed in a run
 _LEAST_THETA = 1.37
-_FAR = 1e8  # m, or as many times the scale of the run: a motion so large has diverged
-_RUNAWAY = 1e4  # times that scale, and here it has if steps vanish besides
-_EXCESS = 1.5  # times its share that the error of a step may be before it is made again
-_FIRST_PHASE = 0.25  # of the fastest mode in the first step
+_FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
+_RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
+_EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
+_FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _ROAD_PHASE = 1.5  # as in signals
-_SHORT_PHASE = 1e-4  # of the quickest motion, over which its Taylor series is as good as a step
-_READ_PHASE = 3.0  # of the quickest motion, over which the septic through a step is as good as it
+_SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
+_READ_PHASE = 3.0  # phase of the fastest motion up to which the septic is as accurate as the step
 
 
 class March:
-    """Steps one system. What its parameters mean says `integrator.Integrator`, which adds the rest."""
+    """Step one system; see `integrator.Integrator` for the parameters."""
 
     def __init__(
         self,
@@ -81,14 +81,14 @@ class March:
         self.ledger = Ledger(self.net, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
-        self.exact = method == "exact"  # it is right however little the ledger reads between steps
+        self.exact = method == "exact"  # accurate even where the ledger is not
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.stepper.controlled = self.controlled
-        self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow as much as they may
+        self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow most
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
-        self.whole = Dense(n, False, False)  # an attempt in which a switch is looked for
+        self.whole = Dense(n, False, False)  # an attempt in which a switch is located
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
-        # the ledger wants to see each step
+        # the ledger must see each step
         self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
         self.cruise = Cruise(self.stepper, self.switches) if self.cruises else None
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
@@ -103,30 +103,30 @@ class March:
         self.event_time = doubles([0.0] * _EVENT_CAPACITY)
         self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
         self.branch_before = integers([0] * _KINDS * elements)
-        self.logged = []  # switches so far: (time, element, kind, from, to); the last ones wait
+        self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()
 
     def fits(self, system):
-        """Whether a system differs from the one before in its numbers alone."""
+        """Return whether a system differs from the present one only in its numbers."""
         return self.net.fits(system) and _columns(system, *self.wanted) == self.stepper.columns
 
     def row(self, system, displacements, velocities):
-        """What `begin_row` reads of a system that fits, and of where it starts (m, m/s), as a list.
+        """Return the numbers `begin_row` reads: of a system that fits and its start (m, m/s).
 
         Raises
         ------
-        ValueError : a system that the method cannot take.
+        ValueError : if the method cannot integrate the system.
         """
         if self.stepper.method == METHODS["exact"]:
             _refuse_curved(system)
         return [max(system.scales), *displacements, *velocities, *numbers_of(system)]
 
     def begin_row(self, x, at, start):
-        """Begin anew with the system and state whose `row` stands in x from `at` on.
+        """Start again with the system and state whose `row` is in x[at:].
 
-        All is then as in a new integrator of that system with the same method, step and tolerance, but
-        for the log, which goes on. 1 if the mass matrix is not positive definite.
+        The state is then that of a new integrator of the system with the same method, step and
+        tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
         self.event_base = self.event_count
         self.filled = self.step_count = 0
@@ -142,7 +142,7 @@ class March:
         return 0
 
     def _enter_state(self, x, at):
-        """Start from the displacements and velocities that stand in x from `at` on."""
+        """Start from the displacements and velocities in x[at:]."""
         for i in range(self.n):
             self.stepper.q[i] = x[at + i]
             self.stepper.v[i] = x[at + self.n + i]
@@ -151,12 +151,12 @@ class March:
         self._begin()
 
     def _stand_still(self, time, reach):
-        """Stand still in equilibrium, before anything has happened."""
+        """Reset to rest in equilibrium."""
         self.stalled = self.overruns = self.filled = self.since_pause = 0
         self.time = self.grid_start = time
         self.grid_index = self.step_count = 0
         self.proposal = 0.0
-        self.in_step = True  # whether the branches are still those of the last step
+        self.in_step = True  # whether the branches are those of the last step
         self.scale = reach
         for e in range(self.net.elements):
             self.step_limited[e] = 0
@@ -168,7 +168,7 @@ class March:
         self.ledger.start()
 
     def _begin(self):
-        """Branches, accelerations and energy of the present state, which both ends of the step show."""
+        """Find branches, accelerations and energy of the present state, and set both ends of the step."""
         self.net.settle(self.time, self.stepper.q, self.stepper.v)
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         self._enter_branches()
@@ -183,7 +183,7 @@ class March:
         self.ledger.initial_energy = self.net.energy(self.stepper.v)
 
     def _enter_branches(self):
-        """Everything that follows from the branches, after any of them has changed."""
+        """Update everything that depends on the branches."""
         self.stepper.refresh(self.time)
         self.switches.enter_branches()
         self.entered = 1
@@ -213,16 +213,16 @@ class March:
         return _REACHED
 
     def _passes(self, h):
-        """Whether h is time that passes, and no rounding of it."""
+        """Return whether h is more than the rounding of time."""
         return h > 1e-13 * (fabs(self.time) + 1e-3)
 
     def _overrun(self, latest):
-        """Where ever more switches follow one another while no time passes: go a little beyond.
+        """Step a little beyond a point where switches follow one another in no time.
 
-        For a ten-thousandth of the quickest motion the present branches go on whatever corner is
-        passed; the state there says which ones follow. Forces being continuous over their corners,
-        what that does to the motion goes with the square of so short a time. A run that needs this
-        more than a thousand times is refused.
+        The present branches are kept for a ten-thousandth of the fastest motion, whatever corner is
+        passed; the state at the end decides on the next ones. As forces are continuous at corners, the
+        error goes with the square of this short time. A run that needs more than a thousand such steps
+        is stopped.
         """
         self.stalled = 0
         self.overruns += 1
@@ -247,13 +247,13 @@ class March:
         return 0
 
     def _energy_now(self):
-        """Kinetic energy and what the elements store in their present branches."""
+        """Return kinetic energy and the energy stored in the elements, in the present branches."""
         self.net.all_signals(self.time)
         self.net.row_states(self.stepper.q, self.stepper.v)
         return self.net.energy(self.stepper.v)
 
     def _relocate(self, flows):
-        """Choose the branches by the state, and if wanted those of flow; what changes is noted."""
+        """Choose the branches from the state, with those of flow if `flows`; note the changes."""
         self._remember_branches()
         if flows:
             self.net.follow(self.time, self.stepper.q, self.stepper.v)
@@ -262,7 +262,7 @@ class March:
         self._note_changes()
 
     def _remember_branches(self):
-        """What the branches are before others are chosen."""
+        """Store the branches before new ones are chosen."""
         self._leave_step()
         for i in range(_KINDS * self.net.elements):
             self.branch_before[i] = self.net.branch[i]
@@ -273,7 +273,7 @@ class March:
                 self._note(i // _KINDS, i % _KINDS, self.branch_before[i], self.net.branch[i])
 
     def _proposed_step(self):
-        """The step the method wants, before joints and switches cut it."""
+        """Return the step chosen by the method, before joints and switches shorten it."""
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
             target = self.grid_start + (self.grid_index + 1) * self.fixed_step
@@ -283,7 +283,7 @@ class March:
             h = target - self.time
             rounding = 1e-11 + 4e-16 * fabs(self.time) / self.fixed_step
             if fabs(h / self.fixed_step - 1.0) < rounding:
-                h = self.fixed_step  # to the bit, so that what was factorised for it is kept
+                h = self.fixed_step  # to the bit, so that its factorisation is reused
             return self.watch.fit(self.time, h)
         omega = sqrt(self.stepper.omega_squared)
         road = self.net.road_limit(self.time)
@@ -297,12 +297,12 @@ class March:
         return road if h > road else h
 
     def _step(self, latest):
-        """One accepted macro step, cut at joints and switches."""
+        """Take one accepted macro step, ended at joints and switches."""
         h = self._proposed_step()
         if h == 0.0:
             return _UNSTABLE
         flips = 0
-        longer = 0.0  # the step that the last attempt would have next, by its error
+        longer = 0.0  # the next step, by the error of the last attempt
         while True:
             joint = self.net.next_joint()
             end = joint if joint < latest else latest
@@ -324,17 +324,17 @@ class March:
                 continue
             at = self.switches.first(self.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
-                # one branch after the other is left at once
+                # branches are left at once, one after the other
                 if self.controlled:
                     return self._overrun(latest)
                 self.overruns += 1
             elif at == 0.0:
-                # the branch is left at once: it was the wrong side of its bound
+                # the branch is left at once: it was on the wrong side of its bound
                 flips += 1
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
                 self._enter_branches()
                 continue
-            # a step that a joint cut short says nothing against longer ones
+            # a step shortened by a joint is no reason for a shorter next step
             if self.controlled and (not to_end or h > self.proposal > 0.0):
                 longer = h * self._factor_for_error()
             landed = 0
@@ -374,7 +374,7 @@ class March:
         return not self.stepper.reach < _FAR * max(self.scale, 1.0)
 
     def _cruise(self, until, stop):
-        """Fixed steps in a linear branch, as many as come before a switch; whether there were any."""
+        """Take fixed steps in a linear branch up to the next switch; return whether there were any."""
         h = self._proposed_step()
         if h != self.fixed_step or not self.cruise.enter(h):
             return 0
@@ -410,7 +410,7 @@ class March:
         return 1
 
     def _count_limited(self, h, steps):
-        """How long elements have been at their limit, step by step."""
+        """Add the time that elements are at their limit, step by step."""
         for k in range(self.contacts):
             i = self.contact_element[k]
             self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
@@ -419,7 +419,7 @@ class March:
                     self.limited_time[i] += h
 
     def _pass_joint(self):
-        """Signals enter their next segments; what a jump of a road does is work of that road."""
+        """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
         self._leave_step()
         before = self._energy_now()
         jumped = False
@@ -438,7 +438,7 @@ class March:
             self._note_changes()
 
     def _factor_for_error(self):
-        """Change of step that brings the error to the tolerance."""
+        """Return the factor of the step that brings the error to the tolerance."""
         if self.stepper.error <= self.no_error:
             return 4.0
         factor = 0.9 * pow(self.stepper.error, -1.0 / self.stepper.error_order)
@@ -458,7 +458,7 @@ class March:
             self.stepper.drift[i] = self.stepper.drift_end[i]
         self.stepper.reach = self.stepper.reach_at(self.stepper.q)
         self._count_limited(h, 1)
-        # an element that has just switched still departs while others switch at the same instant
+        # an element that has just switched still departs while others switch at the same time
         if self.entered and self._passes(h):
             self.entered = 0
             self.net.clear_marks()
@@ -474,13 +474,13 @@ class March:
             self.ledger.strike_balance(t, self.stepper.q, self.stepper.v)
 
     def _land(self, h):
-        """Shorten the attempt so that it ends on the switch found: Newton, at last along Taylor.
+        """End the attempt on the switch found, by Newton's method, at last along Taylor's series.
 
-        Under error control with two or three columns the state there is read, in a linear branch, off
-        the septic through the ends of the attempt, which is right to their order as long as nothing in
-        it is over sooner, as what is strongly damped; otherwise the step is made again, and may then
-        not reach the bound: long steps are less right than short ones. Such a step counts, but ends on
-        no switch; nor does one cut short because a gap opens in it.
+        Under error control with two or three columns, in a linear branch, the state is read from the
+        septic through the ends of the attempt. This is accurate unless a motion decays within the step,
+        as under strong damping. Otherwise the step is repeated, and as short steps are more accurate, it
+        may then not reach the bound; it is accepted, but ends on no switch. Neither does a step that is
+        shortened because a gap opens in it.
         """
         step = self.switches.at * h
         reads = (
@@ -512,7 +512,7 @@ class March:
         return status
 
     def _end_at(self, step, reads):
-        """An attempt that ends after `step`, read off the one kept or made again."""
+        """End the attempt after `step`, read from the stored attempt or repeated."""
         if not reads:
             return self.stepper.attempt(self.time, step)
         self.stepper.stop_within(self.time + step, self.whole)
@@ -528,16 +528,16 @@ class March:
         self.whole.known = 0
 
     def _switch(self, e, kind, side):
-        """Element e enters the neighbouring branch, now; the event is noted."""
+        """Move element e to the neighbouring branch, now, and note the event."""
         self._leave_step()
         before = self.net.branch[_KINDS * e + kind]
         new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
         if self.net.yields[e] and kind < _CONTACT:
-            before = new - side  # a rate that turns ends the flow of the spring
+            before = new - side  # a change of sign of the rate ends the flow of the spring
         self._note(e, kind, before, new)
 
     def _note(self, e, kind, before, after):
-        """Element e has gone from one branch to another, now."""
+        """Note that element e has moved from one branch to another, now."""
         k = self.event_count
         if k < _EVENT_CAPACITY:
             self.event_time[k] = self.time
@@ -548,14 +548,14 @@ class March:
             self.event_count += 1
 
     def _leave_step(self):
-        """Branches are about to change: remember those of the step that ends here, to read it off."""
+        """Store the branches of the step that ends here before they change."""
         if self.in_step:
             self.net.keep_branches()
             self.in_step = False
 
 
 def _columns(system, method, step, tolerance, order):
-    """How many columns the extrapolation has."""
+    """Return the number of columns of the extrapolation."""
     if method == "exact":
         return 4
     if method != "extrapolated":
@@ -566,7 +566,7 @@ def _columns(system, method, step, tolerance, order):
 
 
 def _is_stiffly_damped(system):
-    """Whether a damper acts like a rigid link beside what swings: c b'M^-1 b >> omega_max.
+    """Return whether a damper acts like a rigid link: c b'M^-1 b >> omega_max.
 
     Order 8 damps such a motion in every step, order 6 hardly (see `stepper`). M counts by its diagonal.
     """

@@ -10,9 +10,9 @@ cdef class Network(Elements):
     cdef readonly int loads, works, size
     cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
-    # what the last evaluation left
+    # results of the last evaluation
     cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling, kick
-    # what has been read
+    # the system read
     cdef list load_names, signal_sizes, element_shapes
 
     cdef bint fits(self, system) except -1

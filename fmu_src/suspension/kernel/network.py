@@ -1,8 +1,7 @@
-"""A system flattened into numbers: mass, elements in their branches, and what they make together.
+"""A system as numbers: mass, elements in their branches, and the forces and tangents of the whole.
 
 M q'' + sum b f = p, with tangents K = sum k b b' and B = sum c b b'. A row on which dry friction
-sticks keeps its rate as a constraint, and the force that this takes, its multiplier, says when it
-slips again.
+sticks has a constrained rate; the constraint force, its multiplier, decides when it slips again.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ _LAWS, _PIECE = 3, 9  # as in laws
 
 
 class Network(Elements):
-    """The numbers of one system, its branches, and forces and tangents in them.
+    """The numbers of one system, its branches, and its forces and tangents in them.
 
     Parameters
     ----------
@@ -34,7 +33,7 @@ class Network(Elements):
 
     Raises
     ------
-    ValueError : shapes that do not fit, or a mass matrix that is not positive definite.
+    ValueError : if shapes do not match or the mass matrix is not positive definite.
     """
 
     def __init__(self, system):
@@ -49,7 +48,7 @@ class Network(Elements):
         self.coupling = doubles([0.0] * elements * elements)
         self.zero, self.scratch = vectors(2, n)
         self.modes, self.modes2 = vectors(2, n * n)
-        # works: dissipated by each element, brought in by each row's road, by each load
+        # works: dissipated by each element, done by the road of each row, by each load
         self.works = elements + self.rows + self.loads
         self.mass, self.mass_factor, self.flexibility = vectors(3, n * n)
         if any(len(row) != n for row in system.mass):
@@ -63,7 +62,7 @@ class Network(Elements):
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def fits(self, system):
-        """Whether a system differs from the one read in its numbers alone."""
+        """Return whether a system differs from the present one only in its numbers."""
         return (
             len(system.mass) == self.n
             and len(system.elements) == self.elements
@@ -73,9 +72,9 @@ class Network(Elements):
         )
 
     def enter_system(self, x, at):
-        """Take over a system that fits from x[at:], as `numbers_of` gives it.
+        """Read a system that fits from x[at:], as given by `numbers_of`.
 
-        1 if its mass matrix is not positive definite.
+        Return 1 if its mass matrix is not positive definite.
         """
         n = self.n
         for i in range(n * n):
@@ -96,21 +95,21 @@ class Network(Elements):
         return 0
 
     def forget(self):
-        """As before anything has moved: nothing lifted off, slipped or flowed."""
+        """Reset to the state before any motion, without lift-off, slip or flow."""
         self.forget_branches()
         for e in range(self.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
     def enter_segments(self, t):
-        """Let every signal go on to the segment that holds from t on, as at a start."""
+        """Move every signal to its segment from t on, as at a start."""
         for s in range(self.signals):
             self.enter_segment(s, t)
 
     def kerb(self, signal, jump, v):
-        """A kerb without a ramp, the limit of ever shorter ones: v += M^-1 sum b c jump.
+        """Apply a kerb without a ramp, the limit of ever shorter ramps: v += M^-1 sum b c jump.
 
-        c is the slope that a damper ends with on that side; where the road falls away, what cannot
-        pull does nothing.
+        c is the outermost slope of the damper on that side; where the road falls away, an element that
+        cannot pull has no effect.
         """
         for i in range(self.n):
             self.scratch[i] = 0.0
@@ -124,9 +123,9 @@ class Network(Elements):
         self._give_way(v)
 
     def impulse(self, signal, jump, v):
-        """A small jump between samples of a road acts through its dampers: v += M^-1 sum b c jump.
+        """Apply a small jump between samples of a road through its dampers: v += M^-1 sum b c jump.
 
-        The road has jumped already; c are the slopes of the dampers as they are.
+        The road has already jumped; c are the present slopes of the dampers.
         """
         for i in range(self.n):
             self.scratch[i] = 0.0
@@ -138,10 +137,10 @@ class Network(Elements):
         self._give_way(v)
 
     def _push(self, e, c, d, jump):
-        """Add b c jump of element e, at deflection d before, to `scratch`.
+        """Add b c jump of element e, at deflection d before the jump, to `scratch`.
 
-        Of a road that rises under a gap only what is left when the gap has closed acts; of what
-        modulates a damper, the mean over the way.
+        If a road rises under a gap, only the rest of the jump after the gap has closed acts. The
+        modulation of a damper acts by its mean over the jump.
         """
         r = self.element_row[e]
         way = jump
@@ -157,12 +156,12 @@ class Network(Elements):
             self.scratch[i] += self.row_direction[r * self.n + i] * c * way
 
     def _work_of_factor(self, e, d):
-        """The integral from 0 to d of what modulates the damper of element e."""
+        """Return the integral from 0 to d of the damper modulation of element e."""
         law = _LAWS * e + _MODULATION
         return self.potential(self.first[law] + self.piece_at(law, d), d)
 
     def _give_way(self, v):
-        """v += M^-1 of the impulses in `scratch`."""
+        """Add M^-1 times the impulses in `scratch` to v."""
         solve(self.mass_factor, 0, self.n, self.scratch)
         for i in range(self.n):
             v[i] += self.scratch[i]
@@ -170,7 +169,7 @@ class Network(Elements):
     # -- forces and tangents in the present branches -------------------------------------------------
 
     def assemble(self, stiffness, damping):
-        """K = sum b k b', B = sum b c b'."""
+        """Set K = sum b k b', B = sum b c b'."""
         n = self.n
         for i in range(n * n):
             stiffness[i] = 0.0
@@ -186,7 +185,7 @@ class Network(Elements):
                             damping[i * n + k] += bb * self.row_c[r]
 
     def net_force(self, out):
-        """p - sum b f, with `row_f` and the signals in `road`."""
+        """Set `out` to p - sum b f, with `row_f` and the signals in `road`."""
         n = self.n
         for i in range(n):
             out[i] = 0.0
@@ -199,7 +198,7 @@ class Network(Elements):
                 out[i] -= self.row_direction[r * n + i] * self.row_f[r]
 
     def constant_force(self, out):
-        """-sum b f(0, 0) with the straight pieces of the present branches carried on to zero."""
+        """Set `out` to -sum b f(0, 0), with the present pieces extended to zero."""
         n = self.n
         for i in range(n):
             out[i] = 0.0
@@ -208,7 +207,7 @@ class Network(Elements):
                 out[i] -= self.row_direction[r * n + i] * self.branch_f[r]
 
     def accelerate(self, out):
-        """Acceleration from the equation of motion, with `row_f` and the signals in `road`."""
+        """Find accelerations by the equation of motion, with `row_f` and the signals in `road`."""
         self.net_force(out)
         solve(self.mass_factor, 0, self.n, out)
         if self.stuck:
@@ -217,9 +216,9 @@ class Network(Elements):
     def stick(self, factor, at, x, base, order, multiplier):
         """Correct the solution x of `factor` so that stuck rows follow their roads.
 
-        Wanted is b' (base + x) = the road's derivative of that order; x changes along the solutions
-        for b, and what they are multiplied by is the force that sticking takes. 1 if rows that stick
-        contradict each other.
+        The condition is b' (base + x) = the road's derivative of that order. x changes along the
+        solutions for b; their multipliers are the forces that sticking needs. Return 1 if the conditions
+        of the rows that stick contradict each other.
         """
         n, m = self.n, self.stuck
         for p in range(m):
@@ -249,21 +248,21 @@ class Network(Elements):
         return 0
 
     def rest(self, v):
-        """Take from velocities what rows that stick have left of a rate, with the signals in `road`.
+        """Remove the remaining rates of rows that stick from v, with the signals in `road`.
 
-        Steps hold accelerations only, and a curved road is not followed to rounding.
+        Steps constrain accelerations only, which does not follow a curved road to rounding.
         """
         if self.stuck:
             self.stick(self.mass_factor, 0, v, self.zero, 1, self.kick)
 
     def hold(self, multiplier):
-        """Add to the rows what sticking takes, for the works."""
+        """Add the forces of sticking to the rows, for the works."""
         for p in range(self.stuck):
             e = self.stuck_element[p]
             self.row_f[self.element_row[e]] += multiplier[e]
 
     def jerk(self, v, a, out):
-        """Third derivatives from the differentiated equation of motion, with `row_k`, `row_c`, `road`."""
+        """Find third derivatives by the derivative of the equation of motion."""
         n = self.n
         for i in range(n):
             out[i] = 0.0
@@ -289,9 +288,9 @@ class Network(Elements):
             self.stick(self.mass_factor, 0, out, self.zero, 3, self.multiplier_rate)
 
     def fastest_mode(self, stiffness):
-        """An upper bound of the square of the highest angular frequency: (tr A^4)^(1/4), A = M^-1 K.
+        """Return a bound of the highest angular frequency squared: (tr A^4)^(1/4), A = M^-1 K.
 
-        It is at most n^(1/4) times too large, and no other in other units.
+        It is at most n^(1/4) times too large and does not depend on units.
         """
         n = self.n
         trace = 0.0
@@ -313,16 +312,16 @@ class Network(Elements):
         return sqrt(sqrt(trace)) if trace > 0.0 else 0.0
 
     def is_damped(self, stiffness, damping, share, omega):
-        """Whether damping is more than a share of the stiffness in all modes faster than omega.
+        """Return whether damping exceeds a share of the stiffness in all modes faster than omega.
 
-        That is, whether B - share (K - omega^2 M) is positive definite.
+        This holds if B - share (K - omega^2 M) is positive definite.
         """
         for i in range(self.n * self.n):
             self.modes[i] = damping[i] - share * (stiffness[i] - omega * omega * self.mass[i])
         return decompose(self.modes, 0, self.n) == 0
 
     def read_forces(self, t, q, v, a, forces, sets):
-        """Accelerations, forces and permanent sets at an instant of the remembered branches."""
+        """Find accelerations, forces and permanent sets at time t in the stored branches."""
         self.exchange_branches()
         self.all_signals(t)
         self.row_states(q, v)
@@ -330,7 +329,7 @@ class Network(Elements):
         for e in range(self.elements):
             forces[e] = self.element_force(e)
             if forces[e] > self.limit[e] and self.friction[e] == 0.0:
-                # what cannot pull does not, be it by the error of what is read between two steps
+                # no pull where none is possible, not even by the error of interpolation within a step
                 self.row_f[self.element_row[e]] -= forces[e] - self.limit[e]
                 forces[e] = self.limit[e]
         self.accelerate(a)
@@ -344,7 +343,7 @@ class Network(Elements):
     # -- energy --------------------------------------------------------------------------------------
 
     def powers(self, v, out):
-        """Power dissipated by each element, brought in by each row's road and by each load."""
+        """Find the power dissipated by each element and supplied by each row's road and each load."""
         n = self.n
         for e in range(self.elements):
             out[e] = self.dissipation(e)
@@ -358,7 +357,7 @@ class Network(Elements):
             out[self.elements + self.rows + m] = self.road[4 * self.load_signal[m]] * w
 
     def energy(self, v):
-        """Kinetic energy and potential of every element, at velocities v and with `row_d`."""
+        """Return kinetic energy plus the potential of all elements, at velocities v and `row_d`."""
         n = self.n
         energy = 0.0
         for i in range(n):
@@ -370,7 +369,7 @@ class Network(Elements):
 
 
 def numbers_of(system):
-    """All numbers of a system, one after the other."""
+    """Return all numbers of a system, one after the other."""
     return [
         *(x for row in system.mass for x in row),
         *(x for load in system.loads for x in load.direction),
@@ -380,12 +379,12 @@ def numbers_of(system):
 
 
 def _sizes(system):
-    """What signals there are, and how many segments they have."""
+    """Return the names of the signals and their numbers of segments."""
     return [(name, len(signal.segments)) for name, signal in system.signals.items()]
 
 
 def _shape(element):
-    """What of an element is no number: two of one shape take the same room and act on the same rows."""
+    """Return what is fixed in an element; with the same shape, numbers can be exchanged."""
     return (
         element.name,
         element.direction,

@@ -1,4 +1,4 @@
-"""What drives a system: roads and loads, each a chain of segments (cubic plus cosine)."""
+"""Roads and loads as signals, each a chain of segments (cubic plus cosine)."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ if not cython.compiled:
     from math import cos, fabs, sin
 
 _SEGMENT = 10  # numbers stored for one segment
-_ROAD_PHASE = 1.5  # of a road's sinusoid per macro step
+_ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
 
 
 class Signals:
-    """All signals of a system, each in the segment that holds now.
+    """All signals of a system, each in its present segment.
 
     Parameters
     ----------
@@ -31,18 +31,18 @@ class Signals:
         self.signal_now = integers([0] * max(self.signals, 1))
         self.segments = sum(count)
         self.segment = doubles([0.0] * _SEGMENT * max(sum(count), 1))
-        self.level = integers([0] * max(sum(count), 1))  # whether nothing changes in a segment
+        self.level = integers([0] * max(sum(count), 1))  # whether a segment is constant
         self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
 
     def enter_signals(self, x, at):
-        """Take over the segments of all signals from x[at:], and say where they end there."""
+        """Read the segments of all signals from x[at:]; return where they end."""
         for i in range(_SEGMENT * self.segments):
             self.segment[i] = x[at + i]
         self.find_levels()
         return at + _SEGMENT * self.segments
 
     def find_levels(self):
-        """Note in which segments nothing changes, after any of their numbers has."""
+        """Find the constant segments, after any number has changed."""
         for k in range(self.segments):
             self.level[k] = 1
             for i in range(3, 7):
@@ -50,7 +50,7 @@ class Signals:
                     self.level[k] = 0
 
     def enter_segment(self, s, t):
-        """Let signal s go on to the segment that holds from t on; the jump of its value there."""
+        """Move signal s to its segment from t on; return the jump of its value there."""
         now = self.signal_now[s]
         self.signal(s, t)
         before = self.road[4 * s]
@@ -63,13 +63,13 @@ class Signals:
             return 0.0
         self.signal(s, t)
         jump = self.road[4 * s] - before
-        # pieces that join do so to rounding
+        # continuous segments agree to rounding
         if fabs(jump) <= 1e-12 * (fabs(self.road[4 * s]) + fabs(before)) + 1e-15:
             return 0.0
         return jump
 
     def replace_signal(self, s, t, coefficients):
-        """Make a one-segment signal a cubic of t - now; returns the jump of its value."""
+        """Make a one-segment signal a cubic in time from t on; return the jump of its value."""
         self.signal(s, t)
         before = self.road[4 * s]
         at = self.signal_first[s] * _SEGMENT
@@ -80,7 +80,7 @@ class Signals:
         return coefficients[0] - before
 
     def signal(self, s, t):
-        """Value and three derivatives of signal s in its present segment, into `road`."""
+        """Set `road` to value and three derivatives of signal s in its present segment."""
         k = self.signal_first[s] + self.signal_now[s]
         at = k * _SEGMENT
         if self.level[k]:
@@ -116,14 +116,14 @@ class Signals:
             self.signal(s, t)
 
     def still(self):
-        """Whether no signal changes within its present segment."""
+        """Return whether all signals are constant in their present segments."""
         for s in range(self.signals):
             if not self.level[self.signal_first[s] + self.signal_now[s]]:
                 return 0
         return 1
 
     def next_joint(self):
-        """The next instant at which a signal changes segment."""
+        """Return the next time at which a signal changes segment."""
         joint = 1e300
         for s in range(self.signals):
             k = self.signal_now[s] + 1
@@ -133,7 +133,7 @@ class Signals:
         return joint
 
     def road_limit(self, t):
-        """The longest macro step that the sinusoids of the present segments allow."""
+        """Return the longest macro step that the sinusoids of the present segments allow."""
         limit = 1e300
         for s in range(self.signals):
             at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
@@ -147,7 +147,7 @@ class Signals:
 
 
 def signal_numbers(signals):
-    """The segments of all signals, one after the other."""
+    """Return the segments of all signals, one after the other."""
     numbers = []
     for signal in signals.values():
         for segment in signal.segments:

@@ -8,16 +8,17 @@ and the equation of motion at the end of the step gives the end acceleration
 
     (M + h/2 B + h^2/6 K) a1 = p1 - B v* - K q*,
 
-where v*, q* hold everything but a1. The matrix is h^2/6 times that of (15.17); with the increment
-of acceleration as the unknown, as H83 recommends, short steps lose no digits. It is Newmark's method
-with gamma = 1/2, beta = 1/6: second order, symmetric, stable while omega_max h < 2 sqrt 3.
+where v*, q* are (15.12), (15.13) without a1. The matrix is h^2/6 times that of (15.17); with the
+increment of acceleration as the unknown, as H83 recommends, short steps lose no digits. This is
+Newmark's method with gamma = 1/2, beta = 1/6: second order, symmetric, stable while
+omega_max h < 2 sqrt 3.
 
-Being symmetric its error expands in h^2, so a macro step made with 1, 2, 3 and 5 equal substeps and
-extrapolated (Aitken, Neville) has order 8, and the last two columns of the table give the error: that
-of the last but one. In a linear branch the last is better by the square of the phase of what is fast, as
-soon as that is small; so errors go with the tolerance in proportion, and stiff modes are not trusted.
-A mode damped without bound is multiplied by -1 in each substep, by the sum of w (-1)^n in a macro
-step, w the weights of the extrapolation: -0.59 here, but 6.2 if the last were made with 4 substeps.
+As the method is symmetric, its error expands in h^2. A macro step of 1, 2, 3 and 5 equal substeps,
+extrapolated (Aitken, Neville), therefore has order 8; the difference of the last two columns of the table
+is the error of the last but one. In a linear branch the last column is better by the square of the phase
+of the fast modes, once that is small, so that errors are proportional to the tolerance. An infinitely
+damped mode is multiplied by -1 in each substep and by the sum of w (-1)^n in a macro step, where w are
+the weights of the extrapolation: -0.59 here, but 6.2 if the last column had 4 substeps.
 """
 
 from __future__ import annotations
@@ -36,19 +37,19 @@ if not cython.compiled:
 
 _DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
 
-_SHARE = 0.1  # of the tolerance that one step may use up: the errors of many steps add up
-# Phase per macro step of the fastest mode, its decay and the road together from which downwards the last
-# column is better than the one it is compared with, by the square; so many times at most are counted on.
+_SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps add up
+# Phase per macro step, of the fastest mode, its decay and the road together, below which the last column
+# is better than the one before by the square of the phase; a gain of at most `_MOST_BETTER` is assumed.
 _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
-_ROUNDING = 1e-13  # of displacements, below which errors cannot be told
+_ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 _LEAST_LENGTH = 1e-290  # m, instead of none
-_STIFF_PHASE = 100.0  # of the quickest motion, from which jerks say nothing about a step
-_CAUTION = 4.0  # times that errors count where forces are curved: all columns may miss a knee
-_MOST = 5  # substeps of one macro step
-# Phase of a mode per macro step up to which no order lets it grow by more than 1/500 undamped, and up
-# to which it does not grow at all if it is damped by no less than this, by columns: see `bound`.
-# One column alone takes no longer steps.
+_STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
+_CAUTION = 4.0  # factor on errors with curved forces, where all columns may miss a knee
+_MOST = 5  # substeps in one macro step
+# Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
+# phase up to which it does not grow with at least this damping, by number of columns: see `bound`.
+# A single column takes no longer steps.
 _SAFE_PHASE = 2.4
 _DAMPED_PHASE = 6.0
 _LEAST_DAMPING = {1: 1e3, 2: 0.04, 3: 0.017, 4: 0.008}
@@ -60,13 +61,13 @@ SEQUENCES = {1: (1,), 2: (1, 3), 3: (1, 2, 4), 4: (1, 2, 3, 5)}
 
 
 class Stepper:
-    """Tries macro steps from the present state; the integrator decides which ones count.
+    """Attempts macro steps from the present state; the integrator decides whether to accept them.
 
     Parameters
     ----------
     network : of the system
     method : key of `METHODS`
-    columns : how many columns the extrapolation has; 1 for the methods of order 2
+    columns : number of columns of the extrapolation; 1 for the methods of order 2
     tolerance : relative to the largest motion so far
     theta : of `wilson`
     """
@@ -77,16 +78,16 @@ class Stepper:
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
-        self.error_order = 0  # the power of the step with which the error of the attempt goes
-        self.road_rate = 0.0  # of the fastest sinusoid where a step begins, rad/s
-        self.controlled = False  # whether the error decides on steps
+        self.error_order = 0  # exponent of the step in the error of the attempt
+        self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
+        self.controlled = False  # whether the error controls the step
         self.least_damping = _LEAST_DAMPING[columns]
-        self.reach = 0.0  # the largest motion so far, m: what errors are relative to
+        self.reach = 0.0  # the largest motion so far, m, to which errors are relative
         self.scale = 0.0
-        self.origin = doubles([0.0] * n)  # where the run started, from which motion counts
-        self.stamp = 0  # changes with every branch, so that kept matrices are known to be stale
+        self.origin = doubles([0.0] * n)  # start of the run, from which the motion is measured
+        self.stamp = 0  # changes with every branch, to mark stored matrices as outdated
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
-        # by how much Wilson's acceleration is off that of the equation of motion, which `a` holds
+        # Wilson's acceleration minus that of the equation of motion, which is in `a`
         self.theta = theta
         self.drift, self.drift_end = vectors(2, n)
         self._allocate()
@@ -94,14 +95,14 @@ class Stepper:
     def _allocate(self):
         n = self.n
         self.stiffness, self.damping = vectors(2, n * n)
-        self.stiffness_known = doubles([0.0] * n * n)  # the one that the fastest mode is that of
+        self.stiffness_known = doubles([0.0] * n * n)  # the stiffness of the known fastest mode
         self.factor = doubles([0.0] * (4 * n * n))
         self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
         self.constant, self.cq, self.cv, self.ca = vectors(4, n)
         self.softest, self.velocity_scale = doubles([1e300] * n), doubles([0.0] * n)
         self.pq, self.pv = vectors(2, n)
         self.table = doubles([0.0] * (4 * 2 * n))
-        # the instants of all substeps of a macro step, each evaluated once
+        # the times of all substeps of a macro step, each evaluated once
         sequence = SEQUENCES[self.columns]
         self.sequence = integers(sequence)
         fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
@@ -119,7 +120,7 @@ class Stepper:
         self.load_table = doubles([0.0] * (n * self.fractions))
         self.load_rate = doubles([0.0] * n)
         self.loads_hold = 0  # whether the loads of the present branch are constant, and known
-        # the linear branches of systems up to eight coordinates have a faster way
+        # linear branches of systems with up to eight coordinates use a faster method
         self.side_by_side = self.method < _WILSON and n <= 8
         self.lanes = (
             Lanes(
@@ -151,13 +152,13 @@ class Stepper:
         )
 
     def count_from_here(self):
-        """A run starts from the present displacements."""
+        """Measure the motion from the present displacements, the start of a run."""
         self.reach = 0.0
         for i in range(self.n):
             self.origin[i] = self.q[i]
 
     def reach_at(self, q):
-        """The largest motion so far, with that at displacements q, m."""
+        """Return the largest motion so far, including that at displacements q, m."""
         reach = self.reach
         for i in range(self.n):
             x = fabs(q[i] - self.origin[i])
@@ -166,9 +167,9 @@ class Stepper:
         return reach
 
     def start(self, scale):
-        """Stand still in the equilibrium of the system that the network has read.
+        """Reset to rest in the equilibrium of the system that the network has read.
 
-        `scale` is a displacement, m, beside whose rounding there is nothing to be right about.
+        `scale` is a displacement, m; errors below its rounding do not matter.
         """
         self.scale = scale
         for i in range(self.n):
@@ -182,7 +183,7 @@ class Stepper:
             self.lanes.enter_mass()
 
     def refresh(self, t):
-        """After a change of branch, segment or state: tangents, acceleration, jerk, fastest mode."""
+        """Update tangents, acceleration, jerk, fastest mode after a change of branch or state."""
         self.stamp += 1
         self.affine = self.net.is_affine()
         self.loads_hold = 0
@@ -206,7 +207,7 @@ class Stepper:
         self._scale_velocities()
 
     def _find_fastest(self):
-        """The fastest mode, anew where the stiffness has changed: most switches are of dampers."""
+        """Find the fastest mode, if the stiffness has changed; most switches are of dampers."""
         same = 1
         for i in range(self.n * self.n):
             if self.stiffness[i] != self.stiffness_known[i]:
@@ -219,10 +220,10 @@ class Stepper:
         self.damping_known = 0
 
     def bound(self, h):
-        """The macro step h, or the longest one in which no mode grows by itself, if that is shorter.
+        """Return the macro step h, or the longest one in which no mode grows numerically, if shorter.
 
-        An undamped mode may take 2.4 rad. In a linear branch the fastest may take 6 if every mode of
-        more than 2.4 is damped: c_i > x h (omega_i^2 - (2.4 / h)^2), x the least damping. So it is where
+        The limit is 2.4 rad for an undamped mode. In a linear branch it is 6 rad if every mode beyond
+        2.4 is damped: c_i > x h (omega_i^2 - (2.4 / h)^2), where x is the least damping. This holds if
         B - x h (K - (2.4 / h)^2 M) is positive definite.
         """
         if h > self.longest and not self.damping_known:
@@ -236,7 +237,7 @@ class Stepper:
         return self.longest if h > self.longest else h
 
     def _begin_in_lanes(self):
-        """Loads, acceleration and jerk where a linear branch begins, with the signals in `road`."""
+        """Find loads, acceleration and jerk at the start of a linear branch."""
         self._find_loads(self.fractions - 1, 1)
         self.lanes.enter()
         if self.net.still():
@@ -247,10 +248,10 @@ class Stepper:
             self.loads_hold = 1
 
     def _scale_velocities(self):
-        """By what an error of velocity counts: the displacement and the acceleration it becomes.
+        """Find the factors that turn errors of velocity into errors of displacement.
 
-        The displacement by the lowest own frequency in any branch so far, at least 1 rad/s, because
-        the stiffest stop is soon left again; the acceleration through strong damping.
+        An error of velocity becomes a displacement by the lowest natural frequency in any branch so far,
+        at least 1 rad/s, as even the stiffest stop is soon left; or an acceleration by strong damping.
         """
         for k in range(self.n):
             at = k * self.n + k
@@ -261,7 +262,7 @@ class Stepper:
             self.quickest += decay
 
     def keep_multipliers(self):
-        """What sticking takes now; attempts overwrite the network's own."""
+        """Store the present forces of sticking, as attempts overwrite those of the network."""
         for e in range(self.net.elements):
             self.multiplier[e] = self.net.multiplier[e]
             self.multiplier_rate[e] = self.net.multiplier_rate[e]
@@ -269,7 +270,7 @@ class Stepper:
     # -- one step of the incremental method --------------------------------------------------------
 
     def _factor_step_matrix(self, column, h):
-        """M + h/2 B + h^2/6 K, factorised and kept while branch and step stay."""
+        """Factorise M + h/2 B + h^2/6 K; the factors are reused while branch and step stay."""
         if self.factor_step[column] == h and self.factor_stamp[column] == self.stamp:
             return 0
         size = self.n * self.n
@@ -283,7 +284,7 @@ class Stepper:
         return decompose(self.factor, at, self.n)
 
     def _substep_affine(self, column, h, fraction):
-        """(15.12), (15.13) with the end-of-step equilibrium, which is linear: one solve."""
+        """Step by (15.12), (15.13) to the linear equilibrium at the end, with one solve."""
         n = self.n
         at = fraction * n
         for i in range(n):
@@ -309,7 +310,7 @@ class Stepper:
     # -- the macro step ------------------------------------------------------------------------------
 
     def _prepare_signals(self, h):
-        """Signals at all substep instants, and for linear branches the loads they make."""
+        """Evaluate signals at the times of all substeps, and for linear branches the loads."""
         if self.loads_hold:
             return
         for k in range(self.fractions):
@@ -330,7 +331,7 @@ class Stepper:
                 self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
 
     def _repeat_signals(self, k):
-        """At fraction k everything is as at the first."""
+        """Copy signals and loads at the first fraction to fraction k."""
         width = 3 * self.net.signals
         for i in range(width):
             self.signal_table[k * width + i] = self.signal_table[i]
@@ -338,7 +339,7 @@ class Stepper:
             self.load_table[k * self.n + i] = self.load_table[i]
 
     def _find_loads(self, k, rates):
-        """Loads at fraction k, and if wanted their rates, which at the end of a step are."""
+        """Find loads at fraction k, and their rates if `rates`, as at the end of a step."""
         for i in range(self.n):
             self.load_table[k * self.n + i] = self.constant[i]
         self._add_loads(self.load_table, k * self.n, 0)
@@ -348,7 +349,7 @@ class Stepper:
             self._add_loads(self.load_rate, 0, 1)
 
     def _add_loads(self, out, at, order):
-        """What loads and the roads under the rows bring, or its rate, with the signals in `road`."""
+        """Add the forces of loads and roads, or their rates, with the signals in `road`."""
         n = self.n
         for m in range(self.net.loads):
             p = self.net.road[4 * self.net.load_signal[m] + order]
@@ -367,7 +368,7 @@ class Stepper:
                         out[at + i] += self.net.row_direction[r * n + i] * f
 
     def _column(self, column, h):
-        """A macro step made of so many equal substeps, into the table of the extrapolation."""
+        """Take a macro step in the equal substeps of a column, into the extrapolation table."""
         n = self.n
         m = self.sequence[column]
         step = h / m
@@ -394,7 +395,7 @@ class Stepper:
         return 0
 
     def attempt(self, t, h):
-        """From now to now + h with all branches fixed; the end goes to qb, vb, ab, jb."""
+        """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
         self.time = t
         self.error_order = 2 * self.columns - 1
         if self.method == _EXACT:
@@ -422,20 +423,20 @@ class Stepper:
         return status
 
     def _check_reading(self, h):
-        """What the jerks at the ends do to the septic halfway is an error where they mean nothing.
+        """Count the effect of the end jerks on the septic halfway as an error, for stiff motions.
 
-        Of a motion that is over within a small part of the step they have what is left of it, times the
-        square of its decay. They are then trusted no further than they are not needed.
+        If a motion decays within a small part of the step, the jerks contain its remainder times the
+        square of its decay rate, and do not describe the step.
         """
         for i in range(self.n):
             self._note_error(_SHARE * h * h * h / 768.0 * fabs(self.jb[i] - self.j[i]))
 
     def in_lanes(self):
-        """Whether the present branch is linear and goes the faster way."""
+        """Return whether the present branch is linear and uses the faster method."""
         return self.affine and self.side_by_side and not self.net.stuck
 
     def shift_end(self, t, late):
-        """Move the end of the attempt by a little, to t, along its Taylor series."""
+        """Move the end of the attempt slightly, to t, along its Taylor series."""
         for i in range(self.n):
             a, j = self.ab[i], self.jb[i]
             self.qb[i] += late * (self.vb[i] + late * (a / 2.0 + late * j / 6.0))
@@ -447,7 +448,7 @@ class Stepper:
         self.lanes.finish()
 
     def stop_within(self, t, dense):
-        """End the attempt at t, by the septic through its ends; `dense` has it."""
+        """End the attempt at t, on the septic `dense` through its ends."""
         dense.read(t)
         for i in range(self.n):
             self.qb[i], self.vb[i] = dense.q[i], dense.v[i]
@@ -458,13 +459,13 @@ class Stepper:
         self.lanes.finish()
 
     def loads_at_end(self, t):
-        """Loads of a linear branch at the end of a step, t."""
+        """Find the loads of a linear branch at the end of a step, t."""
         if not self.loads_hold:
             self.net.all_signals(t)
             self._find_loads(self.fractions - 1, 1)
 
     def _one_by_one(self, t, h):
-        """Columns one after the other, by Aitken and Neville.
+        """Make the columns one after the other and extrapolate by Aitken and Neville.
 
         T[j,m] = T[j,m-1] + (T[j,m-1] - T[j-1,m-1]) / ((n_j / n_(j-m))^2 - 1).
         """
@@ -478,7 +479,7 @@ class Stepper:
             for m in range(1, column + 1):
                 ratio = self.sequence[column] / (1.0 * self.sequence[column - m])
                 weight = 1.0 / (ratio * ratio - 1.0)
-                # the row below is overwritten from the left: T[j-1,m-1] stands at column - m
+                # the row below is overwritten from the left: T[j-1,m-1] is at column - m
                 low = (column - m) * width
                 high = (column - m + 1) * width
                 for i in range(width):
@@ -500,7 +501,7 @@ class Stepper:
         return 0
 
     def _reach_beyond(self, t, h):
-        """Wilson's step: equilibrium at theta h, and of the acceleration found there its share."""
+        """Take Wilson's step: equilibrium at theta h, and 1/theta of the change of acceleration."""
         n = self.n
         beyond = self.theta * h
         for i in range(n):
@@ -528,7 +529,7 @@ class Stepper:
         return 0
 
     def _propagate(self, t, h):
-        """The exact step; its error is that of the septic through its ends, halfway."""
+        """Take the exact step; its error is that of the septic through its ends, halfway."""
         status = self.propagator.attempt(t, h)
         if status != 0:
             return status
@@ -536,8 +537,8 @@ class Stepper:
         self._begin_errors()
         self._read_middle(h)
         for i in range(self.n):
-            # nothing adds up here, so one step may use up the whole tolerance; in v the difference
-            # of q over a short step is rounded
+            # errors do not accumulate here, so one step may use the whole tolerance; in v the
+            # difference of q over a short step is rounded
             rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i])) / h
             self._note_error(_SHARE * fabs(self.septic_q[i] - self.middle_q[i]))
             self._note_error(
@@ -548,7 +549,7 @@ class Stepper:
         return 0
 
     def _read_middle(self, h):
-        """The septic through the ends of the attempt, and two derivatives, halfway."""
+        """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""
         for i in range(self.n):
             v, a, j = self.vb[i] - self.v[i], self.ab[i] - self.a[i], self.jb[i] - self.j[i]
             self.septic_q[i] = 0.5 * (self.q[i] + self.qb[i]) - h * (
@@ -564,10 +565,10 @@ class Stepper:
             )
 
     def _check_middle(self, h):
-        """What the septic lacks of the equation of motion halfway is an error of the step, too.
+        """Count the residual of the septic in the equation of motion halfway as an error of the step.
 
-        A knee of a curved force that all substeps miss shows there. An error e that vanishes at both
-        ends like their septic's is 1/32 h^2 e'' halfway, its rate at most 0.12 h e''.
+        It shows a knee of a curved force that all substeps miss. An error e of the septic, which
+        vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is at most 0.12 h e''.
         """
         self._read_middle(h)
         self.net.all_signals(self.time + 0.5 * h)
@@ -583,9 +584,9 @@ class Stepper:
             self._note_error(0.12 * self.velocity_scale[i] * lack)
 
     def _begin_errors(self):
-        """What errors of the attempt just made are compared with: the largest motion so far or in it.
+        """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
 
-        But not with less than rounding, of displacements and of the forces that balance at rest.
+        It is at least the rounding of displacements and of the forces that balance at rest.
         """
         self.error = 0.0
         size = self.scale
@@ -595,7 +596,7 @@ class Stepper:
         self.allowed = max(self.allowed, _ROUNDING * size) + _LEAST_LENGTH
 
     def _note_error(self, size):
-        """Keep the largest error in units of the tolerance."""
+        """Update the largest error, in units of the tolerance."""
         error = size / self.allowed
         if not error <= self.error:
             self.error = error

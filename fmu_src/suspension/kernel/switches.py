@@ -1,9 +1,8 @@
-"""Which element leaves its branch first within an attempted step, and when.
+"""Find which element leaves its branch first within an attempted step, and when.
 
-Watched is whatever has a bound in the present branches: a deflection or a rate that may reach a
-corner, the force of a tyre that may leave the road or press on it again, the gap below a tyre in
-flight, the force that sticking takes. Each is a polynomial through its value and derivatives at both
-ends of the step.
+All quantities with a bound in the present branches are watched: a deflection or rate that may reach a
+corner, the force of a tyre that may leave the road or meet it again, the gap below a tyre in flight,
+the force of sticking. Each is a polynomial through its value and derivatives at both ends of the step.
 """
 
 from __future__ import annotations
@@ -18,15 +17,15 @@ if not cython.compiled:
     from math import fabs
 
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
-_NEVER = 1e299  # bounds beyond are none
+_NEVER = 1e299  # larger bounds do not exist
 
 
 class Switches:
-    """What is watched in the present branches of a stepper's network.
+    """The watched quantities in the present branches of a stepper's network.
 
     Parameters
     ----------
-    stepper : whose attempts are searched
+    stepper : the stepper whose attempts are searched
     """
 
     def __init__(self, stepper):
@@ -37,7 +36,7 @@ class Switches:
         self.watched = 0
         self.watched_element, self.watched_kind = integers([0] * most), integers([0] * most)
         self.low, self.high = vectors(2, most)
-        # of each row, and of each road, four numbers at the start of the attempt and four at its end
+        # for each row and each road, four numbers at the start of the attempt and four at its end
         self.row = doubles([0.0] * 8 * max(self.net.rows, 1))
         self.road = doubles([0.0] * 8 * max(self.net.signals, 1))
         self.roads_known = 0
@@ -46,13 +45,13 @@ class Switches:
         self.contact_straight = integers([0] * self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
-        self.across = False  # whether what was found is the end of a gap
-        # whether nothing was found but where a gap has opened: it is watched from there on
+        self.across = False  # whether the switch found is the end of a gap
+        # whether only the opening of a gap was found, which is watched from there on
         self.only_opens = False
         self.recedes = False
 
     def enter_branches(self):
-        """List what is watched, after a change of branch."""
+        """List the watched quantities, after a change of branch."""
         self.watched = 0
         self.roads_known = 0
         self.start_known = 0
@@ -61,7 +60,7 @@ class Switches:
             kind = self.net.switch_kind[m]
             if kind == _CONTACT:
                 self._note_contact(e)
-            # what sticks passes no corner, whatever rounding says
+            # a row that sticks passes no corner, whatever the rounding
             if kind < _CONTACT and self.net.row_stuck[self.net.element_row[e]]:
                 continue
             low = self.net.bound(e, kind, -1)
@@ -73,7 +72,7 @@ class Switches:
                 self.watched += 1
 
     def _note_contact(self, e):
-        """Force at rest, stiffness and damping of a tyre, if its pieces are straight."""
+        """Store force at rest, stiffness and damping of a tyre, if its pieces are straight."""
         ps, pd = self.net.piece_now(e, _SPRING), self.net.piece_now(e, _DAMPER)
         self.contact_straight[e] = self.net.straight[ps] and self.net.straight[pd]
         factor = 1.0
@@ -87,7 +86,7 @@ class Switches:
         self.contact_f[e] = self.net.intercept(ps) + self.net.intercept(pd) * factor
 
     def first(self, t, h):
-        """The earliest switch of the attempt from t to t + h: its fraction of h, or 2 for none."""
+        """Return the earliest switch from t to t + h as a fraction of h, or 2 if there is none."""
         self.at = 2.0
         if self.watched == 0:
             return 2.0
@@ -113,7 +112,7 @@ class Switches:
         return self.at
 
     def carry_on(self):
-        """The attempt searched last has been accepted: the next one starts where it ends."""
+        """After the last attempt was accepted, take its end as the start of the next one."""
         if self.start_known:
             for r in range(self.net.rows):
                 for k in range(8 * r, 8 * r + 4):
@@ -123,16 +122,16 @@ class Switches:
                     self.road[k] = self.road[k + 4]
 
     def _read_roads(self, t, h):
-        """Signals at both ends of an attempt that has just been made."""
+        """Read signals at both ends of the attempt just made."""
         self._read_end(t + h)
         if not self.start_known:
             self._read_road(t, 0)
         self.roads_known = 1
 
     def _read_end(self, t):
-        """Signals where an attempt ends that has just been made or cut short."""
+        """Read signals at the end of the attempt just made or shortened."""
         if self.stepper.in_lanes() and not self.stepper.loads_hold:
-            self._note_road(1)  # it leaves them as they are there
+            self._note_road(1)  # it leaves the signals evaluated there
         else:
             self._read_road(t, 1)
 
@@ -146,7 +145,7 @@ class Switches:
                 self.road[8 * s + 4 * end + k] = self.net.road[4 * s + k]
 
     def _read_row(self, r, end):
-        """Deflection of row r with three derivatives, where the attempt starts or where it ends."""
+        """Find the deflection of row r and three derivatives at the start or end of the attempt."""
         n = self.net.n
         d0 = 0.0
         d1 = 0.0
@@ -179,7 +178,7 @@ class Switches:
         self.row[at + 3] = d3
 
     def _stays_far(self, k, h):
-        """Whether a deflection stays between its bounds by far, all coefficients of its septic."""
+        """Return whether all coefficients of a deflection's septic are within its bounds."""
         at = 8 * self.net.element_row[self.watched_element[k]]
         d1 = h * 3.0 / 7.0
         d2 = h * h / 14.0
@@ -192,7 +191,7 @@ class Switches:
         return x - dx > low and y - dy > low and x + dx < high and y + dy < high
 
     def _polynomial(self, e, kind, h):
-        """What is watched of element e, as a polynomial over the attempt; its degree."""
+        """Set the polynomial of a watched quantity over the attempt; return its degree."""
         at = 8 * self.net.element_row[e]
         if kind in (_SPRING, _MODULATION):
             self.crossing.hermite7(self.row, at, h)
@@ -204,7 +203,7 @@ class Switches:
             self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
             return 5
         if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
-            # sticking: the force it takes
+            # the force of sticking
             self.crossing.hermite3(
                 self.stepper.multiplier[e], self.stepper.multiplier_rate[e],
                 self.net.multiplier[e], self.net.multiplier_rate[e], h,
@@ -217,7 +216,7 @@ class Switches:
         return 5
 
     def _contact_force(self, e, at):
-        """As `unlimited_force`; by few numbers where all pieces are straight."""
+        """Find the force as `unlimited_force`, in fewer operations if all pieces are straight."""
         if not self.contact_straight[e]:
             self.net.unlimited_force(e, self.row, at)
             return
@@ -227,10 +226,10 @@ class Switches:
         self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
     def _search(self, k, side, bound, degree, h):
-        """Keep the first exit over a bound, if it is the earliest."""
+        """Store the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
         departing = self.net.departing[_KINDS * e + kind] == side or (
-            # exactly on the bound, as at rest; where contact or sticking starts it is inside
+            # exactly on the bound, as at rest; contact and sticking start inside
             self.crossing.bezier[0] == bound
             and kind != _CONTACT
             and (kind != _FRICTION or self.net.branch[_KINDS * e + _FRICTION] != 0)
@@ -239,7 +238,7 @@ class Switches:
         if at < self.at:
             self._keep(k, at, side)
             if kind == _CONTACT and side < 0:
-                # it presses again, unless it has left the road by more than its length until then
+                # contact is regained, unless a gap has opened by then
                 self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
                 self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
 
@@ -251,12 +250,12 @@ class Switches:
         self.across = self.only_opens = False
 
     def _is_open(self, e):
-        """Whether there is a gap below a tyre where the attempt starts."""
+        """Return whether there is a gap below a tyre at the start of the attempt."""
         at = 8 * self.net.element_row[e]
         return self.net.branch[_KINDS * e + _CONTACT] != 0 and self.row[at] > self.net.opening[e]
 
     def _search_gap(self, k, h):
-        """Keep the instant at which a gap closes, if it is the earliest."""
+        """Store the time at which a gap closes, if it is the earliest."""
         e = self.watched_element[k]
         bound = self.net.opening[e]
         self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
@@ -269,9 +268,9 @@ class Switches:
                 self.across = True
 
     def lateness(self, t):
-        """By how much the attempt, which ends at t, overran the switch found, s; 0 if it can't tell.
+        """Return by how much the attempt, which ends at t, passed the switch found, s; 0 if unknown.
 
-        `recedes` then says that what is watched is still inside its branch there and moves further in:
+        `recedes` is then set if the watched quantity is still inside its branch and moves further in:
         an attempt of that length does not reach the bound.
         """
         e, kind = self.element, self.kind

@@ -1,4 +1,4 @@
-"""Whether a fixed step is stable, and whether energy appears from nowhere.
+"""Check whether a fixed step is stable.
 
 The linear-acceleration method is stable while omega_max h < 2 sqrt 3, whatever the damping (H83
 chapter 15 leaves the limit to Bathe and Wilson 1976, section 9.4); a macro step extrapolated from 1, 2,
@@ -17,7 +17,7 @@ if not cython.compiled:
 
 POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
 _REFUSE, _ALLOW = 1, 2
-# omega_max h by the number of columns, and by method where it differs; 0: without a limit
+# omega_max h by number of columns, and the methods without a limit
 LIMITS = {1: 12.0**0.5, 2: 2.2, 3: 2.2, 4: 3.2}
 UNLIMITED = ("wilson", "exact")
 _BELOW = 0.9999  # of the limit: at the limit itself the amplitude grows in proportion to time
@@ -25,13 +25,13 @@ _SWEEPS = 30
 
 
 class Watch:
-    """Watches the fixed steps of one stepper.
+    """Watch the fixed steps of one stepper.
 
     Parameters
     ----------
-    stepper, network : the tangent stiffness of the one over the mass of the other is looked at
+    stepper, network : give the tangent stiffness and the mass
     policy : key of `POLICIES`
-    limit : stable omega_max h; 0 for none
+    limit : largest stable omega_max h; 0 for none
     """
 
     def __init__(self, stepper, network, policy, limit):
@@ -43,15 +43,15 @@ class Watch:
         self.start()
 
     def start(self):
-        """No step has been too long yet."""
-        self.beyond_since = -1e300  # when a step was first found too long, s
-        self.beyond_step = 0.0  # what would have been stable then, s
+        """Reset: no step has been too long yet."""
+        self.beyond_since = -1e300  # time at which a step was first too long, s
+        self.beyond_step = 0.0  # the stable step then, s
 
     def fit(self, time, h):
-        """The step to take in place of h: h itself, an equal part of it, or 0 if it is refused."""
+        """Return the step to take for h: h itself, an equal part of it, or 0 if it is refused."""
         if self.limit == 0.0 or self.policy == _ALLOW:
             return h
-        # an upper bound, and known
+        # a known upper bound
         if h * h * self.stepper.omega_squared <= self.limit * self.limit:
             return h
         omega = self.fastest()
@@ -65,7 +65,7 @@ class Watch:
         return h / (1.0 + floor(h * omega / self.limit))
 
     def fastest(self):
-        """omega_max of the present tangent, rad/s; 0 where nothing springs back."""
+        """Return omega_max of the present tangent, rad/s; 0 without a restoring force."""
         if self.stamp != self.stepper.stamp:
             self.stamp = self.stepper.stamp
             largest = self._largest_eigenvalue()
@@ -73,7 +73,7 @@ class Watch:
         return self.omega
 
     def _largest_eigenvalue(self):
-        """Of L^-1 K L^-T, by cyclic Jacobi rotations."""
+        """Return the largest eigenvalue of L^-1 K L^-T, by cyclic Jacobi rotations."""
         n = self.n
         m, low = self.matrix, self.net.mass_factor
         for i in range(n * n):
