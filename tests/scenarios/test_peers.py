@@ -50,7 +50,8 @@ def test_scipy_runs_without_a_compiler_too(car: Workbench, monkeypatch: pytest.M
 @pytest.mark.slow
 @of_every_peer
 def test_a_peer_comes_as_near_as_its_setting_says(solver: Solver, car: Workbench) -> None:
-    value, bound = (1e-3 / 16, 1e-5) if solver.knob == "step" else (1e-8, 1e-5)
+    # fixed steps run through the touchdown, where the tyre's force jumps
+    value, bound = (1e-3 / 16, 1e-4) if solver.knob == "step" else (1e-8, 1e-5)
     run = solver.prepare(car, value)
     assert largest_error(run(), car.true) < bound
     assert np.array_equal(run(), run())  # and a run begins where the one before began
