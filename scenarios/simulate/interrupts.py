@@ -6,19 +6,40 @@ import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
+
+
+class _Record:
+    """A signal handler that records the signals that came."""
+
+    def __init__(self) -> None:
+        self.came = [0]
+
+    def __call__(self, number: int, _frame: FrameType | None) -> None:
+        self.came.append(number)
+
+    def last(self) -> int:
+        return self.came[-1]
 
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], int]]:
-    """Record Ctrl-C and SIGTERM; raised inside the FMU they would count as its failure."""
-    came: list[int] = [0]
+    """Record Ctrl-C and SIGTERM; raised inside the FMU they would be lost, or count as its failure.
+
+    Within another deferral it yields the record of that one.
+    """
+    outer = signal.getsignal(signal.SIGTERM)
+    if isinstance(outer, _Record):
+        yield outer.last
+        return
+    record = _Record()
     if threading.current_thread() is not threading.main_thread():
-        yield lambda: came[-1]
+        yield record.last
         return
     signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(one, lambda number, _frame: came.append(number)) for one in signals]
+    before = [signal.signal(one, record) for one in signals]
     try:
-        yield lambda: came[-1]
+        yield record.last
     finally:
         for one, handler in zip(signals, before, strict=True):
             signal.signal(one, handler)

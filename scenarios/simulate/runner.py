@@ -63,7 +63,8 @@ def run(
     """
     if scene.fmu.model == EQUATION:
         return _solved(scene)
-    with simulate.driver.opened(scene.fmu) as (fmu, build_time):
+    # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
+    with deferred_interrupt(), simulate.driver.opened(scene.fmu) as (fmu, build_time):
         return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
 
 
