@@ -1,8 +1,9 @@
 """Ratios of run times with limits for the integrator; writes `results.json` and `results.md`.
 
-    python benchmarks/ratios.py [--rounds 25] [--only steps,levels,batch]
+    python benchmarks/ratios.py [--rounds 25] [--only steps,parts,levels,batch]
 
-Both sides of a ratio are interleaved, and their medians compared. A ratio must not exceed its bar;
+Both sides of a ratio are interleaved, and the medians of their processor times compared; of batches,
+which have several threads, those of the time of day. A ratio must not exceed its bar;
 those of one worker to two must reach it, and that of C shows whether two cores are available.
 """
 
@@ -11,13 +12,16 @@ from __future__ import annotations
 import argparse
 import json
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from time import perf_counter
+from typing import Any
 
 import cases
 from measuring import medians
+from phaseplane.scenarios.studies import own
 from phaseplane.scenarios.studies.telling import machine, versions
 from phaseplane.suspension import engine
 from phaseplane.suspension.engine import Integrator
@@ -88,23 +92,79 @@ def fastest(
 
 
 def levels(rounds: int) -> Iterator[Ratio]:
-    """Yield the ratios of the default solver to the fastest peer and to a bare RK4 at each error."""
-    for problem in ("lift_off", "half_car"):
+    """Yield the ratios of the default solver to its fastest rivals at each error."""
+    for problem in (*cases.STRAIGHT, *cases.CURVED):
         found = cases.racers(problem)
-        functions = {f"{s.name} {value:.3g}": run for s, value, _, run in found}
-        times = medians(functions, rounds)
-        reached = [(s.name, error, times[f"{s.name} {value:.3g}"]) for s, value, error, _ in found]
+        names = [f"{r.solver} {r.setting:.3g}" for r in found]
+        times = medians(dict(zip(names, (r.run for r in found), strict=True)), rounds)
+        reached = [(r.solver, r.error, times[n]) for r, n in zip(found, names, strict=True)]
         for level in LEVELS:
-            ours = fastest(reached, level, ["extrapolated"])
-            packaged = fastest(reached, level, cases.PACKAGED)
-            bare = fastest(reached, level, ["rk4, numba"])
+            ours, anew, packaged, bare, landing = (
+                fastest(reached, level, solvers)
+                for solvers in (
+                    ["extrapolated"], [cases.ANEW], cases.PACKAGED, ["rk4, numba"], [cases.LANDING]
+                )
+            )  # fmt: skip
             if ours is None:
                 continue
+            at = f"{problem} at {level:.0e}"
             if level <= 1e-3 and packaged is not None:
-                yield Ratio(f"{problem} at {level:.0e} / fastest peer", ours, packaged, 1.0, 0.5)
-            if level >= 1e-3 and bare is not None:
+                yield Ratio(f"{at} / fastest peer", ours, packaged, 1.0, 0.5)
+            if level <= 1e-3 and landing is not None and anew is not None:
+                yield Ratio(f"{at}, begun anew / hard-coded DOP853", anew, landing, 0.6, 0.5)
+            if level >= 1e-3 and bare is not None and problem in cases.STRAIGHT:
                 bar = 1.25 if level <= 1e-3 else 2.5
-                yield Ratio(f"{problem} at {level:.0e} / bare RK4", ours, bare, bar, 1.0)
+                yield Ratio(f"{at} / bare RK4", ours, bare, bar, 1.0)
+
+
+def parts(rounds: int) -> Iterator[Ratio]:
+    """Yield the ratios of what curvature, the energy ledger, and a session add."""
+    straight, bent = "lift_off", {"spring__cubic": 1e-6}
+    runs: dict[str, Callable[[], Any]] = {
+        f"{problem}, {'with' if energy else 'without'} ledger": own.in_process(
+            cases.workbench(problem), energy=energy
+        )
+        for problem in (*cases.STRAIGHT, *cases.CURVED)
+        for energy in (True, False)
+    }
+    runs["bent"] = own.in_process(cases.workbench(straight, **bent))
+    runs["session"], runs["restores"] = cases.new_session(), cases.restores()
+    steps = {
+        "session step": cases.session_steps(),
+        **{f"{n} masses": cases.fixed_steps(Integrator, "extrapolated", cases.chain(n))
+           for n in (8, 10)},
+        **{name: cases.fixed_steps(Integrator, "extrapolated", cases.on_leaf_springs(friction))
+           for name, friction in (("stuck", 1e5), ("free", 0.0))},
+    }  # fmt: skip
+    with tempfile.TemporaryDirectory() as folder:
+        runs["C"] = cases.hard_coded_steps(Path(folder))["C"]
+        times = medians({**runs, **steps}, rounds)
+    times |= {name: times[name] / step() for name, step in steps.items()}
+    yield Ratio(
+        "fixed step of a session / hard-coded C",
+        times["session step"],
+        times["C"] / cases.STEPS,
+        4.0,
+        2.0,
+    )
+    yield Ratio(
+        "lift_off with a cubic rate of 1e-6 / without",
+        times["bent"],
+        times[f"{straight}, without ledger"],
+        2.0,
+        1.3,
+    )
+    for problem in (*cases.STRAIGHT, *cases.CURVED):
+        kept, spared = (times[f"{problem}, {how} ledger"] for how in ("with", "without"))
+        yield Ratio(f"{problem} with energy ledger / without", kept, spared, 1.3, 1.15)
+    yield Ratio(
+        "beginning anew, quarter car / 1 us", times["restores"] / cases.RESTORES, 1e-6, 2.0, 1.0
+    )
+    yield Ratio("session from parameters / 1 ms", times["session"], 1e-3, 0.25, 0.1)
+    yield Ratio("step of 10 masses / of 8", times["10 masses"], times["8 masses"], 2.0, 1.6)
+    yield Ratio(
+        "step with stuck friction / without friction", times["stuck"], times["free"], 2.0, 1.3
+    )
 
 
 def batch(rounds: int) -> Iterator[Ratio]:
@@ -113,7 +173,7 @@ def batch(rounds: int) -> Iterator[Ratio]:
     runs = {"one": one, "two": two, "lsoda": cases.lsoda_run()}
     with tempfile.TemporaryDirectory() as folder:
         c_one, c_two = (cases.c_steps_in_threads(Path(folder), threads) for threads in (1, 2))
-        times = medians({**runs, "C, one": c_one, "C, two": c_two}, rounds)
+        times = medians({**runs, "C, one": c_one, "C, two": c_two}, rounds, perf_counter)
     each = times["one"] / _RUNS
     yield Ratio("one run of a batch at 1e-4 / scipy LSODA", each, times["lsoda"], 1 / 200, 1 / 400)
     yield Ratio("batch by one worker / by two", each, times["two"] / _RUNS, 1.7, 1.9, True)
@@ -122,7 +182,7 @@ def batch(rounds: int) -> Iterator[Ratio]:
     )
 
 
-PARTS = {"steps": steps, "levels": levels, "batch": batch}
+PARTS = {"steps": steps, "parts": parts, "levels": levels, "batch": batch}
 
 
 def table(ratios: list[Ratio]) -> str:

@@ -28,17 +28,18 @@ if TYPE_CHECKING:
 _SAME = 1e-6  # of an interval: a drawn point this close is at the time wanted
 
 
-def in_process(bench: Workbench, **options: Any) -> Run:
+def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Prepared:
     """Return a run that is one call of the integrator, set up beforehand.
 
     Parameters
     ----------
-    options : options of `Integrator`
+    energy : whether to keep the energy ledger
+    options : further options of `Integrator`
     """
     problem = bench.problem
     n = len(problem.system.mass)
     try:
-        integrator = Integrator(problem.system, energy=False, **options)
+        integrator = Integrator(problem.system, energy=energy, **options)
     except ValueError as error:
         raise UnableError(str(error)) from None
     integrator.set_state(problem.start[:n].tolist(), problem.start[n:].tolist())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from math import inf, pi, sqrt
+from math import inf, pi, sqrt, tanh
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -188,6 +188,25 @@ _SMOOTH: dict[str, Value] = {
 }  # fmt: skip
 
 
+_LIFTING: dict[str, Value] = {"spring.cubic": 1e6, "damper.saturation_force": 800.0}
+
+
+def _measured() -> dict[str, Value]:
+    """Return such a spring and damper of one axle as tables of ten points, joined smoothly."""
+    spring = (-0.12, -0.085, -0.055, -0.025, 0.0, 0.02, 0.045, 0.07, 0.1, 0.14)
+    damper = (-1.6, -0.9, -0.45, -0.15, 0.0, 0.08, 0.2, 0.4, 0.8, 1.5)
+    bump, rebound = 50.0 * _KGF, 200.0 * _KGF
+    forces = {
+        "spring": [(y, 1.5e4 * y + 1e6 * y**3) for y in spring],
+        "damper": [(v, 800.0 * tanh((bump if v < 0.0 else rebound) * v / 800.0)) for v in damper],
+    }
+    found: dict[str, Value] = {}
+    for part, points in forces.items():
+        found[f"{part}.table"] = ", ".join(f"{x:g}:{force:.4g}" for x, force in points)
+        found[f"{part}.interpolation"] = "monotone"
+    return found
+
+
 def _of_models(
     **told: tuple[str, Kind, str, Mapping[str, Value]],
 ) -> dict[str, Callable[[], Problem]]:
@@ -206,6 +225,18 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
             "non-smooth", "HalfCar",
             {
                 **{f"{end}.{k}": v for end in ("front", "rear") for k, v in _AXLE.items()},
+                "road.height": 0.07, "pitch_radius_of_gyration": 1.1,
+            },
+        ),
+        curved=(
+            "quarter car on a cubic spring and a damper that saturates, lift-off", "non-smooth",
+            "QuarterCar", _LIFTING,
+        ),
+        curved_half_car=(
+            "half car with smooth tables of ten points for springs and dampers, lift-off",
+            "non-smooth", "HalfCar",
+            {
+                **{f"{end}.{k}": v for end in ("front", "rear") for k, v in _measured().items()},
                 "road.height": 0.07, "pitch_radius_of_gyration": 1.1,
             },
         ),
