@@ -48,7 +48,7 @@ cdef class Rows:
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
     @cython.locals(status=int)
     cdef bint _go(self) noexcept nogil
-    @cython.locals(status=int)
+    @cython.locals(status=int, at=int)
     cdef int _begin(self) noexcept nogil
     @cython.locals(i=int, k=int)
     cdef void _end(self, int status) noexcept nogil

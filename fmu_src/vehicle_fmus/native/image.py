@@ -1,0 +1,119 @@
+"""The memory of an integrator as C: one record that holds all of its objects and arrays.
+
+An uncompiled integrator shows all of its fields. Walked by the declared types, they give the definition
+of one record, its initial value, and a function that sets the pointers within it. A copy of that record
+is a new integrator, and also its whole state.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+from .declarations import NUMBERS
+from .kernel_sources import Sources
+from .translate import in_c, number
+
+_PER_LINE = 8
+
+
+@dataclass(slots=True)
+class _Found:
+    """What has been found so far: objects and arrays by identity, each with its name in the record."""
+
+    objects: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
+    arrays: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
+    pointers: list[str] = field(default_factory=list)
+    values: dict[str, list[str]] = field(default_factory=dict)
+
+
+def image(root: Any, name: str, kernel: Sources, record: str) -> str:
+    """Return the record of an object and all that it refers to, its initial value, and its wiring.
+
+    Parameters
+    ----------
+    root : an uncompiled object of the kernel
+    name : its name in the record
+    kernel : the declarations
+    record : name of the record in C
+
+    Raises
+    ------
+    TypeError : a field that does not hold what is declared.
+    """
+    found = _Found()
+    _walk(root, type(root).__name__, name, kernel, found)
+    parts = [f"typedef struct {record} {{"]
+    parts += [f"    {kind} {at};" for at, kind, _ in found.objects.values()]
+    parts += [
+        f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
+        for at, kind, values in found.arrays.values()
+    ]
+    parts += [f"}} {record};", "", f"static const {record} {name}_as_packed = {{"]
+    for at, values in found.values.items():
+        parts += [f"    .{at} = {{", *(f"        {value}," for value in values), "    },"]
+    for at, kind, numbers in found.arrays.values():
+        if any(numbers):
+            parts += [f"    .{at} = {{", *_numbers(list(numbers), kind), "    },"]
+    parts += ["};", "", "/* Let the pointers of a copy point into that copy. */"]
+    parts += [f"static void {name}_wire({record} *of) {{"]
+    parts += [f"    {pointer};" for pointer in found.pointers]
+    return "\n".join([*parts, "}", ""])
+
+
+def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> None:
+    kind = kernel.in_c(kind)
+    found.objects[id(one)] = name, kind, one
+    found.values[name] = values = []
+    for attribute, declared in kernel.fields[kind].items():
+        if not in_c(declared, kernel):
+            continue
+        value: Any = getattr(one, attribute, None)
+        if declared in NUMBERS:
+            text = _number(value, declared, f"{kind}.{attribute}")
+            if text not in ("0", "0.0"):
+                values.append(f".{attribute} = {text}")
+        elif fixed := re.fullmatch(r"(\w+)\[(\d+)\]", declared):
+            if len(value) > int(fixed[2]):
+                raise TypeError(f"{kind}.{attribute} has {len(value)} numbers, {fixed[2]} declared")
+            if any(value):
+                inner = ", ".join(_number(x, fixed[1], attribute) for x in value)
+                values.append(f".{attribute} = {{{inner}}}")
+        elif value is not None:
+            at = _place(value, declared, f"{name}_{attribute}", kernel, found)
+            found.pointers.append(f"of->{name}.{attribute} = {at}")
+    if not values:
+        del found.values[name]
+
+
+def _place(value: Any, declared: str, name: str, kernel: Sources, found: _Found) -> str:
+    """Return where an object or array is, which is entered if it is new."""
+    if declared.endswith("*"):
+        if id(value) not in found.arrays:
+            found.arrays[id(value)] = name, declared[:-1], value
+        return f"of->{found.arrays[id(value)][0]}"
+    if id(value) not in found.objects:
+        short = name.split("_", 1)[1]
+        taken = {at for at, _, _ in found.objects.values()}
+        _walk(value, declared, name if short in taken else short, kernel, found)
+    return f"&of->{found.objects[id(value)][0]}"
+
+
+def _number(value: Any, kind: str, where: str) -> str:
+    if value is None:
+        return "0"  # set before it is read
+    if kind == "double":
+        return number(float(value))
+    if int(value) != value:
+        raise TypeError(f"{where} = {value!r} is declared as {kind}")
+    return str(int(value))
+
+
+def _numbers(values: list[Any], kind: str) -> list[str]:
+    while values and not values[-1]:
+        values.pop()
+    texts = [_number(value, kind, "an item") for value in values]
+    return [
+        f"        {', '.join(texts[k : k + _PER_LINE])}," for k in range(0, len(texts), _PER_LINE)
+    ]

@@ -1,0 +1,99 @@
+"""The kernel translated to C, beside the kernel that Cython compiles: the same bits."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from phaseplane.suspension import engine
+from phaseplane.suspension.kernel_name import KERNEL
+from phaseplane.suspension.models import build
+from phaseplane.vehicle_fmus.native.image import image
+from phaseplane.vehicle_fmus.native.kernel_sources import (
+    plain_integrator,
+    sources,
+    values_of_constants,
+)
+from phaseplane.vehicle_fmus.native.translate import check, needed, number, translated
+
+ROOTS = [("Integrator", name) for name in ("begin_row", "_advance", "sample", "sample_forces")]
+MAIN = """
+static Memory memory;
+static double row[] = {%s};
+int go(const double *times, int count, double *out) {
+    Integrator *one = &memory.integrator;
+    int status;
+    memory = integrator_as_packed;
+    integrator_wire(&memory);
+    Integrator_begin_row(one, row, 0, 0.0);
+    for (int k = 0; k < count; k++) {
+        while ((status = Integrator__advance(one, times[k], 0)) == PAUSED) {
+            one->since_pause = one->event_count = 0;
+        }
+        if (status) return status;
+        Integrator_sample(one, times[k]);
+        Integrator_sample_forces(one, times[k]);
+        for (int i = 0; i < one->n; i++) {
+            *out++ = one->sample_q[i];
+            *out++ = one->sample_v[i];
+            *out++ = one->sample_a[i];
+        }
+    }
+    return 0;
+}
+"""
+RUNS = {
+    "lift-off": ("QuarterCar", {}, {}),
+    "curved, fixed steps": (
+        "QuarterCar",
+        {"spring.cubic": 1e6, "damper.saturation_force": 800.0, "friction": 50.0},
+        {"method": "mean", "step": 1e-3},
+    ),
+    "two axles on planks": (
+        "HalfCar",
+        {"road.shape": "plank", "front.bump_stop.stiffness": 3e5, "road.ramp_length": 0.1},
+        {"tolerance": 1e-4},
+    ),
+    "a spring that yields, exact": ("Elastoplastic", {}, {"method": "exact"}),
+}
+
+
+def test_the_kernel_is_in_the_small_language() -> None:
+    assert check(KERNEL) == []
+
+
+@pytest.mark.parametrize("what", RUNS)
+def test_the_same_bits_as_the_compiled_kernel(what: str, tmp_path: Path) -> None:
+    compiler = shutil.which("cc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    model, parameters, options = RUNS[what]
+    system, kernel = build(model, parameters), sources()
+    plain = plain_integrator()(system, **options)
+    rest = [0.0] * plain.n
+    code = translated(kernel, values_of_constants(kernel), needed(kernel, ROOTS))
+    code += image(plain, "integrator", kernel, "Memory")
+    code += MAIN % ", ".join(map(number, plain.row(system, rest, rest)))
+    tmp_path.joinpath("kernel.c").write_text(code)
+    flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Werror", "-shared", "-fPIC"]
+    library = tmp_path / "kernel.so"
+    subprocess.run(
+        [compiler, *flags, "-o", str(library), str(tmp_path / "kernel.c"), "-lm"], check=True
+    )
+    times = [0.002 * k for k in range(501)]
+    found = (ctypes.c_double * (3 * plain.n * len(times)))()
+    given = (ctypes.c_double * len(times))(*times)
+    assert ctypes.CDLL(str(library)).go(given, len(times), found) == 0
+    integrator: Any = engine.Integrator(system, **options)
+    wanted: list[float] = []
+    for time in times:
+        assert integrator.advance(time) == 0
+        integrator.sample(time)
+        integrator.sample_forces(time)
+        motion = (integrator.sample_q, integrator.sample_v, integrator.sample_a)
+        wanted += [x for i in range(plain.n) for x in (array[i] for array in motion)]
+    assert list(found) == wanted
