@@ -1,0 +1,162 @@
+"""Cases published by others, against the numbers that they print.
+
+code_aster's test cases SDND (manual V5.01): a mass, its springs, stops and friction. A. K. Chopra,
+Dynamics of Structures, chapter 5. H83: examples of that book.
+"""
+
+from __future__ import annotations
+
+from math import inf, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.signals import Segment, Signal
+from phaseplane.suspension.systems import Element, Load, System
+from scipy.integrate import simpson
+
+REFERENCE = Path(__file__).parents[1] / "reference"
+LINEAR = characteristics.linear
+
+
+def mass_on(
+    mass: float, *elements: Element, force: Signal | None = None, scale: float = 1e-3
+) -> System:
+    """A mass with a force on it."""
+    return System(
+        ("x",), ((mass,),), elements, {"force": force or roads.constant()},
+        (Load((1.0,), "force"),), (scale,),
+    )  # fmt: skip
+
+
+def started(system: System, x: float = 0.0, v: float = 0.0, **options: object) -> Integrator:
+    integrator = Integrator(system, **{"tolerance": 1e-10, **options})
+    integrator.set_state([x], [v])
+    return integrator
+
+
+def at(integrator: Integrator, time: float) -> tuple[float, float]:
+    """Displacement and velocity at a time."""
+    assert integrator.advance(time) == 0
+    integrator.sample(time)
+    return integrator.sample_q[0], integrator.sample_v[0]
+
+
+def switches(integrator: Integrator, until: float) -> list[float]:
+    """The instants of all switches up to a time."""
+    assert integrator.advance(until, True) == 0
+    return [time for time, *_ in integrator.take_log()]
+
+
+def sine(amplitude: float, rate: float, ends: float = inf) -> Signal:
+    """amplitude sin(rate t) from 0 to `ends`."""
+    wave = Segment(0.0, 0.0, amplitude=amplitude, phase=(-pi / 2.0, rate, 0.0))
+    after = (Segment(ends),) if ends < inf else ()
+    return Signal((Segment(-inf), wave, *after), amplitude)
+
+
+def test_every_contact_of_a_driven_mass_with_a_hard_stop() -> None:
+    """SDND121: 70 contacts of 0.4 ms, the stop 5000 times as stiff as the spring."""
+    published = np.loadtxt(REFERENCE / "sdnd121.csv", delimiter=",", skiprows=3).ravel()
+    stop = characteristics.rebound_stop(1e-3, 1e10)
+    system = mass_on(
+        156.0, Element("spring", (1.0,), LINEAR(2e6)), Element("stop", (1.0,), stop),
+        force=sine(3000.0, 10.0 * pi),
+    )  # fmt: skip
+    integrator = started(system)
+    assert published.shape == (140,)
+    found = switches(integrator, 3.9)
+    assert found == pytest.approx(published, abs=1e-8)
+    kinetic, stored, _, supplied = integrator.energies()
+    # published: balanced within 0.1 %
+    assert kinetic + sum(stored) == pytest.approx(sum(supplied), rel=1e-7)
+
+
+def test_a_ball_falls_on_a_spring() -> None:
+    """SDND108a: thrown down at 1 m/s, 2 m above a spring of 100 N/m; m = 1 kg, g = 10 m/s2."""
+    system = mass_on(
+        1.0, Element("spring", (1.0,), characteristics.bump_stop(2.0, 100.0)),
+        force=roads.constant(-10.0), scale=1.0,
+    )  # fmt: skip
+    integrator = started(system, 0.0, -1.0, tolerance=1e-12)
+    positions = [at(integrator, 1.0)[0], at(integrator, 1.1)[0]]
+    assert positions == pytest.approx([-1.332162981855, -0.856394405035], abs=1e-11)
+    log = [time for time, *_ in integrator.take_log()]
+    assert log == pytest.approx([0.54031242374329, 0.88545615307643], abs=1e-12)
+
+
+def test_a_mass_thrown_against_a_stop_comes_back_as_fast() -> None:
+    """SDND101: force, duration and impulse of the shock, and the next largest displacement."""
+    m, k, stop = 100.0, 1e4, 1e6
+    system = mass_on(
+        m, Element("spring", (1.0,), LINEAR(k)),
+        Element("stop", (1.0,), characteristics.rebound_stop(0.0, stop)),
+    )  # fmt: skip
+    integrator = started(system, 0.0, 1.0, tolerance=1e-12)
+    largest, speed = at(integrator, 0.5 * pi * sqrt(m / (k + stop)))
+    assert speed == pytest.approx(0.0, abs=1e-10)
+    assert stop * largest == pytest.approx(9950.3719, abs=1e-4)  # published: 9950
+    (leaves,) = (t for t in switches(integrator, 0.05) if t > 1e-6)
+    assert leaves == pytest.approx(0.0312600, abs=1e-7)
+    # half a swing on the spring alone, and a quarter at the stop
+    again = leaves + pi * sqrt(m / k) + 0.5 * leaves
+    assert again == pytest.approx(0.3610493, abs=1e-7)
+    assert at(integrator, again) == pytest.approx((largest, 0.0), abs=1e-9)
+    during = started(system, 0.0, 1.0, tolerance=1e-12)
+    t = np.linspace(0.0, leaves, 101)
+    forces = [stop * at(during, float(instant))[0] for instant in t]
+    assert simpson(forces, x=t) == pytest.approx(198.0198, abs=1e-4)  # published: 198.05
+    assert at(during, leaves)[1] == pytest.approx(-1.0)
+
+
+def test_dry_friction_takes_the_same_from_every_half_swing() -> None:
+    """SDND100: 0.85, -0.65, 0.45, -0.25, 0.05 mm, half a period apart; there it sticks."""
+    block = Element("block", (1.0,), LINEAR(1e4), friction=1.0)
+    integrator = started(mass_on(1.0, block), 0.85e-3, tolerance=1e-11)
+    turns = [at(integrator, k * pi / 100.0)[0] for k in range(1, 6)]
+    assert turns == pytest.approx([-0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3, 0.05e-3], abs=1e-12)
+    # printed under 45 degrees, times cos 45
+    printed = [-4.596e-4, 3.182e-4, -1.768e-4, 3.536e-5]
+    assert [x / sqrt(2.0) for x in turns[:4]] == pytest.approx(printed, abs=6e-8)
+
+
+@pytest.mark.parametrize("method", ["equilibrium", "mean", "tangent"])
+def test_linear_acceleration_by_hand(method: str) -> None:
+    """Chopra, example 5.4 (in, kip): steps of 0.1 s under half a sine of force that lasts 0.6 s.
+
+    The fifth velocity is printed as 2.1802; its own formula gives 2.1083.
+    """
+    mass, rate = 0.2533, 10.0
+    damper = LINEAR(2.0 * 0.05 * sqrt(rate * mass))
+    element = Element("structure", (1.0,), LINEAR(rate), damper)
+    system = mass_on(mass, element, force=sine(10.0, pi / 0.6, ends=0.6), scale=1.0)
+    integrator = started(system, method=method, step=0.1, landing=False)
+    found = np.array([at(integrator, 0.1 * k) for k in range(1, 11)])
+    u = [0.0300, 0.2193, 0.6166, 1.1130, 1.4782, 1.4625, 0.9514, 0.1273, -0.6954, -1.2208]
+    assert found[:, 0] == pytest.approx(u, abs=6e-5)
+    assert found[4, 1] == pytest.approx(2.1083, abs=6e-5)
+
+
+def test_the_double_pendulum_has_two_modes() -> None:
+    """H83 example 28: equal masses and lengths, small angles; frequencies in units of sqrt(g / l)."""
+    g, length, mass = 9.80665, 0.7, 1.3
+    unit = mass * length**2
+    upper, lower = LINEAR(2.0 * mass * g * length), LINEAR(mass * g * length)
+    system = System(
+        coordinates=("upper", "lower"),
+        mass=((2.0 * unit, unit), (unit, unit)),
+        elements=(Element("upper", (1.0, 0.0), upper), Element("lower", (0.0, 1.0), lower)),
+        scales=(0.01, 0.01),
+    )
+    frequencies = (0.7653668647, 1.8477590650)
+    for frequency, shape in zip(frequencies, (sqrt(2.0), -sqrt(2.0)), strict=True):
+        integrator = Integrator(system, tolerance=1e-12)
+        integrator.set_state([0.01, 0.01 * shape], [0.0, 0.0])
+        period = 2.0 * pi / (frequency * sqrt(g / length))
+        for part in (0.5, 1.0):  # in its own mode it returns whole
+            assert integrator.advance(part * period) == 0
+            integrator.sample(part * period)
+            there = 0.01 * (1.0 - 4.0 * (1.0 - part))
+            assert list(integrator.sample_q) == pytest.approx([there, shape * there], abs=1e-10)
