@@ -1,1 +1,12 @@
+from . import constructions as constructions
+from . import figures as figures
+from . import portrait as portrait
+from . import recording as recording
+from . import scenarios as scenarios
+from . import suspension as suspension
+from . import vehicle_fmus as vehicle_fmus
+from .scenarios.desk.picture import Picture as Picture
+from .scenarios.desk.run import Run as Run
+from .scenarios.desk.run import run as run
+from .scenarios.desk.table import Table as Table
 from .version import __version__ as __version__

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import cycle
 
+import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import BLUE, ORANGE, Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import (
+    BLUE,
+    COLOURS,
+    ORANGE,
+    Palette,
+    dress,
+    new_figure,
+    palette_for,
+)
 
 
 def columns(
@@ -73,6 +83,49 @@ def comparison(
         loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, frameon=False, fontsize=9.0,
         labelcolor=palette.ink,
     )  # fmt: skip
+    return figure
+
+
+def plane_of_columns(
+    curves: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]],
+    names: tuple[str, str],
+    units: Mapping[str, str],
+    *,
+    title: str = "",
+    dark: bool = False,
+) -> Figure:
+    """Draw one column over another, such as a rate over its displacement, for one or more runs.
+
+    Parameters
+    ----------
+    curves : abscissa and ordinate by the name of the run, shape (n,) each
+    names : names of the two columns
+    units : of the columns, where known
+    title : title of the figure
+    dark : use a dark background
+
+    Raises
+    ------
+    ValueError : if there are no curves.
+    """
+    if not curves:
+        raise ValueError("no columns to draw")
+    palette = palette_for(dark)
+    figure = new_figure(6.5, 5.6, palette)
+    axes = figure.subplots()
+    for (label, (x, y)), colour in zip(curves.items(), cycle(COLOURS), strict=False):
+        axes.plot(x, y, color=colour, linewidth=1.3, label=label)
+        axes.plot(*(np.asarray(v)[:1] for v in (x, y)), "o", color=colour, markersize=4.0)
+    for name, set_label in zip(names, (axes.set_xlabel, axes.set_ylabel), strict=True):
+        unit, words = units.get(name, ""), name.replace("_", " ")
+        set_label(f"{words} [{unit}]" if unit not in ("", "1") else words, color=palette.ink)
+    dress(axes, palette, 8.5)
+    axes.set_axisbelow(True)
+    if len(curves) > 1:
+        axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
+    if title:
+        axes.set_title(title, color=palette.ink, fontsize=11.0)
+    figure.tight_layout()
     return figure
 
 

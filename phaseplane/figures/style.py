@@ -49,6 +49,8 @@ class RoleStyle:
 
 BLUE, ORANGE, GREEN, RED = "#2f7fc1", "#d5651a", "#1f9e6e", "#d03c3c"
 TEAL, PINK, OCHRE, GREY, VIOLET = "#1a9aa8", "#c65594", "#a8861b", "#8a8f98", "#8868c0"
+COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
+"""Of curves beside one another, as many as can be distinguished."""
 
 ROLES = {
     "trail": RoleStyle(BLUE, 1.8, words="integral curve"),

@@ -17,13 +17,7 @@ from matplotlib.ticker import MaxNLocator
 
 from phaseplane.figures.style import (
     BLUE,
-    GREEN,
-    OCHRE,
-    ORANGE,
-    PINK,
-    RED,
-    TEAL,
-    VIOLET,
+    COLOURS,
     Palette,
     dress,
     new_figure,
@@ -34,8 +28,7 @@ Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
 _MOST = 6  # measures
 _LEVELS = 14
-_COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
-_FAMILY = len(_COLOURS)  # curves that can still be distinguished
+_FAMILY = len(COLOURS)  # curves that can still be distinguished
 _LONGEST, _LEGEND = 36, 88  # most characters of an entry in the legend, and of a line of it
 
 
@@ -151,7 +144,7 @@ def _family(others: Quantities, runs: int) -> Iterator[tuple[str, npt.NDArray[np
 def _colours(count: int) -> list[str]:
     """Return colours for a number of curves; those of a continuous scale if there are many."""
     if count <= _FAMILY:
-        return list(_COLOURS[:count])
+        return list(COLOURS[:count])
     scale = colormaps["viridis"](np.linspace(0.0, 0.92, count))
     return [tuple(colour) for colour in scale.tolist()]  # type: ignore[misc]
 

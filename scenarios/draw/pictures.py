@@ -10,14 +10,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from phaseplane.suspension.units import nearest
+
 from phaseplane import figures, recording
 
-from ..errors import MOVING, PICTURES
+from ..errors import MOVING, PICTURES, InputError, shown
+from ..scene.sections import FIGURES
 from .recording_content import of_results
 
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
+    from matplotlib.figure import Figure
 
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content
@@ -74,12 +78,31 @@ def draw(
         assert drawing is not None
         figures.animation(drawing, path, title=title, dark=dark)
         return
+    figures.save(figure_of(name, drawing, results, title=title, dark=dark), path)
+
+
+def figure_of(
+    name: str,
+    drawing: Drawing | None,
+    results: Results | None = None,
+    *,
+    title: str = "",
+    dark: bool = False,
+) -> Figure:
+    """Return one picture as `draw` writes it.
+
+    Raises
+    ------
+    InputError : if there is no picture of that name.
+    ValueError : if the construction or the results lack what the picture shows.
+    """
+    if name not in FIGURES:
+        raise InputError(f"no picture {shown(name)}{nearest(name, FIGURES)}")
     if name == "time_histories":
         assert results is not None
-        figure = figures.time_histories(histories(results), title=title, dark=dark)
-    else:
-        figure = getattr(figures, name)(drawing, title=title, dark=dark)
-    figures.save(figure, path)
+        return figures.time_histories(histories(results), title=title, dark=dark)
+    figure: Figure = getattr(figures, name)(drawing, title=title, dark=dark)
+    return figure
 
 
 def record(shown: Content, path: Path) -> None:

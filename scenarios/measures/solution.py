@@ -99,6 +99,7 @@ def solved(
     time: Column,
     measures: Iterable[Measure],
     also: Iterable[str] = (),
+    columns: Iterable[str] = (),
 ) -> Iterator[Solution]:
     """Yield the runs of a model, each with all data that the measures need.
 
@@ -109,12 +110,14 @@ def solved(
     time : times from `instants`, s
     measures : measures to take
     also : outputs to refine at both ends of their range too
+    columns : further outputs over time, which are not refined
     """
     measures, also = list(measures), set(also)
     outputs = also.union(*(m.needs for m in measures if not m.at_end))
-    ends = set().union(*(m.needs for m in measures if m.at_end)) - outputs
+    shown = outputs.union(columns)
+    ends = set().union(*(m.needs for m in measures if m.at_end)) - shown
     hidden = _hidden(measures, also)
-    found = list(simulated(model, sets, time, outputs, ends, corners=bool(hidden)))
+    found = list(simulated(model, sets, time, shown, ends, corners=bool(hidden)))
     if not hidden:
         yield from found
         return

@@ -69,8 +69,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     )
     yield ""
     yield from _measured(measures)
-    by = "with FMPy" if packed is not None or summary["model"] != summary["fmu"] else "with SciPy"
-    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s {by}")
+    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s {_by(summary)}")
     yield from _drawn(summary["drawn"])
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
@@ -108,6 +107,13 @@ def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
 def _steps(measures: Mapping[str, Any]) -> str:
     steps = measures.get("step_count", {}).get("value")
     return f"{steps} steps, " if steps is not None else ""
+
+
+def _by(summary: Mapping[str, Any]) -> str:
+    """Return what made the run, in words."""
+    if summary["build_time"] is not None or summary["model"] != summary["fmu"]:
+        return "with FMPy"
+    return "with SciPy" if "equation" in summary["parameters"] else "in this process"
 
 
 _CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "smallest_contact_force")

@@ -202,6 +202,21 @@ def read_layers(path: Path) -> Layers:
     return layers
 
 
+def given_layers(content: Mapping[str, Any], name: str) -> Layers:
+    """Return the content of a scene that is in no file, laid over the scenes that it extends.
+
+    Raises
+    ------
+    SceneError : if it has an unknown key, or a scene it extends is missing.
+    """
+    layers = Layers()
+    for layer, origin, folder in reversed(
+        list(_chain_from(dict(flattened(content, name)), name, Path()))
+    ):
+        layers.put_scene(layer, origin, folder)
+    return layers
+
+
 def fmu_layers(path: Path) -> Layers:
     """Return an `.fmu` file as a scene: all outputs, for the duration of its default experiment."""
     layers = Layers()
@@ -237,11 +252,17 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
 
 
 def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
-    """Yield the scene and all scenes it extends, nearest first."""
+    """Yield the scene of a file and all scenes it extends, nearest first."""
+    name = _called(path)
+    return _chain_from(_read(path, name), name, path.parent, path)
+
+
+def _chain_from(
+    layer: dict[str, Any], name: str, folder: Path, path: Path | None = None
+) -> Iterator[tuple[dict[str, Any], str, Path]]:
+    """Yield a scene and all scenes it extends, nearest first; `path` is its file, if it has one."""
     seen: list[Path] = []
     while True:
-        name = _called(path)
-        layer = _read(path, name)
         for key in layer:
             top, dot, _ = key.partition(".")
             if top not in KEYS or (dot and top not in SECTIONS):
@@ -252,16 +273,16 @@ def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
                     )
                 )
         base = layer.pop("extends", None)
-        yield layer, name, path.parent
+        yield layer, name, folder
         if base is None:
             return
         if not isinstance(base, str):
             raise SceneError(
                 one_line(f"{name}: extends = {shown(base)}: must be a scene's name or file")
             )
-        seen.append(path.resolve())
+        seen += [path.resolve()] if path else []
         try:
-            path = find_scene(base, path.parent)
+            path = find_scene(base, folder)
         except SceneError as error:
             raise SceneError(f"{name}: extends: {error}") from None
         if path.resolve() in seen:
@@ -270,6 +291,8 @@ def _chain(path: Path) -> Iterator[tuple[dict[str, Any], str, Path]]:
                     f"{name}: extends = {shown(base)}: the scenes extend each other in a circle"
                 )
             )
+        name, folder = _called(path), path.parent
+        layer = _read(path, name)
 
 
 def _parents(key: str) -> list[str]:

@@ -8,10 +8,12 @@ from typing import Any
 
 from phaseplane.suspension.acting import Idle, idle
 from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variables import MODELS
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from ..errors import SceneError, one_line, shown
+from .equation import EQUATION
 from .expectations import During, Reference
 from .layers import (
     SET,
@@ -19,6 +21,7 @@ from .layers import (
     Setting,
     find_scene,
     fmu_layers,
+    given_layers,
     overlay,
     read_layers,
     read_settings,
@@ -30,14 +33,17 @@ _EXPECTED_APART = ("during", "reference")  # in the file they are in [expect]
 
 
 def load_scene(
-    reference: str, overrides: Sequence[str | Setting] = (), *, expect: bool = True
+    reference: str | Mapping[str, Any],
+    overrides: Sequence[str | Setting] = (),
+    *,
+    expect: bool = True,
 ) -> Scene:
     """Read a scene.
 
     Parameters
     ----------
     reference : name of a case, path of a scene file, or path of an `.fmu` file to be run with its
-        defaults for the duration of its default experiment
+        defaults for the duration of its default experiment, a model's name, or the content of a scene
     overrides : `key=value` texts, laid over the file
     expect : whether to check the file's expectations; those of `overrides` are always checked
 
@@ -45,12 +51,12 @@ def load_scene(
     ------
     SceneError : if the scene is not valid; one line with file, key, value and what is allowed.
     """
-    path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
-    layers = fmu_layers(path) if path.suffix == ".fmu" else read_layers(path)
+    layers, name, path = _layers_of(reference)
     if not expect:
         layers.expect_nothing()
     overlay(layers, overrides)
-    content = {**layers.tables(), "name": path.stem, "file": path, "unchecked": layers.unchecked}
+    reference = name if path is None else str(reference)  # in messages
+    content = {**layers.tables(), "name": name, "file": path, "unchecked": layers.unchecked}
     expected = content.get("expect")
     if isinstance(expected, dict):
         content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}
@@ -62,6 +68,18 @@ def load_scene(
     except ValidationError as error:
         raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
     return scene.model_copy(update={"idle": tuple(_idle(scene, layers))})
+
+
+def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | None]:
+    """Return the layers of a scene, its name, and its file if it has one."""
+    if not isinstance(reference, str):
+        name = str(reference.get("name", "scene"))
+        content = {key: value for key, value in reference.items() if key != "name"}
+        return given_layers(content, name), name, None
+    if reference in (*MODELS, EQUATION):
+        return given_layers({"fmu": reference}, reference), reference, None
+    path = Path(reference) if reference.endswith(".fmu") else find_scene(reference)
+    return fmu_layers(path) if path.suffix == ".fmu" else read_layers(path), path.stem, path
 
 
 def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:

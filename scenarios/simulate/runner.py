@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from phaseplane.suspension import extent
+import numpy as np
+from phaseplane.suspension import engine, extent
 
 from .. import simulate
-from ..errors import one_line
+from ..errors import InputError, RunError, one_line
 from ..measures import Run, catalogue, outputs_needed
-from ..measures.solution import Solution, instants, refinement, solved_by
+from ..measures.solution import Solution, instants, refinement, solved, solved_by, stepped
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
@@ -76,6 +78,45 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
     if interrupted():
         raise Interrupted(results, interrupted())
     return results
+
+
+def solve(scene: Scene) -> Results:
+    """Run a scene in this process, without its FMU, whose rows would have the same bits.
+
+    Raises
+    ------
+    InputError : if the scene runs an `.fmu` file, which only the file itself can do.
+    """
+    if scene.fmu.model == EQUATION:
+        return _solved(scene)
+    if scene.fmu.path is not None:
+        raise InputError(f"{scene.fmu.path.name} runs through the FMU only")
+    started, known = perf_counter(), catalogue(scene.fmu.outputs())
+    measures = [known[name] for name in scene.measures]
+    at_rows = {output for one in measures if one.at_rows for output in one.needs}
+    interval, model, given = scene.communication_step, scene.fmu.model, scene.start_values
+    parts = refinement(scene.duration, interval)
+    time = instants(scene.duration, interval, parts)
+    expected = {one.output for one in scene.during}
+    wanted = {*scene.columns, *(scene.outputs_expected - expected)}
+    own = next(
+        solved(model, [given], time, [m for m in measures if not m.at_rows], expected, wanted)
+    )
+    if not len(own.columns["time"]):
+        raise RunError(f"no run: {own.failure}")
+    at = own.rows(parts)
+    rows = {name: column[at] for name, column in own.columns.items()}
+    if at_rows:
+        rows |= stepped(model, given, rows["time"], at_rows).columns
+    rows |= {name: np.array([value]) for name, value in own.at_end.items() if name not in rows}
+    kinds = {name: type(output.start) for name, output in scene.fmu.outputs().items()}
+    rows = {
+        name: rows[name] if kind is float else rows[name].astype(kind)
+        for name, kind in {"time": float, **kinds}.items()
+        if name in rows
+    }
+    drive = Drive(rows, perf_counter() - started, own.failure, uncompiled=not engine.compiled)
+    return _results(scene, drive, None, own)
 
 
 def _results(

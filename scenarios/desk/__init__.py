@@ -1,0 +1,1 @@
+"""The desk: runs, tables and studies as objects in Python and in notebooks."""

@@ -1,0 +1,195 @@
+"""The public names, and a run as one object."""
+
+import doctest
+import subprocess
+import sys
+from math import pi, sqrt
+
+import numpy as np
+import pyarrow
+import pytest
+from phaseplane.scenarios.desk import run as module
+from phaseplane.scenarios.errors import InputError, SceneError
+from phaseplane.suspension.session import simulate
+
+import phaseplane
+
+QUICK = {"duration": 0.2, "speed": 25}
+
+
+@pytest.fixture(scope="module")
+def bump():
+    return phaseplane.run("ap57", **QUICK)
+
+
+def test_every_public_name_is_found_and_documented():
+    names = [name for name in dir(phaseplane) if not name.startswith("_")]
+    assert {"run", "Run", "Table", "constructions", "suspension"} <= set(names)
+    for name in names:
+        assert (getattr(phaseplane, name).__doc__ or "").strip(), name
+
+
+def test_public_names_are_imported_only_when_they_are_used():
+    program = (
+        "import sys, phaseplane; dir(phaseplane); "
+        "print(sorted(m for m in sys.modules if m.startswith('phaseplane.') or m == 'numpy'))"
+    )
+    out = subprocess.run(
+        [sys.executable, "-P", "-c", program], capture_output=True, text=True, check=True
+    )
+    assert out.stdout.strip() == "[]"
+
+
+def test_columns_are_those_of_the_model(bump):
+    names = ["body_displacement", "contact_force", "airborne"]
+    own = simulate("QuarterCar", bump.scene.start_values, bump.time.tolist(), names)
+    for name in names:
+        np.testing.assert_array_equal(bump[name], own[name])
+    assert bump["airborne"].dtype == bool
+    assert bump.units["contact_force"] == "N"
+    assert next(iter(bump)) == "time"
+
+
+@pytest.mark.parametrize("scene", ["ap57", "van_der_pol"])
+def test_the_fmu_gives_the_same_bits(scene):
+    ours, theirs = (phaseplane.run(scene, duration=0.2, through=how) for how in ("process", "fmu"))
+    assert list(ours) == list(theirs)
+    for name, column in ours.items():
+        assert column.dtype == theirs[name].dtype
+        np.testing.assert_array_equal(column, theirs[name])
+    assert ours.measures == theirs.measures
+
+
+def test_measures_do_not_depend_on_the_rows(bump):
+    coarse = phaseplane.run("ap57", **QUICK, output_interval=0.05)
+    assert len(coarse.time) == 5
+    for name in ("peak.body_acceleration", "smallest_contact_force", "lift_offs"):
+        assert coarse.measures[name] == bump.measures[name]
+
+
+def test_free_vibration_has_its_closed_form():
+    mass, rate, start = 100.0, 4e3, 0.01
+    free = phaseplane.run(
+        "OneDof", duration=1.0, sprung_mass=mass, spring={"rate": rate},
+        damper={"rebound_rate": 0.0, "bump_rate": 0.0}, initial={"body_displacement": start},
+        road={"shape": "flat"}, solver={"tolerance": 1e-10}, measures=["natural_frequencies"],
+    )  # fmt: skip
+    omega = sqrt(rate / mass)
+    exact = start * np.cos(omega * free.time)
+    np.testing.assert_allclose(free["body_displacement"], exact, atol=1e-9)
+    assert free.measures["natural_frequencies"][0] == pytest.approx(omega / (2 * pi))
+    assert free.at(0.5)["body_displacement"] == pytest.approx(start * np.cos(0.5 * omega), abs=1e-8)
+
+
+def test_events_are_those_that_the_measures_count(bump):
+    contact = [event for event in bump.events if event.kind == "contact"]
+    assert [event.after for event in contact] == [1, 0]
+    times = [event.time for event in contact]
+    assert times == [bump.measures["lift_offs"][0], bump.measures["touchdowns"][0]]
+
+
+def test_arrays_and_pairs_are_tables():
+    points = [(-1.0, -500.0), (0.0, 0.0), (1.0, 2000.0)]
+    text = ", ".join(f"{x}:{y}" for x, y in points)
+    runs = [
+        phaseplane.run("ap57", {"damper.table": table}, **QUICK)
+        for table in (text, points, np.array(points))
+    ]
+    for run in runs[1:]:
+        np.testing.assert_array_equal(run["body_velocity"], runs[0]["body_velocity"])
+
+
+def test_a_scene_can_be_a_mapping_that_extends_another(bump):
+    same = phaseplane.run({"extends": "ap57", "parameters": {"speed": 25.0}, "duration": "0.2 s"})
+    np.testing.assert_array_equal(same["body_velocity"], bump["body_velocity"])
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: phaseplane.run("ap57", sped=3), r"run\(\): .*did you mean 'speed'"),
+        (lambda: phaseplane.run("QuarterCar"), "'duration' is missing"),
+        (lambda: phaseplane.run({"fmx": 1}), "did you mean 'fmu'"),
+        (lambda: phaseplane.run({"extends": "ap75"}), "did you mean 'ap57'"),
+        (lambda: phaseplane.run("ap57", {"damper.table": np.ones(3)}), r"shape \(3,\)"),
+        (lambda: phaseplane.run("ap57", **QUICK).figure("histories"), "no picture 'histories'"),
+    ],
+)
+def test_bad_input_is_refused_in_words(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_a_missing_column_suggests_its_neighbour(bump):
+    with pytest.raises(KeyError, match="did you mean 'body_velocity'"):
+        bump["body_velocit"]
+
+
+def test_a_failed_run_keeps_what_it_has():
+    run = phaseplane.run("Equation", equation="-x^3", duration=5.0, displacement_start=1.0)
+    assert run.failure
+    assert 0.0 < run.time[-1] < 5.0
+    assert not run.holds
+
+
+def test_a_run_is_written_as_the_command_writes_it(bump, tmp_path):
+    folder = bump.write(tmp_path / "out")
+    read = phaseplane.scenarios.results.folder.read_results(folder)
+    np.testing.assert_array_equal(read.columns["body_velocity"], bump["body_velocity"])
+    (folder / "mine.txt").write_text("mine")
+    with pytest.raises(InputError, match="no run wrote"):
+        bump.write(folder)
+
+
+def test_arrow_shares_the_memory(bump):
+    table = bump.to_arrow()
+    column = table["body_velocity"].chunk(0)
+    assert column.buffers()[1].address == bump["body_velocity"].ctypes.data
+    assert table.schema.field("body_velocity").metadata == {b"unit": b"m/s"}
+    assert table["airborne"].type == pyarrow.bool_()
+
+
+def test_pandas_shares_the_memory(bump):
+    pytest.importorskip("pandas")
+    frame = bump.to_pandas()
+    assert np.shares_memory(frame["body_velocity"].to_numpy(), bump["body_velocity"])
+    assert frame.index.name == "time"
+    assert frame.attrs["units"]["body_velocity"] == "m/s"
+
+
+def test_xarray_shares_the_memory(bump):
+    pytest.importorskip("xarray")
+    data = bump.to_xarray()
+    assert np.shares_memory(data["body_velocity"].to_numpy(), bump["body_velocity"])
+    assert data["body_velocity"].attrs == {"units": "m/s"}
+
+
+def test_pictures_are_shown_and_saved(bump, tmp_path):
+    for k, picture in enumerate((
+        bump.figure(), bump.figure("phase_planes"), bump.plot("contact_force"),
+        bump.plane("suspension_deflection", "suspension_deflection_rate"),
+    )):  # fmt: skip
+        assert picture._repr_png_().startswith(b"\x89PNG")
+        assert picture.save(tmp_path / f"{k}.svg").stat().st_size > 1000
+
+
+def test_the_report_names_what_ran(bump):
+    assert "in this process" in bump.report()
+    assert "lift-off" in bump._repr_html_()
+
+
+def test_examples():
+    assert doctest.testmod(module).failed == 0
+
+
+def test_other_fmus_run_themselves(tmp_path):
+    from phaseplane.vehicle_fmus.build import build  # noqa: PLC0415
+
+    (path,) = build(["QuarterCar"], tmp_path)
+    run = phaseplane.run(path, duration=0.1)
+    assert run.scene.fmu.path == path.resolve()
+    assert len(run.time) == 101
+
+
+def test_scene_errors_are_input_errors():
+    assert issubclass(SceneError, InputError)
