@@ -116,9 +116,14 @@ def plane_of_columns(
     for (label, (x, y)), colour in zip(curves.items(), cycle(COLOURS), strict=False):
         axes.plot(x, y, color=colour, linewidth=1.3, label=label)
         axes.plot(*(np.asarray(v)[:1] for v in (x, y)), "o", color=colour, markersize=4.0)
-    for name, set_label in zip(names, (axes.set_xlabel, axes.set_ylabel), strict=True):
-        unit, words = units.get(name, ""), name.replace("_", " ")
-        set_label(f"{words} [{unit}]" if unit not in ("", "1") else words, color=palette.ink)
+    axes.set(**{
+        f"{axis}label": f"{name.replace('_', ' ')} [{units[name]}]"
+        if units.get(name, "") not in ("", "1")
+        else name.replace("_", " ")
+        for axis, name in zip("xy", names, strict=True)
+    })  # fmt: skip
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_color(palette.ink)
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
     if len(curves) > 1:
