@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from phaseplane import figures
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from phaseplane.figures.style import Figure
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,9 +21,9 @@ from .recording_content import of_results
 if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
-    from matplotlib.figure import Figure
 
     from phaseplane.constructions.primitives import Drawing
+    from phaseplane.figures.style import Figure
     from phaseplane.recording import Content
 
     from ..results.folder import Results
