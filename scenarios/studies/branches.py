@@ -130,8 +130,7 @@ class Branches:
         d, _ = self.deflection(i, t, y)
         if jump > 0.0 and d + jump > element.opening:  # a gap: only the rest of the jump acts
             jump = element.opening - d
-        elif self.limited[i]:
-            return
+        # what rises at an infinite rate presses on the tyre, whether it had contact or not
         if jump > 0.0 or not element.limit < inf:
             # a ramp of zero length is passed at an infinite rate
             slope = element.damper.pieces[0 if jump > 0.0 else -1].coefficients[1]

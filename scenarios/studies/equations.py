@@ -48,7 +48,10 @@ class Equations:
 
     Attributes
     ----------
-    source : `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard
+    source : `rhs(t, y, dy, p)` fills dy; `guards(t, y, g, p)` fills g, one entry per guard;
+        `forces(t, y, f, p)` fills f, one entry per element
+    sampled_source : the same functions of u instead of t, which holds value, rate and second derivative
+        of each signal in turn
     choosing_source : `rhs(t, y, dy, p)` in which the elements choose their branches from the state;
         empty if an element has memory
     memory : why it is empty, or ""
@@ -72,6 +75,7 @@ class Equations:
         self.guards = tuple(self._guards())
         self.bounds = self._take(2 * len(self.guards))  # factor and constant of each guard
         self.source = self._written(choosing=False)
+        self.sampled_source = self._written(choosing=False, sampled=True)
         memory = [e.name for e in system.elements if e.yield_force < inf or e.friction > 0.0]
         self.memory = f"{', '.join(memory)}: the force depends on the past" if memory else ""
         self.choosing_source = "" if memory else self._written(choosing=True)
@@ -117,12 +121,14 @@ class Equations:
 
     # -- source text -------------------------------------------------------------------------------
 
-    def _written(self, *, choosing: bool) -> str:
-        """Return the source of both functions; with `choosing` there are no guards."""
-        shared = [*self._signal_lines(), *self._force_lines(choosing=choosing)]
+    def _written(self, *, choosing: bool, sampled: bool = False) -> str:
+        """Return the source of the functions; with `choosing` there is only the first."""
+        signals = self._sampled_lines() if sampled else self._signal_lines()
+        shared = [*signals, *self._force_lines(choosing=choosing)]
+        when = "u" if sampled else "t"
         rates = [f"dy[{i}] = y[{self.n + i}]" for i in range(self.n)]
         rates += [f"dy[{self.n + i}] = a{i}" for i in range(self.n)]
-        rhs = _function("rhs(t, y, dy, p)", [*shared, *rates])
+        rhs = _function(f"rhs({when}, y, dy, p)", [*shared, *rates])
         if choosing:
             return rhs
         values = {"spring": "d{}", "modulation": "d{}", "damper": "w{}", "friction": "w{}",
@@ -133,14 +139,25 @@ class Equations:
             number = guard.element if guard.kind in ("contact", "multiplier") else row
             at = self.bounds + 2 * k
             tests.append(f"g[{k}] = p[{at}] * {values[guard.kind].format(number)} + p[{at + 1}]")
+        reads = [
+            f"f[{i}] = f{i}" + (f" + stick{i}" if i in self.rubbing else "")
+            for i in range(len(self.system.elements))
+        ]
+        forces = _function(f"forces({when}, y, f, p)", [*shared, *reads])
         if not tests:
             tests, shared = ["pass"], []
-        return rhs + "\n\n" + _function("guards(t, y, g, p)", [*shared, *tests])
+        guards = _function(f"guards({when}, y, g, p)", [*shared, *tests])
+        return "\n\n".join([rhs, guards, forces])
 
     def _signal_lines(self) -> Iterable[str]:
         for k, course in enumerate(self.courses):
             if not course.is_zero:
                 yield from (line for line in course.lines(k) if self.rubbing or "ddu" not in line)
+
+    def _sampled_lines(self) -> Iterable[str]:
+        for k, course in enumerate(self.courses):
+            if not course.is_zero:
+                yield f"u{k}, du{k}, ddu{k} = u[{3 * k}], u[{3 * k + 1}], u[{3 * k + 2}]"
 
     def _rows(self) -> list[tuple[tuple[float, ...], str]]:
         return list(dict.fromkeys((tuple(e.direction), e.road) for e in self.system.elements))
@@ -219,14 +236,13 @@ class Equations:
     # -- as functions ------------------------------------------------------------------------------
 
     def functions(
-        self, *, choosing: bool = False, **names: Any
+        self, *, choosing: bool = False, sampled: bool = False, **names: Any
     ) -> dict[str, Callable[[Any, Any, Any, Any], None]]:
-        """Return `rhs` and `guards` as Python functions; `names` may replace `cos`, `sin`, `tanh`."""
+        """Return the functions of a source in Python; `names` may replace `cos`, `sin`, `tanh`."""
         space: dict[str, Any] = {"cos": math.cos, "sin": math.sin, "tanh": math.tanh, **names}
-        exec(
-            compile(self.choosing_source if choosing else self.source, "<equations>", "exec"), space
-        )
-        return {name: space[name] for name in ("rhs", "guards") if name in space}
+        source = self.choosing_source if choosing else self.source
+        exec(compile(self.sampled_source if sampled else source, "<equations>", "exec"), space)
+        return {name: space[name] for name in ("rhs", "guards", "forces") if name in space}
 
 
 def _function(head: str, lines: Sequence[str]) -> str:

@@ -1,0 +1,124 @@
+"""The campaign's own truth, that it finds what is wrong, and some hundred drawn systems."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import draws
+import judging
+import make_drawn
+import numpy as np
+import pytest
+import report
+import truth
+from phaseplane.suspension.models import SYSTEMS, build
+
+HERE = Path(__file__).resolve().parent
+HUNDREDS = 300
+
+
+@pytest.mark.parametrize("model", make_drawn.SYSTEMS)
+def test_the_truth_is_that_of_programs_that_share_nothing_with_it(model: str) -> None:
+    """The stored motions, in which everything acts, by exponentials and by DOP853."""
+    times = make_drawn.instants(model)
+    for run in make_drawn.stored(model)[:2]:
+        system = build(model, make_drawn.public(model, run["parameters"]))
+        found = truth.solve(system, np.zeros(2 * len(system.mass)), times)
+        stored = np.array(run["displacements"]).T
+        assert np.abs(found.displacements - stored).max() < 1e-10 * np.abs(stored).max()
+
+
+def test_exponentials_and_steps_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Friction that sticks, a kerb, stops, flight, two roads and a force at once."""
+    given = {
+        "front.friction": 80.0, "rear.bump_stop.stiffness": 2e5, "rear.bump_stop.gap": 0.02,
+        "road.shape": "sequence", "road.sequence": "step 0.02, gap 1, bump 0.05 1, sine 0.02 1.5",
+        "body_force.table": "0:0, 0.05:500, 0.1:-500, 0.3:0", "front.damper.rebound_limit": 100.0,
+    }  # fmt: skip
+    system, times = build("HalfCar", given), np.linspace(0.0, 0.5, 51)
+    start = np.zeros(8)
+    straight = truth.solve(system, start, times)
+    monkeypatch.setattr(truth._Straight, "enters", lambda *_: False)
+    curved = truth.solve(system, start, times)
+    assert len(straight.switches) > 20
+    for kind in ("displacements", "velocities"):
+        one, other = getattr(straight, kind), getattr(curved, kind)
+        assert np.abs(one - other).max() < 1e-10 * np.abs(one).max()
+
+
+def test_draws_reach_everything() -> None:
+    """Each model, road and way to begin, and systems with each element in flight and on the road."""
+    drawn = [draws.draw(seed) for seed in range(400)]
+    assert {d.model for d in drawn} == set(SYSTEMS)
+    assert {d.parameters.get("road.shape") for d in drawn} == {None, *draws.ROADS}
+    assert {d.method for d in drawn} == set(draws.FIXED)
+    words = {f".{name}" for d in drawn for name in d.parameters}
+    for part in ("friction", "deflection_table", "preload", "saturation_force", "tyre.table",
+                 "bump_stop.gap", "body_force.table", "hardening", "permanent_set"):  # fmt: skip
+        assert any(word.endswith((f".{part}", f"_{part}")) for word in words), part
+    assert all(draws.draw(d.seed) == d for d in drawn[:20])
+
+
+def test_what_is_wrong_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of a car a hundredth of a per cent heavier are off, without an excuse."""
+    real = judging.run
+
+    def heavier(drawn: draws.Drawn, *given: Any, **solver: Any) -> judging.Motion:
+        changed = drawn.parameters | {"sprung_mass": drawn.parameters["sprung_mass"] * 1.0001}
+        other = draws.Drawn(drawn.seed, drawn.model, changed, drawn.duration, drawn.method)
+        return real(other, *given, **solver)
+
+    car = draws.Drawn(0, "QuarterCar", {"sprung_mass": 300.0}, 0.4, "mean")
+    assert judging.examine(car)["failures"] == []
+    monkeypatch.setattr(judging, "run", heavier)
+    found = judging.examine(car)["failures"]
+    assert any(line.startswith("1e-06: displacements off") for line in found)
+
+
+def test_contact_and_gap_that_contradict_each_other_are_found() -> None:
+    system, times = build("QuarterCar", {}), np.array([0.0, 0.1, 0.2])
+    free = system.elements[-1].opening
+    # contact force, deflection, rate, airborne
+    fine = [[1000.0, 0.0, 0.0, 0.0], [0.0, 2.0 * free, 0.0, 1.0], [2000.0, -0.5 * free, 0.0, 0.0]]
+    assert list(judging._contradictions(system, times, np.array(fine))) == []
+    wrong = {
+        "pulls": [-50.0, 0.0, 0.0, 0.0], "force across a gap": [50.0, 2.0 * free, -9.0, 0.0],
+        "contact across a gap": [0.0, 2.0 * free, 0.0, 0.0],
+        "airborne under force": [50.0, 0.0, 0.0, 1.0], "flight on the road": [0.0, 0.0, 0.0, 1.0],
+    }  # fmt: skip
+    for what, row in wrong.items():
+        lines = judging._contradictions(system, times, np.array([fine[0], row, fine[2]]))
+        assert any(line.startswith(f"{what} at 0.1 s") for line in lines), what
+
+
+def test_a_campaign_goes_on_where_it_was(tmp_path: Path) -> None:
+    results = tmp_path / "results.jsonl"
+    command = [sys.executable, "-P", str(HERE), "--to", str(results)]
+    first = subprocess.run([*command, "--count", "1"], check=True, capture_output=True, text=True)
+    assert first.stdout.startswith("1 systems")
+    kept = results.read_text(encoding="ascii")
+    with results.open("a", encoding="ascii") as file:
+        file.write('{"seed": 1, "mod')  # stopped in the middle
+    again = subprocess.run([*command, "--count", "2"], check=True, capture_output=True, text=True)
+    assert again.stdout.startswith("2 systems")
+    assert results.read_text(encoding="ascii").startswith(kept)
+    seeds = [json.loads(line)["seed"] for line in results.read_text("ascii").splitlines()]
+    assert seeds == [0, 1]
+
+
+@pytest.mark.slow
+def test_hundreds_of_drawn_systems() -> None:
+    """No run fails, and none is beyond three tolerances that its system does not explain."""
+    results = [judging.examine(draws.draw(seed)) for seed in range(HUNDREDS)]
+    print(report.text(results))
+    assert [line for result in results for line in result["failures"]] == []
+    assert sum("without" in result for result in results) < 0.02 * HUNDREDS
+    medians = [
+        np.median([r["errors"][t]["displacements"] for r in results if t in r["errors"]])
+        for t in ("0.001", "0.0001", "1e-06", "1e-08")
+    ]
+    assert max(medians) < 0.1
