@@ -102,7 +102,7 @@ tangent = Rule(
     (_successor(0),),
     (Stroke(_SUCCESSOR, "P{n}", "P{n}'", 0),),
 )
-"""P' on the tangent at the distance |DP| dtau (AP57 eq. 8)."""
+"""P' on the tangent at the distance DP dtau (AP57 eq. 8)."""
 
 velocity = Rule(
     "velocity",
@@ -132,7 +132,7 @@ mean_normal = Rule(
     (_ON_TANGENT, _NEW_NORMAL, Stroke(_SUCCESSOR, "P{n}", "P{n}'", 2)),
     repeats=1,
 )
-"""P' on the tangent at the mean of |DP| and |D'*P'*| times dtau (AP57 figure 4a)."""
+"""P' on the tangent at the mean of the distances DP and `D'*P'*`, times dtau (AP57 figure 4a)."""
 
 auto_mean_normal = replace(
     mean_normal,
@@ -145,7 +145,7 @@ auto_mean_normal = replace(
         "mean of both, elsewhere at P'*: the successors P'.",
     ),
 )
-"""`mean_normal` where |DP| changes by more than a tenth within the step, `tangent` elsewhere, as AP57
+"""`mean_normal` where the distance DP changes by more than a tenth within the step, `tangent` elsewhere, as AP57
 takes the mean where the difference is too large."""
 
 osculating_circle = Rule(
@@ -201,7 +201,7 @@ mean_arc_circle = replace(
     ),
     strokes=(_ON_TANGENT, _NEW_NORMAL),
 )
-"""P' on the circle about S through P, the arc PP' being the mean of |DP| and |D'*P'*| times dtau.
+"""P' on the circle about S through P, the arc PP' being the mean of the distances DP and `D'*P'*`, times dtau.
 Not in AP57: the other second-order variant of its osculating circle."""
 
 delta = Rule(

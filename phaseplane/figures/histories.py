@@ -70,8 +70,8 @@ def time_histories(
     Parameters
     ----------
     columns : `time` (s) and any of road_elevation, body_displacement, wheel_displacement,
-        suspension_deflection (m), *_velocity and suspension_deflection_rate (m/s),
-        *_acceleration (m/s^2), airborne (true or false), shape (n,) each; others are ignored, a
+        suspension_deflection (m), `*_velocity` and suspension_deflection_rate (m/s),
+        `*_acceleration` (m/s^2), airborne (true or false), shape (n,) each; others are ignored, a
         panel without columns is omitted
     title : title of the figure
     dark : use a dark background

@@ -1,0 +1,99 @@
+"""How Sphinx builds the site from README, CONTRIBUTING, CHANGELOG and these pages: see `.ci/pages`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from importlib.metadata import version as version_of
+from typing import Any
+
+project = "phaseplane"
+version = release = version_of("phaseplane")
+language = "en"
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx_click",
+    "sphinxcontrib.programoutput",
+    "sphinx_copybutton",
+]
+
+# the source folder is that of the project, so that links between README and pages hold everywhere
+root_doc = "README"
+include_patterns = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs/*.md", "docs/*/*.md"]
+templates_path = ["_templates"]
+
+# what the front page's column shows; GitHub shows the README without it
+CONTENTS = {
+    "Begin": ("start", "installation", "terms"),
+    "Guides": ("scenes", "sweeps", "fmus", "python", "constructions", "figures"),
+    "How well it works": ("accuracy",),
+    "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
+}
+PROJECT = ("CONTRIBUTING", "CHANGELOG")
+
+html_theme = "furo"
+html_title = "phaseplane"
+html_additional_pages = {"index": "index.html"}  # leads to the front page
+html_copy_source = False
+html_show_sphinx = False
+html_show_copyright = False
+
+myst_heading_anchors = 3
+
+# names in backticks are code; they are links only where a page says so
+default_role = "code"
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_param = False
+
+copybutton_prompt_text = "$ "
+
+
+def _add_contents(_app: Any, page: str, source: list[str]) -> None:
+    if page == root_doc:
+        columns = {
+            **{title: [f"docs/{name}" for name in names] for title, names in CONTENTS.items()},
+            "Project": PROJECT,
+        }
+        for title, names in columns.items():
+            entries = "\n".join(names)
+            source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n{entries}\n```\n"
+
+
+def _without_types(lines: Iterable[str]) -> Iterator[str]:
+    """Put what follows `name : ` below it: it is a description, where Sphinx expects a type."""
+    previous, listed = "", False
+    for line in lines:
+        if set(line) == {"-"}:
+            listed = previous in ("Parameters", "Raises", "Returns", "Yields", "Attributes")
+        name, colon, text = line.partition(" : ")
+        if listed and colon and not line.startswith(" "):
+            yield name
+            yield f"    {text}"
+        else:
+            yield line
+        previous = line
+
+
+def _rewrite(_app: Any, _what: str, _name: str, _thing: Any, _options: Any, lines: list[str]) -> None:
+    lines[:] = _without_types(list(lines))
+
+
+def _shorten(
+    _app: Any, _what: str, _name: str, _thing: Any, _options: Any, signature: str | None, back: str | None
+) -> tuple[str | None, str | None]:
+    """Leave out defaults that are whole characteristics."""
+    return re.sub(r"= Characteristic\(.*?\),\)\)", "= ...", signature or "") or None, back
+
+
+def setup(app: Any) -> None:
+    """Connect the rewriting of sources."""
+    app.connect("source-read", _add_contents)
+    app.connect("autodoc-process-docstring", _rewrite, priority=1)  # before napoleon
+    app.connect("autodoc-process-signature", _shorten)
