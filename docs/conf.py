@@ -81,12 +81,20 @@ def _without_types(lines: Iterable[str]) -> Iterator[str]:
         previous = line
 
 
-def _rewrite(_app: Any, _what: str, _name: str, _thing: Any, _options: Any, lines: list[str]) -> None:
+def _rewrite(
+    _app: Any, _what: str, _name: str, _thing: Any, _options: Any, lines: list[str]
+) -> None:
     lines[:] = _without_types(list(lines))
 
 
 def _shorten(
-    _app: Any, _what: str, _name: str, _thing: Any, _options: Any, signature: str | None, back: str | None
+    _app: Any,
+    _what: str,
+    _name: str,
+    _thing: Any,
+    _options: Any,
+    signature: str | None,
+    back: str | None,
 ) -> tuple[str | None, str | None]:
     """Leave out defaults that are whole characteristics."""
     return re.sub(r"= Characteristic\(.*?\),\)\)", "= ...", signature or "") or None, back

@@ -1,9 +1,19 @@
-"""The pages' Python examples run as they stand and print what the pages say."""
+"""The pages' programs and commands run as they stand, and print what the pages say.
+
+A page is worked through from top to bottom in a folder of its own. An indented block is a file if the
+sentence before it names one, a program if it starts with an import, and otherwise a list of commands
+if it starts with one; `<!-- not run: reason -->` above a block leaves it out. What is printed may go on
+where the page ends it with `...`.
+"""
 
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
+from collections.abc import Iterator
 from contextlib import redirect_stdout
+from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from textwrap import dedent
@@ -12,46 +22,129 @@ import pytest
 from phaseplane.vehicle_fmus.build import build
 
 ROOT = Path(__file__).parents[1]
-PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
-# runs of indented lines and of what stands between them, in turn
-PARTS = {
-    page.name: re.split(
-        r"((?:^    .*\n|^\n(?=    ))+)", page.read_text(encoding="utf-8"), flags=re.MULTILINE
-    )
-    for page in PAGES
-}
-PROGRAMS = [
-    (page, k)
-    for page, parts in PARTS.items()
-    for k in range(1, len(parts), 2)
-    if parts[k].lstrip().startswith(("from ", "import "))
-]
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+PROGRAM = Path(sys.executable).with_name("phaseplane")
+NAMED = re.compile(r"`([\w.]+\.(?:toml|csv|py))`")
+
+
+@dataclass(frozen=True)
+class Block:
+    """An indented block, with the sentence before it and the block that says what it prints."""
+
+    page: str
+    line: int
+    before: str
+    text: str
+    printed: str | None
+
+    def __str__(self) -> str:
+        return f"{self.page}:{self.line}"
+
+    @property
+    def omitted(self) -> bool:
+        return self.before.endswith("-->") and "<!-- not run: " in self.before
+
+    @property
+    def is_program(self) -> bool:
+        return self.text.startswith(("from ", "import "))
+
+    @property
+    def file(self) -> str | None:
+        """The name of the file that this is."""
+        names = NAMED.findall(self.before)
+        ends = self.before.endswith((":", ",")) and not self.is_program and not self.commands
+        return names[0] if names and ends else None
+
+    @property
+    def commands(self) -> list[tuple[str, str | None]]:
+        """Each command, with what it prints where the block shows it."""
+        if self.text.startswith("$ "):
+            parts = re.split(r"^\$ (.*)\n", self.text + "\n", flags=re.MULTILINE)[1:]
+            return list(zip(parts[::2], parts[1::2], strict=True))
+        lines = [re.sub(r"\s+# .*", "", line) for line in self.text.splitlines()]
+        lines = [line.removeprefix(".venv/bin/") for line in lines if line]
+        if not lines or not all(line.startswith("phaseplane ") for line in lines):
+            return []
+        return [(line, self.printed if len(lines) == 1 else None) for line in lines]
+
+
+def blocks(page: Path) -> Iterator[Block]:
+    """The indented blocks of a page."""
+    text = page.read_text(encoding="utf-8")
+    # runs of indented lines and of what stands between them, in turn
+    parts = re.split(r"((?:^    .*\n|^\n(?=    ))+)", text, flags=re.MULTILINE)
+    for k in range(1, len(parts), 2):
+        line = "".join(parts[:k]).count("\n") + 1
+        before = parts[k - 1].strip().split("\n\n")[-1]
+        tells = parts[k + 1].strip().lower().split("\n\n")[-1].endswith("prints")
+        printed = dedent(parts[k + 2]).strip("\n") if tells and k + 2 < len(parts) else None
+        yield Block(page.name, line, before, dedent(parts[k]).strip("\n"), printed)
+
+
+BLOCKS = {page.name: tuple(blocks(page)) for page in PAGES}
+PROGRAMS = [block for page in BLOCKS.values() for block in page if block.is_program]
+WITH_COMMANDS = [page for page, found in BLOCKS.items() if any(b.commands for b in found)]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Where the examples run: with the FMU that the README packs before."""
+    """Where the programs run: with the FMU that the README packs before."""
     place = tmp_path_factory.mktemp("examples")
     build(["QuarterCar"], place / "fmus")
     return place
 
 
-@pytest.mark.parametrize(("page", "number"), PROGRAMS)
-def test_an_example_runs_and_prints_what_is_said(
-    page: str, number: int, folder: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("block", PROGRAMS, ids=str)
+def test_a_program_runs_and_prints_what_is_said(
+    block: Block, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(folder)
-    parts = PARTS[page]
     printed = StringIO()
     with redirect_stdout(printed):
-        exec(compile(dedent(parts[number]), page, "exec"), {"__name__": "example"})
-    if parts[number + 1].strip() == "prints":
-        assert dedent(parts[number + 2]).strip("\n") == printed.getvalue().strip("\n")
+        exec(compile(block.text, str(block), "exec"), {"__name__": "example"})
+    if block.printed is not None:
+        assert printed.getvalue().strip("\n") == block.printed
 
 
-def test_there_are_examples_and_one_tells_what_it_prints() -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize("page", WITH_COMMANDS)
+def test_commands_run_and_print_what_is_said(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(
+        "PHASEPLANE_CACHE", str(tmp_path / "cache")
+    )  # FMUs are packed, as it is told
+    for block in BLOCKS[page]:
+        if block.file:
+            (tmp_path / block.file).write_text(block.text + "\n", encoding="utf-8")
+        for command, printed in [] if block.omitted else block.commands:
+            arguments = ["-c", f'exec "$0" {command.removeprefix("phaseplane ")}', PROGRAM]
+            done = subprocess.run(
+                ["sh", *arguments], cwd=tmp_path, check=False, capture_output=True, text=True
+            )
+            refused = printed is not None and printed.startswith("phaseplane: ")
+            assert done.returncode == (2 if refused else 0), f"{block}: {command}\n{done.stderr}"
+            if printed is not None:
+                found = _without_times(done.stderr if refused else done.stdout)
+                told = _without_times(printed)
+                if told.endswith("\n..."):
+                    told = told.removesuffix("...")
+                    found = found[: len(told)]
+                assert found == told, f"{block}: {command}"
+
+
+def _without_times(text: str) -> str:
+    """Leave out times, which differ from run to run, and spaces at the ends of lines."""
+    text = re.sub(r" *\b[\d.]+ m?s\b", " some time", text)
+    return "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
+
+
+def test_there_are_examples_and_some_tell_what_they_print() -> None:
     assert len(PROGRAMS) >= 5
-    assert any(PARTS[page][number + 1].strip() == "prints" for page, number in PROGRAMS)
+    assert len(WITH_COMMANDS) >= 6
+    assert any(block.printed for block in PROGRAMS)
+    told = [printed for p in WITH_COMMANDS for b in BLOCKS[p] for _, printed in b.commands]
+    assert sum(printed is not None for printed in told) >= 3
 
 
 def test_the_readme_is_short() -> None:
