@@ -145,8 +145,8 @@ auto_mean_normal = replace(
         "mean of both, elsewhere at P'*: the successors P'.",
     ),
 )
-"""`mean_normal` where the distance DP changes by more than a tenth within the step, `tangent` elsewhere, as AP57
-takes the mean where the difference is too large."""
+"""`mean_normal` where the distance DP changes by more than a tenth within the step, `tangent` elsewhere,
+as AP57 takes the mean where the difference is too large."""
 
 osculating_circle = Rule(
     "osculating_circle",
@@ -201,8 +201,8 @@ mean_arc_circle = replace(
     ),
     strokes=(_ON_TANGENT, _NEW_NORMAL),
 )
-"""P' on the circle about S through P, the arc PP' being the mean of the distances DP and `D'*P'*`, times dtau.
-Not in AP57: the other second-order variant of its osculating circle."""
+"""P' on the circle about S through P, the arc PP' being the mean of the distances DP and `D'*P'*`, times
+dtau. Not in AP57: the other second-order variant of its osculating circle."""
 
 delta = Rule(
     "delta",
