@@ -68,6 +68,10 @@ class Block:
         return [(line, self.printed if len(lines) == 1 else None) for line in lines]
 
 
+def _name(page: Path) -> str:
+    return page.relative_to(ROOT).as_posix()
+
+
 def blocks(page: Path) -> Iterator[Block]:
     """The indented blocks of a page."""
     text = page.read_text(encoding="utf-8")
@@ -78,10 +82,10 @@ def blocks(page: Path) -> Iterator[Block]:
         before = parts[k - 1].strip().split("\n\n")[-1]
         tells = parts[k + 1].strip().lower().split("\n\n")[-1].endswith("prints")
         printed = dedent(parts[k + 2]).strip("\n") if tells and k + 2 < len(parts) else None
-        yield Block(page.name, line, before, dedent(parts[k]).strip("\n"), printed)
+        yield Block(_name(page), line, before, dedent(parts[k]).strip("\n"), printed)
 
 
-BLOCKS = {page.name: tuple(blocks(page)) for page in PAGES}
+BLOCKS = {_name(page): tuple(blocks(page)) for page in PAGES}
 PROGRAMS = [block for page in BLOCKS.values() for block in page if block.is_program]
 WITH_COMMANDS = [page for page, found in BLOCKS.items() if any(b.commands for b in found)]
 
@@ -151,8 +155,8 @@ def test_the_readme_is_short() -> None:
     assert len(PAGES[0].read_text(encoding="utf-8").splitlines()) <= 150
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@pytest.mark.parametrize("page", PAGES, ids=_name)
 def test_links_lead_somewhere(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
-        assert (page.parent / target).exists(), f"{page.name}: {target}"
+        assert (page.parent / target).exists(), f"{_name(page)}: {target}"
