@@ -29,6 +29,7 @@ templates_path = ["_templates"]
 CONTENTS = {
     "Begin": ("start", "installation", "terms"),
     "Guides": ("scenes", "sweeps", "fmus", "python", "constructions", "figures"),
+    "How it works": ("how_it_works",),
     "How well it works": ("accuracy",),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
 }

@@ -9,6 +9,7 @@ where the page ends it with `...`.
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -153,6 +154,12 @@ def test_there_are_examples_and_some_tell_what_they_print() -> None:
 
 def test_the_readme_is_short() -> None:
     assert len(PAGES[0].read_text(encoding="utf-8").splitlines()) <= 150
+
+
+def test_the_site_shows_every_page() -> None:
+    shown = runpy.run_path(str(ROOT / "docs" / "conf.py"))["CONTENTS"].values()
+    pages = {page.relative_to(ROOT / "docs").with_suffix("").as_posix() for page in PAGES[1:]}
+    assert {name for names in shown for name in names} == pages
 
 
 @pytest.mark.parametrize("page", PAGES, ids=_name)
