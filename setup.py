@@ -66,6 +66,7 @@ DIRECTIVES = {
 MODULES = (
     "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
     "iteration", "lanes", "stepper", "switches", "cruise", "ledger", "watch", "march", "integrator",
+    "run",
 )  # fmt: skip
 
 

@@ -70,6 +70,7 @@ _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
 Rows = _integrator.Rows
+Run = _integrator.Run
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
 

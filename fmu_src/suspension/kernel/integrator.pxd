@@ -1,8 +1,7 @@
 cimport cython
 from cpython.exc cimport PyErr_CheckSignals
-from libc.math cimport sqrt
+from libc.math cimport fabs, sqrt
 from .march cimport March
-from .stepper cimport Stepper
 
 cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
 
@@ -16,13 +15,16 @@ cdef class Integrator(March):
     cdef long long begun
     cdef double started
 
-    @cython.locals(s=Stepper, before=Stepper, here=int, there=int)
-    cpdef take_over(self, Integrator earlier, list pairs)
+    @cython.locals(i=int, here=int, there=int)
+    cdef void take_over(self, Integrator earlier, int[::1] counterpart) noexcept nogil
+    @cython.locals(before=double, jump=double, change=double)
+    cpdef void replace_signal(self, int signal, double[::1] coefficients, bint jumps) noexcept nogil
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     cdef void _look_at_pace(self) noexcept nogil
-    @cython.locals(taken="long long")
     cdef bint _may_go_on(self, double until) except -1
+    @cython.locals(taken="long long")
+    cdef bint keeps_pace(self, double until) noexcept nogil
     @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
     @cython.locals(k=int, i=int, what="int[::1]")
@@ -32,6 +34,13 @@ cdef class Integrator(March):
     cpdef void sample_forces(self, double t) noexcept nogil
     @cython.locals(late=double)
     cpdef double limited_time_at(self, int e, double t) noexcept nogil
+    @cython.locals(h=double, x=double)
+    cpdef double residual_at(self, double t) noexcept nogil
+    cpdef bint at_limit(self, int e) noexcept nogil
+    @cython.locals(at=int)
+    cpdef bint yielding(self, int e) noexcept nogil
+    @cython.locals(omega=double)
+    cpdef double stable_step(self) noexcept nogil
 
 @cython.final
 cdef class Rows:

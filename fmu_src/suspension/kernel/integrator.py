@@ -10,11 +10,12 @@ import cython
 from .arrays import doubles, integers
 from .elements import KINDS
 from .march import March
+from .run import Run
 
 if not cython.compiled:
-    from math import sqrt
+    from math import fabs, sqrt
 
-__all__ = ["FAILURES", "KINDS", "Integrator", "Rows"]
+__all__ = ["FAILURES", "KINDS", "Integrator", "Rows", "Run"]
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {
@@ -92,7 +93,7 @@ class Integrator(March):
             raise ValueError(f"{self.n} displacements and {self.n} velocities are required")
         self._enter_state(array("d", [*displacements, *velocities]), 0)
 
-    def take_over(self, earlier, pairs):
+    def take_over(self, earlier, counterpart):
         """Continue from the state of the integrator of a system with the same coordinates and signals.
 
         For a parameter that changes during a run. The resulting change of stored energy is not work,
@@ -101,20 +102,26 @@ class Integrator(March):
         Parameters
         ----------
         earlier : the previous integrator
-        pairs : numbers of corresponding elements, here and in the previous integrator
+        counterpart : for each element here the number of the same one there, or -1
         """
-        s, before = self.stepper, earlier.stepper
-        self.set_state(before.q, before.v)
-        s.reach, self.scale = before.reach, earlier.scale
         for i in range(self.n):
-            s.origin[i] = before.origin[i]
+            self.stepper.q[i] = earlier.stepper.q[i]
+            self.stepper.v[i] = earlier.stepper.v[i]
+        self.stepper.count_from_here()
+        self.in_step = True
+        self._begin()
+        self.stepper.reach, self.scale = earlier.stepper.reach, earlier.scale
+        for i in range(self.n):
+            self.stepper.origin[i] = earlier.stepper.origin[i]
         self.step_count = earlier.step_count
         self.net.exchange = earlier.net.exchange
-        for here, there in pairs:
-            self.ledger.work[here] = earlier.ledger.work[there]
-            self.limited_time[here] = earlier.limited_time[there]
-        self.ledger.supplied = earlier.ledger.supplied + abs(earlier.ledger.initial_energy)
-        self.ledger.strike_balance(self.time, s.q, s.v)
+        for here in range(self.net.elements):
+            there = counterpart[here]
+            if there >= 0:
+                self.ledger.work[here] = earlier.ledger.work[there]
+                self.limited_time[here] = earlier.limited_time[there]
+        self.ledger.supplied = earlier.ledger.supplied + fabs(earlier.ledger.initial_energy)
+        self.ledger.strike_balance(self.time, self.stepper.q, self.stepper.v)
         self.ledger.carry_on(earlier.ledger.residual_end)
 
     def set_signal(self, signal, coefficients, jumps=True):
@@ -129,9 +136,14 @@ class Integrator(March):
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
         """
-        before = self._energy_now() - self.net.exchange
+        self.replace_signal(signal, array("d", coefficients), jumps)
+
+    def replace_signal(self, signal, coefficients, jumps):
+        """Replace a signal as `set_signal` does; the coefficients are an array."""
+        before = self._energy_now()
+        before -= self.net.exchange
         self._remember_branches()
-        jump = self.net.replace_signal(signal, self.time, array("d", coefficients))
+        jump = self.net.replace_signal(signal, self.time, coefficients)
         if jumps and jump != 0.0:
             # a damper at rest is at its corner: the road's new velocity decides on which side it acts
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
@@ -141,7 +153,8 @@ class Integrator(March):
         self._note_changes()
         self._enter_branches()
         if jump != 0.0:
-            change = self._energy_now() - self.net.exchange - before
+            change = self._energy_now()
+            change = change - self.net.exchange - before
             if jumps:
                 self.ledger.bring_in(signal, change)
             else:
@@ -184,6 +197,10 @@ class Integrator(March):
         self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
+        return self.keeps_pace(until)
+
+    def keeps_pace(self, until):
+        """Return whether the number of steps still to come, at the present pace, is acceptable."""
         taken = self.step_count - self.begun
         if taken >= _ENOUGH_STEPS:
             if taken * (until - self.time) > _MOST_STEPS * (self.time - self.started):
@@ -371,8 +388,8 @@ class Integrator(March):
 
     def yielding(self, e):
         """Return whether element e, which can yield, did so in the last step."""
-        branch = self.net.branch if self.in_step else self.net.kept_branch
-        return branch[_KINDS * e + _SPRING] != 1
+        at = _KINDS * e + _SPRING
+        return (self.net.branch[at] if self.in_step else self.net.kept_branch[at]) != 1
 
     def permanent_set(self, e):
         """Return the deflection at which element e, which can yield, is free of force, m."""

@@ -1,0 +1,58 @@
+cimport cython
+from libc.math cimport fabs
+from .integrator cimport Integrator
+
+cdef int _SAMPLES, _WAITING, _NONE
+cdef double _LONGEST
+
+@cython.final
+cdef class Run:
+    cdef readonly Integrator integrator
+    cdef public double time
+    cdef readonly double start
+    cdef public bint sampled
+    cdef int inputs, lines, tyres
+    # inputs: their values, and the last samples of each
+    cdef readonly double[::1] value
+    cdef double[::1] sample_time, sample_value
+    cdef int[::1] samples
+    # the signals that inputs drive, and the present course of each
+    cdef readonly int[::1] line_signal
+    cdef int[::1] line_input, line_rate
+    cdef readonly double[::1] line_time, line_value, line_slope
+    cdef double course_time, course_value, course_slope
+    cdef double[::1] coefficients
+    # contact of every tyre, and switches that lie ahead
+    cdef int[::1] tyre
+    cdef readonly int[::1] airborne, lift_offs
+    cdef readonly double[::1] last_lift_off, last_touchdown
+    cdef readonly int waiting
+    cdef double[::1] waiting_time
+    cdef int[::1] waiting_tyre, waiting_airborne
+
+    @cython.locals(at=int, count=int, k=int)
+    cpdef void set_input(self, int i, double value) noexcept nogil
+    @cython.locals(count=int)
+    cdef double _since(self, int i) noexcept nogil
+    @cython.locals(at=int, t0=double, t1=double, t2=double, f0=double, f1=double, f2=double,
+                   before=double, last=double)
+    cdef double slope(self, int i, double until) noexcept nogil
+    @cython.locals(value=int, rate=int, before=double, mean=double)
+    cdef void _find_course(self, int k, double until) noexcept nogil
+    cdef bint _continues(self, int k) noexcept nogil
+    @cython.locals(k=int)
+    cpdef bint sets_in(self) noexcept nogil
+    @cython.locals(k=int, moved=bint, late=double)
+    cpdef bint hand_over(self, double until) noexcept nogil
+    cdef void _enter_course(self, int k) noexcept nogil
+    @cython.locals(c=int)
+    cpdef void begin_contacts(self) noexcept nogil
+    @cython.locals(c=int)
+    cpdef void note_contact(self, double time, int e, bint airborne) noexcept nogil
+    @cython.locals(c=int, now=bint)
+    cpdef void compare_contacts(self) noexcept nogil
+    @cython.locals(c=int, k=int)
+    cpdef int next_contact(self, double until) noexcept nogil
+    cpdef void forget_waiting(self) noexcept nogil
+    @cython.locals(k=int)
+    cpdef void take_over(self, Integrator integrator, int[::1] counterpart) noexcept nogil

@@ -1,0 +1,280 @@
+"""One run between communication points: what a host sets, and how the integrator follows it.
+
+Inputs are samples set by the host. Held over a step, a sample makes the motion accurate to first order
+only; extrapolated by its slope, to second order. A road has its velocity as an input for that. All other
+inputs, and a road without a velocity, are extrapolated by the smaller of the slopes of their last two
+intervals, and held if the signs of these differ. This is the slope to first order where the course is
+smooth, and keeps jumps.
+
+With an internal road the integrator goes ahead of the communication points, so contact switches wait
+here until their time has come.
+"""
+
+from __future__ import annotations
+
+from itertools import chain
+
+import cython
+
+from .arrays import doubles, integers, vectors
+
+if not cython.compiled:
+    from math import fabs
+
+_SAMPLES = 3  # for two slopes
+_LONGEST = 2.0  # duration of the extrapolation, in intervals of the last slope
+_WAITING = 1024  # switches that can wait; between two looks at them there are at most half as many
+_NONE = -1
+
+
+class Run:
+    """The inputs, the contacts and the present time of one run.
+
+    Parameters
+    ----------
+    integrator : steps the system
+    start : s
+    inputs : number of inputs
+    lines : of every signal that inputs drive, ascending: its number, the input that gives its value, and
+        the input that gives its rate, or -1
+    tyres : elements whose contact is followed
+    sampled : whether inputs drive a road, so that steps end on communication points from the start
+    """
+
+    def __init__(self, integrator, start, inputs, lines, tyres, sampled):
+        self.integrator = integrator
+        self.time = self.start = start
+        self.inputs, self.lines, self.tyres = inputs, len(lines), len(tyres)
+        self.sampled = sampled
+        self.value = doubles([0.0] * inputs)
+        self.samples = integers([0] * inputs)
+        self.sample_time, self.sample_value = vectors(2, _SAMPLES * inputs)
+        self.line_signal, self.line_input, self.line_rate = (
+            integers(line[k] for line in lines) for k in range(3)
+        )
+        # the present course of every line: a value at a time, and its slope
+        self.line_time, self.line_value, self.line_slope = vectors(3, len(lines))
+        self.course_time = self.course_value = self.course_slope = 0.0
+        self.coefficients = doubles([0.0] * 4)
+        self.tyre = integers(tyres)
+        self.airborne, self.lift_offs = integers([0] * len(tyres)), integers([0] * len(tyres))
+        self.last_lift_off, self.last_touchdown = vectors(2, len(tyres))
+        self.waiting = 0
+        self.waiting_time = doubles([0.0] * _WAITING)
+        self.waiting_tyre, self.waiting_airborne = vectors_of_integers(2, _WAITING)
+        self.begin_contacts()
+
+    # -- inputs --------------------------------------------------------------------------------------
+
+    def set_input(self, i, value):
+        """Set input i from the present time on; a call at the same time replaces an earlier one."""
+        at = _SAMPLES * i
+        count = self.samples[i]
+        while count > 0 and self.sample_time[at + count - 1] >= self.time:
+            count -= 1
+        if count == _SAMPLES:
+            for k in range(1, _SAMPLES):
+                self.sample_time[at + k - 1] = self.sample_time[at + k]
+                self.sample_value[at + k - 1] = self.sample_value[at + k]
+            count -= 1
+        self.sample_time[at + count] = self.time
+        self.sample_value[at + count] = value
+        self.samples[i] = count + 1
+        self.value[i] = value
+
+    def _since(self, i):
+        """Return when input i was last set, s; 0 if it never was."""
+        count = self.samples[i]
+        return self.sample_time[_SAMPLES * i + count - 1] if count > 0 else 0.0
+
+    def slope(self, i, until):
+        """Return the rate of change of input i for a step that ends at `until`, s.
+
+        0 if the step ends more than two intervals after the last sample: a host that sets nothing
+        for so long means that nothing changes.
+        """
+        if self.samples[i] < _SAMPLES:
+            return 0.0
+        at = _SAMPLES * i
+        t0, t1, t2 = self.sample_time[at], self.sample_time[at + 1], self.sample_time[at + 2]
+        f0, f1, f2 = self.sample_value[at], self.sample_value[at + 1], self.sample_value[at + 2]
+        if until - t2 > _LONGEST * (t2 - t1) * (1.0 + 1e-9):
+            return 0.0
+        before = (f1 - f0) / (t1 - t0)
+        last = (f2 - f1) / (t2 - t1)
+        if before * last <= 0.0:
+            return 0.0
+        return before if fabs(before) <= fabs(last) else last
+
+    def _find_course(self, k, until):
+        """Find the course of line k for a step from now to `until`.
+
+        Once its velocity has been set, a road follows it from each elevation. If velocities are set
+        without elevations, the road follows their mean over each interval.
+        """
+        value, rate = self.line_input[k], self.line_rate[k]
+        if rate == _NONE or self.samples[rate] == 0:
+            self.course_time = self._since(value)
+            self.course_value = self.value[value]
+            self.course_slope = self.slope(value, until)
+            return
+        before = self.line_time[k]
+        self.course_slope = self.value[rate]
+        if self.samples[value] > 0 and self._since(value) == self.time:
+            self.course_time = self.time
+            self.course_value = self.value[value]
+        elif self._since(rate) == self.time and self.time > before:
+            self.course_time = self.time
+            mean = 0.5 * (self.line_slope[k] + self.value[rate])
+            self.course_value = self.line_value[k] + mean * (self.time - before)
+        else:
+            self.course_time = before
+            self.course_value = self.line_value[k]
+
+    def _continues(self, k):
+        """Return whether the course found is the present one of line k."""
+        if self.course_value != self.line_value[k] or self.course_slope != self.line_slope[k]:
+            return 0
+        return self.course_time == self.line_time[k] or self.course_slope == 0.0
+
+    def sets_in(self):
+        """Return whether an input has begun to act on a system that needed none so far.
+
+        Roads as inputs act from the start; forces may set in at any time.
+        """
+        if self.sampled:
+            return 0
+        for k in range(self.lines):
+            if self.value[self.line_input[k]] != self.line_value[k]:
+                return 1
+        return 0
+
+    def hand_over(self, until):
+        """Set the signals that inputs drive, for a step that ends at `until`; return whether any changes.
+
+        A road that is not at 0 at the start has always been there: no jump.
+        """
+        if not self.sampled:
+            return 0
+        moved = 0
+        for k in range(self.lines):
+            self._find_course(k, until)
+            if self._continues(k):
+                continue
+            moved = 1
+            late = self.time - self.course_time
+            self.line_value[k] = self.course_value + self.course_slope * late
+            self.line_slope[k] = self.course_slope
+            self.line_time[k] = self.time
+            self._enter_course(k)
+            self.integrator.replace_signal(
+                self.line_signal[k], self.coefficients, self.time > self.start
+            )
+        return moved
+
+    def _enter_course(self, k):
+        self.coefficients[0] = self.line_value[k]
+        self.coefficients[1] = self.line_slope[k]
+
+    # -- contacts ------------------------------------------------------------------------------------
+
+    def begin_contacts(self):
+        """Start anew: a wheel may be in the air at the start, which does not count as a lift-off."""
+        self.waiting = 0
+        for c in range(self.tyres):
+            self.airborne[c] = self.integrator.at_limit(self.tyre[c])
+            self.lift_offs[c] = 0
+            self.last_lift_off[c] = self.last_touchdown[c] = -1.0
+
+    def note_contact(self, time, e, airborne):
+        """Let a lift-off or touchdown of element e wait for its time."""
+        for c in range(self.tyres):
+            if self.tyre[c] == e and self.waiting < _WAITING:
+                self.waiting_time[self.waiting] = time
+                self.waiting_tyre[self.waiting] = c
+                self.waiting_airborne[self.waiting] = airborne
+                self.waiting += 1
+
+    def compare_contacts(self):
+        """Note contacts that end or begin because a parameter has changed."""
+        for c in range(self.tyres):
+            now = self.integrator.at_limit(self.tyre[c])
+            if now != self.airborne[c]:
+                self.note_contact(self.time, self.tyre[c], now)
+
+    def next_contact(self, until):
+        """Count the first waiting switch, if its time is not after `until`.
+
+        Returns
+        -------
+        The number of its tyre, or -1 if none is due.
+        """
+        if self.waiting == 0 or self.waiting_time[0] > until:
+            return _NONE
+        c = self.waiting_tyre[0]
+        self.airborne[c] = self.waiting_airborne[0]
+        if self.airborne[c]:
+            self.lift_offs[c] += 1
+            self.last_lift_off[c] = self.waiting_time[0]
+        else:
+            self.last_touchdown[c] = self.waiting_time[0]
+        self.waiting -= 1
+        for k in range(self.waiting):
+            self.waiting_time[k] = self.waiting_time[k + 1]
+            self.waiting_tyre[k] = self.waiting_tyre[k + 1]
+            self.waiting_airborne[k] = self.waiting_airborne[k + 1]
+        return c
+
+    def forget_waiting(self):
+        """Forget the switches that wait, after a return to the present."""
+        self.waiting = 0
+
+    # -- another integrator --------------------------------------------------------------------------
+
+    def take_over(self, integrator, counterpart):
+        """Go on with another integrator at the present time, whose system has other numbers.
+
+        Parameters
+        ----------
+        integrator : new, at the present time
+        counterpart : for each of its elements the number of the same one until now, or -1
+        """
+        for k in range(self.lines):
+            self._enter_course(k)
+            integrator.net.replace_signal(
+                self.line_signal[k], self.line_time[k], self.coefficients
+            )
+        integrator.take_over(self.integrator, counterpart)
+        self.integrator = integrator
+        self.compare_contacts()
+
+    # -- whole state ---------------------------------------------------------------------------------
+
+    def _parts(self):
+        return (
+            self.value, self.samples, self.sample_time, self.sample_value, self.line_time,
+            self.line_value, self.line_slope, self.airborne, self.lift_offs, self.last_lift_off,
+            self.last_touchdown, self.waiting_time, self.waiting_tyre, self.waiting_airborne,
+        )  # fmt: skip
+
+    def snapshot(self):
+        """Return the state, apart from the integrator's, as numbers."""
+        head = [self.time, self.start, self.sampled, self.waiting]
+        return [*head, *chain.from_iterable(part[: self._used(part)] for part in self._parts())]
+
+    def _used(self, part):
+        return self.waiting if len(part) == _WAITING else len(part)
+
+    def restore(self, state):
+        """Return to the state of a snapshot of the same run."""
+        self.time, self.start = state[0], state[1]
+        self.sampled, self.waiting = int(state[2]), int(state[3])
+        at = 4
+        for part in self._parts():
+            for k in range(self._used(part)):
+                part[k] = type(part[k])(state[at + k])
+            at += self._used(part)
+
+
+def vectors_of_integers(count, size):
+    return [integers([0] * size) for _ in range(count)]
