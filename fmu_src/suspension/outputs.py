@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from operator import mul
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from .signals import Signal
 from .systems import Axle, Element, Motion, System
@@ -37,6 +37,15 @@ class Contact:
             self.last_lift_off = instant
         else:
             self.last_touchdown = instant
+
+
+class Contacts(NamedTuple):
+    """The contacts of all tyres at the present time, in the order of their axles."""
+
+    airborne: Sequence[int]
+    lift_offs: Sequence[int]
+    last_lift_off: Sequence[float]
+    last_touchdown: Sequence[float]
 
 
 class State:
@@ -128,10 +137,13 @@ def _combination(direction: Sequence[float], vector: Sequence[float]) -> Callabl
 class Run(Protocol):
     """The part of a session from which its outputs are read."""
 
-    time: float
     ok: bool
     state: State
-    contacts: dict[str, Contact]  # by the prefix of the axle
+    contacts: Contacts
+
+    @property
+    def time(self) -> float:
+        """The present time, s."""
 
 
 def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
@@ -150,11 +162,13 @@ def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
         read["applied_force"] = lambda: sum(run.state.signals[m.signal][0] for m in system.loads)
     for motion in system.motions:
         read |= _of_motion(motion, run)
+    tyres = 0
     for axle in system.axles:
         read |= _of_axle(axle, system, run)
         tyre = system.element(axle.tyre)
         if tyre is not None:
-            read |= _of_tyre(axle, tyre, integrator, run)
+            read |= _of_tyre(axle, tyre, tyres, integrator, run)
+            tyres += 1
     return read
 
 
@@ -209,18 +223,18 @@ def _of_axle(axle: Axle, system: System, run: Run) -> dict[str, Read]:
     return {f"{axle.prefix}{name}": reader for name, reader in read.items()}
 
 
-def _of_tyre(axle: Axle, e: int, integrator: Any, run: Run) -> dict[str, Read]:
-    """Deflection and force of the tyre, which is element e, and its contact with the road."""
-    key = axle.prefix
+def _of_tyre(axle: Axle, e: int, c: int, integrator: Any, run: Run) -> dict[str, Read]:
+    """Deflection and force of tyre c, which is element e, and its contact with the road."""
+    of = run.contacts
     read: dict[str, Read] = {
         "tyre_deflection": lambda: run.state.deflections[e][0],
         "tyre_deflection_rate": lambda: run.state.deflections[e][1],
         "tyre_force": lambda: run.state.forces[e],
         "contact_force": lambda: axle.static_load - run.state.forces[e],
-        "airborne": lambda: run.contacts[key].airborne,
-        "lift_off_count": lambda: run.contacts[key].lift_offs,
+        "airborne": lambda: of.airborne[c] != 0,
+        "lift_off_count": lambda: of.lift_offs[c],
         "airborne_time": lambda: integrator.limited_time_at(e, run.time),
-        "last_lift_off": lambda: run.contacts[key].last_lift_off,
-        "last_touchdown": lambda: run.contacts[key].last_touchdown,
+        "last_lift_off": lambda: of.last_lift_off[c],
+        "last_touchdown": lambda: of.last_touchdown[c],
     }
     return {f"{axle.prefix}{name}": reader for name, reader in read.items()}

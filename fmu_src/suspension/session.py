@@ -2,26 +2,27 @@
 
 This is an FMU without FMI. With an internal road the integrator chooses its steps freely, ahead of
 the communication points, and outputs are interpolated. With inputs it stops at every communication
-point, because the inputs after it are unknown, and extrapolates them within each step (see `inputs`).
+point, because the inputs after it are unknown, and extrapolates them within each step (see
+`kernel.run`).
 """
 
 from __future__ import annotations
 
 import json
+from array import array
 from collections import deque
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from math import inf, isfinite, nan
 from typing import Any
 
-from .engine import KINDS, Integrator, why_stopped
+from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
-from .inputs import Course, Line, carried, carried_road, from_plain, to_plain
 from .models import build
-from .outputs import Contact, State, readers
+from .outputs import Contacts, State, readers
 from .signals import Segment, Signal
-from .systems import System
+from .systems import Axle, System
 from .variable import number
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 
@@ -78,7 +79,6 @@ class Session:
         tolerance: float | None = None,
     ) -> None:
         self.model = model
-        self.time = self._start = start_time
         self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
@@ -87,18 +87,29 @@ class Session:
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
-        self._inputs = {v.name: Course() for v in declared if v.causality == "input"}
+        self._inputs = [v.name for v in declared if v.causality == "input"]
         self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
         system = build(model, self.parameters)
-        self._sampled = self.parameters.get("road.shape") == "input"
-        self._roads = tuple(axle.road for axle in system.axles) if self._sampled else ()
-        self._forces = tuple(m.signal for m in system.loads if m.signal in self._inputs)
-        self._ahead: list[tuple[float, str, bool]] = []  # contact switches yet to be reported
-        self.contacts = {axle.prefix: Contact() for axle in system.axles if axle.tyre}
         self._signals = dict(system.signals)
-        self._attach(system, self._new_integrator(system))
+        integrator = self._new_integrator(system, start_time)
+        self._tyres = [axle for axle in system.axles if axle.tyre]
+        sampled = self.parameters.get("road.shape") == "input"
+        self._run = Run(
+            integrator,
+            start_time,
+            len(self._inputs),
+            driven(system, self._inputs, sampled),
+            [system.element(axle.tyre) for axle in self._tyres],
+            sampled,
+        )
+        self._attach(system, integrator)
         self._start_moving()
         self._sample()
+
+    @property
+    def time(self) -> float:
+        """The present time, s."""
+        return float(self._run.time)
 
     def _start_moving(self) -> None:
         """Start from equilibrium on the present road, plus the initial values.
@@ -112,11 +123,10 @@ class Session:
         if state != (list(self._integrator.sample_q), list(self._integrator.sample_v)):
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
-        for tyre, axle in self._tyres.items():
-            self.contacts[axle] = Contact(airborne=self._integrator.at_limit(tyre))
+        self._run.begin_contacts()
 
-    def _new_integrator(self, system: System) -> Any:
-        """Return an integrator at the present time, with the solver's parameters."""
+    def _new_integrator(self, system: System, time: float) -> Any:
+        """Return an integrator that starts at a time, s, with the solver's parameters."""
         p = self.parameters
         wanted = p["solver.tolerance"]
         default = next(v.start for v in variables(self.model) if v.name == "solver.tolerance")
@@ -129,7 +139,7 @@ class Session:
                 method,
                 float(p["solver.step"]),
                 float(wanted),
-                self.time,
+                time,
                 theta=float(p["solver.theta"]),
                 beyond_stable=str(p["solver.beyond_stable"]),
             )
@@ -140,11 +150,8 @@ class Session:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
         self._behind = integrator.snapshot()
-        self._tyres = {
-            element: axle.prefix
-            for axle in system.axles
-            if (element := system.element(axle.tyre)) is not None
-        }
+        self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
+        self.contacts = Contacts(*(memoryview(getattr(self._run, of)) for of in Contacts._fields))
         self.state = State(system, integrator)
         self.readers = readers(system, integrator, self)  # of outputs, while `ok`
 
@@ -153,8 +160,8 @@ class Session:
     def set_input(self, name: str, value: float) -> None:
         """Set an input from the present time on.
 
-        A call counts as a sample even if the value is unchanged. See `inputs` for the course between
-        samples.
+        A call counts as a sample even if the value is unchanged. See `kernel.run` for the course
+        between samples.
 
         Raises
         ------
@@ -163,7 +170,7 @@ class Session:
         refuse_unknown([name], self._inputs, f"{self.model} has no input")
         if not isfinite(value):
             raise ParameterError(f"input {name} = {value}: must be finite")
-        self._inputs[name] = self._inputs[name].set(self.time, value)
+        self._run.set_input(self._inputs.index(name), value)
 
     def set_parameter(self, name: str, value: object) -> None:
         """Set a tunable parameter from the present time on.
@@ -197,18 +204,22 @@ class Session:
             )
         if self._tuned:
             self._take_parameters()
-        self._take_inputs(until)
-        if self.time == self._start < until:
+        if self._run.sets_in():
+            self._stop_here()
+            self._run.sampled = True
+        if self._run.sampled:
+            self._hand_over(until)
+        if self.time == self._run.start < until:
             self.messages += [
-                ("event", f"{axle.replace('_', ' ')}wheel in the air at the start")
-                for axle, contact in self.contacts.items()
-                if contact.airborne
+                ("event", f"{_wheel(axle)}wheel in the air at the start")
+                for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True)
+                if airborne
             ]
         if self._integrator.time < until:
-            if not self._sampled:
+            if not self._run.sampled:
                 self._behind = self._integrator.snapshot()
-            self._step(until, stop=self._sampled)
-        self.time = until
+            self._step(until, stop=self._run.sampled)
+        self._run.time = until
         self._sample()
 
     def _step(self, until: float, stop: bool) -> None:
@@ -218,7 +229,7 @@ class Session:
         self._note_overruns()
         if status != 0:
             self.ok = False
-            self.time = self._integrator.time
+            self._run.time = self._integrator.time
             step = self._integrator.step_count
             reason = why_stopped(status, f"at {self.time:.6g} s, in step {step}")
             self.messages.append(("error", reason))
@@ -264,38 +275,12 @@ class Session:
         system = replace(build(self.model, parameters), signals=self._signals)
         self._stop_here()
         self.parameters = parameters
-        before, integrator = self._system, self._new_integrator(system)
-        pairs = [
-            (here, there)
-            for here, element in enumerate(system.elements)
-            if (there := before.element(element.name)) is not None
-        ]
-        integrator.take_over(self._integrator, pairs)
+        integrator = self._new_integrator(system, self.time)
+        there = [self._system.element(element.name) for element in system.elements]
+        self._run.hand_on(integrator, array("i", [-1 if e is None else e for e in there]))
+        self._run.integrator = integrator
+        self._run.compare_contacts()
         self._attach(system, integrator)
-        self._compare_contacts()
-
-    def _compare_contacts(self) -> None:
-        """Note contacts that end or begin because the tyre's parameters changed."""
-        for tyre, axle in self._tyres.items():
-            airborne = self._integrator.at_limit(tyre)
-            if airborne != self.contacts[axle].airborne:
-                self._ahead.append((self.time, axle, airborne))
-
-    def _take_inputs(self, until: float) -> None:
-        """Pass the inputs to the integrator, at the present time, for a step that ends at `until`."""
-        if not self._sampled:
-            # inputs of an internal road are ignored; forces may set in at any time
-            now = [self._signals[name].segments[0].coefficients[0] for name in self._forces]
-            if now == [self._inputs[name].value for name in self._forces]:
-                return
-            self._sampled = True
-            self._stop_here()
-        self._hand_over(until)
-
-    def _line(self, signal: str) -> Line:
-        """Return the present course of an input signal."""
-        now = self._signals[signal].segments[0]
-        return Line(now.origin, *now.coefficients[:2])
 
     def _stop_here(self) -> None:
         """Return to the present: repeat the steps up to now if the integrator has gone ahead."""
@@ -306,37 +291,38 @@ class Session:
         self._forget_events()
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
-        self._ahead = []
+        self._run.forget_waiting()
         del self.messages[reported:]
 
     def _hand_over(self, until: float) -> None:
         """Set the integrator's signals from the inputs, for a step that ends at `until`."""
-        lines = {name: carried(self._inputs[name], until) for name in self._forces}
-        for road in self._roads:
-            elevation, velocity = (self._inputs[f"{road}_{x}"] for x in ("elevation", "velocity"))
-            lines[road] = carried_road(elevation, velocity, self._line(road), self.time, until)
-        moved = False
-        for signal, name in enumerate(self._system.signals):
-            if name not in lines or lines[name].continues(self._line(name)):
-                continue
-            moved = True
-            coefficients = (lines[name].at(self.time), lines[name].slope, 0.0, 0.0)
-            self._signals[name] = Signal((Segment(-inf, self.time, coefficients),))
-            # a road that is not at 0 at the start has always been there: no jump
-            self._integrator.set_signal(signal, coefficients, self.time > self._start)
-        if self.time > self._start:
+        run = self._run
+        if run.hand_over(until):
+            self._read_lines()
+            if self.time == run.start:
+                self._start_moving()
+                self._integrator.take_log()  # the initial level of the road switches nothing
+        if self.time > run.start:
             self._note_switches()
-        elif moved:
-            self._start_moving()
-            self._integrator.take_log()  # the initial level of the road switches nothing
+
+    def _read_lines(self) -> None:
+        """Take the present course of every signal that inputs drive."""
+        run, names = self._run, list(self._system.signals)
+        for signal, *line in zip(
+            run.line_signal, run.line_time, run.line_value, run.line_slope, strict=True
+        ):
+            origin, value, slope = line
+            self._signals[names[signal]] = Signal(
+                (Segment(-inf, origin, (value, slope, 0.0, 0.0)),)
+            )
 
     def _note_switches(self) -> None:
         log = self._integrator.take_log()
         for time, element, kind, before, after in log:
             name = self._system.elements[element].name
             self.events.append(Event(time, name, KINDS[kind], before, after))
-            if element in self._tyres and KINDS[kind] == "contact":
-                self._ahead.append((time, self._tyres[element], bool(after)))
+            if element in self._tyre_elements and KINDS[kind] == "contact":
+                self._run.note_contact(time, element, after)
             elif name.endswith("stop"):
                 met = (after < before) == name.endswith("bump_stop")
                 self.messages.append(
@@ -357,11 +343,11 @@ class Session:
 
     def _sample(self) -> None:
         """Interpolate the state at the present time."""
-        while self._ahead and self._ahead[0][0] <= self.time:
-            instant, axle, airborne = self._ahead.pop(0)
-            self.contacts[axle].switch(instant, airborne)
-            what = f"{axle.replace('_', ' ')}{'lift-off' if airborne else 'touchdown'}"
-            self.messages.append(("event", f"{what} at {instant:.9g} s"))
+        while (c := self._run.next_contact(self.time)) >= 0:
+            airborne = self.contacts.airborne[c]
+            instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
+            what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"
+            self.messages.append(("event", f"{what} at {instants[c]:.9g} s"))
         self._integrator.sample(self.time)
         self.state.at(self.time, self._signals)
 
@@ -378,7 +364,7 @@ class Session:
                 return nan if isinstance(start, float) else type(start)(0)
             return self.readers[name]()
         if name in self._inputs:
-            return self._inputs[name].value
+            return float(self._run.value[self._inputs.index(name)])
         refuse_unknown([name], (*self.readers, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
 
@@ -390,18 +376,9 @@ class Session:
             {
                 "model": self.model,
                 "parameters": self.parameters,
-                "time": self.time,
-                "start": self._start,
                 "ok": self.ok,
                 "tuned": self._tuned,
-                "inputs": to_plain(self._inputs),
-                "sampled": self._sampled,
-                "ahead": self._ahead,
-                "contacts": {axle: asdict(contact) for axle, contact in self.contacts.items()},
-                "signals": {
-                    name: [tuple(segment) for segment in signal.segments]
-                    for name, signal in self._signals.items()
-                },
+                "run": self._run.snapshot(),
                 "integrator": self._integrator.snapshot().hex(),
                 "behind": self._behind.hex(),
             }
@@ -420,16 +397,36 @@ class Session:
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self._forget_events()
-        self.time, self._start, self.ok = kept["time"], kept["start"], kept["ok"]
-        self._tuned = kept["tuned"]
-        self._inputs, self._sampled = from_plain(kept["inputs"]), kept["sampled"]
-        self._ahead = [(instant, axle, airborne) for instant, axle, airborne in kept["ahead"]]
-        self.contacts = {axle: Contact(**was) for axle, was in kept["contacts"].items()}
-        self._signals = {
-            name: Signal(tuple(Segment(a, b, tuple(c), d, tuple(e)) for a, b, c, d, e in segments))
-            for name, segments in kept["signals"].items()
-        }
+        self.ok, self._tuned = kept["ok"], kept["tuned"]
+        self._run.restore(kept["run"])
+        self._read_lines()
         self._sample()
+
+
+def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int, int, int]]:
+    """Return the signals that inputs drive: number, input of the value, input of its rate or -1.
+
+    Parameters
+    ----------
+    system : the system
+    inputs : their names
+    road : whether inputs drive the roads, too
+    """
+    lines = []
+    roads = {axle.road for axle in system.axles} if road else set()
+    for signal, name in enumerate(system.signals):
+        if name in roads:
+            lines.append(
+                (signal, inputs.index(f"{name}_elevation"), inputs.index(f"{name}_velocity"))
+            )
+        elif name in inputs:
+            lines.append((signal, inputs.index(name), -1))
+    return lines
+
+
+def _wheel(axle: Axle) -> str:
+    """Return which wheel, as a word before it."""
+    return axle.prefix.replace("_", " ")
 
 
 def start_state(

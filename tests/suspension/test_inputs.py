@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import cos, pi, sin
+from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.suspension.inputs import Course, Line, carried, carried_road
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import variables
+from phaseplane.vehicle_fmus.native.kernel_sources import plain_module
 
 SMOOTH = {"solver.tolerance": 1e-10}
 STRAIGHT = {"lift_off": False, "damper.rebound_rate": 900.0, "damper.bump_rate": 900.0}
@@ -22,11 +24,36 @@ REFINED = (1, 2, 4, 8)
 # -- how one input goes on ----------------------------------------------------------------------------
 
 
-def course(*samples: tuple[float, float]) -> Course:
-    made = Course()
-    for time, value in samples:
-        made = made.set(time, value)
-    return made
+class Line(NamedTuple):
+    """A course as the integrator gets it: a value at a time, and its slope."""
+
+    time: float
+    value: float
+    slope: float = 0.0
+
+    def at(self, time: float) -> float:
+        return self.value + self.slope * (time - self.time)
+
+
+def road(**samples: Sequence[tuple[float, float]]) -> Any:
+    """A run whose inputs, `elevation` and `velocity` of a road, have been set at some times."""
+    integrator = SimpleNamespace(replace_signal=lambda *_: None)
+    run = plain_module("run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
+    for time, i, value in sorted(
+        (t, ("elevation", "velocity").index(name), x) for name, s in samples.items() for t, x in s
+    ):
+        run.time = time
+        run.set_input(i, value)
+    return run
+
+
+def course(*samples: tuple[float, float]) -> Any:
+    return road(elevation=samples)
+
+
+def carried(run: Any, until: float) -> Line:
+    run._find_course(0, until)
+    return Line(run.course_time, run.course_value, run.course_slope)
 
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.floats(1e-4, 0.1), st.floats(0.5, 2.0))
@@ -41,23 +68,27 @@ def test_a_straight_course_is_carried_on_as_it_is(
 
 @given(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3), st.integers(3, 6))
 def test_a_jump_is_no_slope(before: float, after: float, jump: int) -> None:
-    made = Course()
+    samples = [(0.1 * k, before if k < jump else after) for k in range(10)]
     for k in range(10):
-        made = made.set(0.1 * k, before if k < jump else after)
-        assert carried(made, 0.1 * (k + 1)) == Line(0.1 * k, made.value)
+        line = carried(course(*samples[: k + 1]), 0.1 * (k + 1))
+        assert line == Line(*samples[k])
 
 
 def test_of_two_slopes_the_smaller_one_counts_and_at_a_turn_none() -> None:
-    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 5.0)).slope(3.0) == 2.0
-    assert course((0.0, 0.0), (1.0, -2.0), (2.0, -5.0)).slope(3.0) == -2.0
-    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 2.0)).slope(3.0) == 0.0
-    assert course((0.0, 0.0), (1.0, 3.0)).slope(2.0) == 0.0
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 5.0)).slope(0, 3.0) == 2.0
+    assert course((0.0, 0.0), (1.0, -2.0), (2.0, -5.0)).slope(0, 3.0) == -2.0
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 2.0)).slope(0, 3.0) == 0.0
+    assert course((0.0, 0.0), (1.0, 3.0)).slope(0, 2.0) == 0.0
 
 
 def test_a_later_call_at_the_same_instant_replaces_the_earlier_one() -> None:
-    made = course((0.0, 0.0), (1.0, 1.0), (2.0, 17.0), (2.0, 2.0))
-    assert made.samples == ((0.0, 0.0), (1.0, 1.0), (2.0, 2.0))
-    assert made.slope(3.0) == 1.0
+    made = course((0.0, 0.0), (1.0, 1.0))
+    made.time = 2.0
+    made.set_input(0, 17.0)
+    made.set_input(0, 2.0)
+    assert (made.samples[0], list(made.sample_time[:3])) == (3, [0.0, 1.0, 2.0])
+    assert list(made.sample_value[:3]) == [0.0, 1.0, 2.0]
+    assert made.slope(0, 3.0) == 1.0
 
 
 def test_a_host_that_falls_silent_leaves_the_value_as_it_was_set() -> None:
@@ -68,15 +99,26 @@ def test_a_host_that_falls_silent_leaves_the_value_as_it_was_set() -> None:
 
 
 def test_a_road_follows_its_velocity_until_it_is_set_again() -> None:
-    before = Line(0.0, 0.01)
-    still, unset = Course(0.02).set(1.0, 0.02), Course()
-    assert carried_road(still, unset.set(1.0, 0.0), before, 1.0, 2.0) == Line(1.0, 0.02)
-    on = carried_road(still, unset.set(0.5, 0.3), before, 1.0, 2.0)
-    assert on == Line(1.0, 0.02, 0.3)
-    assert carried_road(still, unset.set(0.5, 0.3), on, 9.0, 10.0) == on
+    assert carried(road(elevation=[(1.0, 0.02)], velocity=[(1.0, 0.0)]), 2.0) == Line(1.0, 0.02)
+    run = road(elevation=[(1.0, 0.02)], velocity=[(0.5, 0.3)])
+    assert carried(run, 2.0) == Line(1.0, 0.02, 0.3)
+    run.hand_over(2.0)
+    run.time = 9.0
+    assert carried(run, 10.0) == Line(1.0, 0.02, 0.3)
     # velocities alone: the mean over the interval
-    alone = carried_road(still, unset.set(2.0, 0.1), on, 2.0, 3.0)
+    run.time = 2.0
+    run.set_input(1, 0.1)
+    alone = carried(run, 3.0)
     assert (alone.value, alone.slope) == (pytest.approx(0.22), 0.1)
+
+
+def test_a_road_given_by_its_velocity_alone_is_level_until_the_start() -> None:
+    session = Session("QuarterCar", {"road.shape": "input"}, start_time=0.5)
+    session.set_input("road_velocity", 0.2)
+    session.advance(0.5)
+    assert session.value("ground_elevation") == 0.0
+    session.advance(0.75)
+    assert session.value("ground_elevation") == pytest.approx(0.05)
 
 
 # -- orders ------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ cdef double _LONGEST
 
 @cython.final
 cdef class Run:
-    cdef readonly Integrator integrator
+    cdef public Integrator integrator
     cdef public double time
     cdef readonly double start
     cdef public bint sampled
@@ -30,6 +30,8 @@ cdef class Run:
     cdef double[::1] waiting_time
     cdef int[::1] waiting_tyre, waiting_airborne
 
+    @cython.locals(i=int, k=int)
+    cdef void begin(self, double start) noexcept nogil
     @cython.locals(at=int, count=int, k=int)
     cpdef void set_input(self, int i, double value) noexcept nogil
     @cython.locals(count=int)
@@ -55,4 +57,4 @@ cdef class Run:
     cpdef int next_contact(self, double until) noexcept nogil
     cpdef void forget_waiting(self) noexcept nogil
     @cython.locals(k=int)
-    cpdef void take_over(self, Integrator integrator, int[::1] counterpart) noexcept nogil
+    cpdef void hand_on(self, Integrator integrator, int[::1] counterpart) noexcept nogil

@@ -43,7 +43,6 @@ class Run:
 
     def __init__(self, integrator, start, inputs, lines, tyres, sampled):
         self.integrator = integrator
-        self.time = self.start = start
         self.inputs, self.lines, self.tyres = inputs, len(lines), len(tyres)
         self.sampled = sampled
         self.value = doubles([0.0] * inputs)
@@ -62,6 +61,17 @@ class Run:
         self.waiting = 0
         self.waiting_time = doubles([0.0] * _WAITING)
         self.waiting_tyre, self.waiting_airborne = vectors_of_integers(2, _WAITING)
+        self.begin(start)
+
+    def begin(self, start):
+        """Start anew: no input has been set."""
+        self.time = self.start = start
+        for i in range(self.inputs):
+            self.value[i] = 0.0
+            self.samples[i] = 0
+        for k in range(self.lines):
+            self.line_time[k] = start
+            self.line_value[k] = self.line_slope[k] = 0.0
         self.begin_contacts()
 
     # -- inputs --------------------------------------------------------------------------------------
@@ -231,22 +241,18 @@ class Run:
 
     # -- another integrator --------------------------------------------------------------------------
 
-    def take_over(self, integrator, counterpart):
-        """Go on with another integrator at the present time, whose system has other numbers.
+    def hand_on(self, integrator, counterpart):
+        """Let another integrator go on from the present one; the host then puts it in its place.
 
         Parameters
         ----------
-        integrator : new, at the present time
+        integrator : new, at the present time, of a system with other numbers
         counterpart : for each of its elements the number of the same one until now, or -1
         """
         for k in range(self.lines):
             self._enter_course(k)
-            integrator.net.replace_signal(
-                self.line_signal[k], self.line_time[k], self.coefficients
-            )
+            integrator.net.replace_signal(self.line_signal[k], self.line_time[k], self.coefficients)
         integrator.take_over(self.integrator, counterpart)
-        self.integrator = integrator
-        self.compare_contacts()
 
     # -- whole state ---------------------------------------------------------------------------------
 
