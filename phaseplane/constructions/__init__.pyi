@@ -8,7 +8,7 @@ from .laws import Strut as Strut
 from .marching import StepError as StepError
 from .marching import frames as frames
 from .marching import march as march
-from .one_plane import OneDofPlane as OneDofPlane
+from .one_dof import OneDofPlane as OneDofPlane
 from .overlaying import held_against as held_against
 from .overlaying import overlay as overlay
 from .primitives import Arc as Arc

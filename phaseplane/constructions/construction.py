@@ -89,6 +89,18 @@ class Construction(Protocol):
         """Return the mode that follows when a limit, numbered as in `margins`, is reached."""
         return mode
 
+    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
+        """Return the mode that follows when these states have reached a limit of the mode."""
+        return self.succeeding(mode, limit)
+
+    def scheme_of(self, mode: str) -> str:
+        """Return the key of the scheme by which the points of a mode are joined."""
+        return mode
+
+    def ends(self, mode: str) -> bool:
+        """Return whether the motion is over in a mode: at rest for good."""
+        return False
+
     def event(self, mode: str, successor: str) -> str:
         """Return the name of the event at which one mode follows another."""
         return successor

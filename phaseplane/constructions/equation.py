@@ -10,15 +10,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.laws import check_finite, check_positive
 from phaseplane.constructions.lienard import Lienard
-from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
+from phaseplane.constructions.one_plane import one_plane_scheme
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import States
+from phaseplane.constructions.switched import SwitchedPlane, schemes_with_switches
+from phaseplane.equations.switching import Mode, Switching, smooth
 
 Function = Callable[[float, float, float], float]
 """f(x', x, t) of x'' + f = 0."""
@@ -27,12 +28,12 @@ _GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207
 
 
 @dataclass(frozen=True)
-class EquationPlane(OnePlane):
+class EquationPlane(SwitchedPlane):
     """The phase plane of x'' + f(x', x, t) = 0.
 
     Parameters
     ----------
-    function : f(x', x, t)
+    function : f(x', x, t), or an equation with its switches
     autonomous : whether f is independent of t
     angular_frequency : Omega, rad/s, sets the scale of the x-bar axis; choose about that of the
         motion
@@ -42,6 +43,7 @@ class EquationPlane(OnePlane):
     auxiliary_levels : x_i of the auxiliary curves, between which A is interpolated; empty: A is on
         the curve through P's x
     words : the equation as text, for the title
+    unit : of x
 
     Raises
     ------
@@ -49,7 +51,7 @@ class EquationPlane(OnePlane):
         finite.
     """
 
-    function: Function
+    function: Function | Switching
     autonomous: bool = False
     angular_frequency: float = 1.0
     scale: float = 0.02
@@ -58,12 +60,7 @@ class EquationPlane(OnePlane):
     protractor_at: complex | None = None
     auxiliary_levels: tuple[float, ...] = ()
     words: str = "x'' + f(x', x, t) = 0"
-
-    schemes: ClassVar[Mapping[str, Scheme]] = {
-        CONTACT: one_plane_scheme(
-            "From A* along the x axis by the change of f since the start, averaged over the step: D."
-        )
-    }
+    unit: str = ""
 
     def __post_init__(self) -> None:
         """Check the parameters."""
@@ -76,20 +73,53 @@ class EquationPlane(OnePlane):
         """The equation and the kind of drawing."""
         return f"{self.words} in its phase plane"
 
+    @cached_property
+    def schemes(self) -> Mapping[str, Scheme]:
+        """How the points are joined; along switches and at rest, too, if there are switches."""
+        plain = one_plane_scheme(
+            "From A* along the x axis by the change of f since the start, averaged over the step: D."
+        )
+        return schemes_with_switches(plain) if self.switching.guards else {CONTACT: plain}
+
+    @cached_property
+    def switching(self) -> Switching:
+        """The equation, with its switches."""
+        given = self.function
+        return given if isinstance(given, Switching) else smooth(given, self.autonomous)
+
+    @cached_property
+    def value(self) -> Function:
+        """f(x', x, t), each piece by the signs that hold there."""
+        given = self.function
+        return given.value if isinstance(given, Switching) else given
+
     @property
     def initial_force(self) -> float:
         """The value of f at time 0."""
-        return self.function(self.initial_velocity, self.initial_displacement, 0.0)
+        return self.value(self.initial_velocity, self.initial_displacement, 0.0)
+
+    @property
+    def lienard_plane_frequency(self) -> float:
+        """Omega of the plane, rad/s."""
+        return self.angular_frequency
 
     @cached_property
     def lienard(self) -> Lienard:
         """The plane with its auxiliary curves."""
-        omega, function = self.angular_frequency, self.function
+        omega, value = self.angular_frequency, self.value
         return Lienard(
-            plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="x", unit=""),
-            lambda x_bar, x: function(omega * x_bar, x, 0.0) / omega**2 - x,
+            plane_at("displacement", "", omega, 0j, 1.0, self.scale, label="x", unit=self.unit),
+            lambda x_bar, x: value(omega * x_bar, x, 0.0) / omega**2 - x,
             levels=self.auxiliary_levels,
+            guards=self.guards,
         )
+
+    def epsilon_in(self, mode: Mode) -> Callable[[float, float], float]:
+        """Return the branch of the auxiliary curves that belongs to a mode without sliding."""
+        if not mode:
+            return self.lienard.epsilon
+        omega, function = self.angular_frequency, self.switching.function
+        return lambda x_bar, x: function(omega * x_bar, x, 0.0, mode) / omega**2 - x
 
     @cached_property
     def initial(self) -> States:
@@ -101,14 +131,18 @@ class EquationPlane(OnePlane):
         """The vertex of the turn angle on the sheet."""
         return self.scale * (-3.0 - 4.0j) if self.protractor_at is None else self.protractor_at
 
-    def shift(self, states: States, window: Window) -> float:
-        """Return -1/Omega^2 times the change of f since t = 0, averaged over the window."""
-        if self.autonomous:
+    def shift_in(self, mode: Mode, states: States, window: Window) -> float:
+        """Return -1/Omega^2 times the change of f since t = 0, averaged over the window.
+
+        Along a switch A is where the acceleration of the time puts it, so that there is nothing to add.
+        """
+        if self.switching.autonomous or 0 in mode:
             return 0.0
         x, velocity = self.lienard.values(states[0])
+        function = self.switching.function
         times = ((window.start + part * window.duration, weight) for part, weight in _GAUSS)
-        mean = sum(weight * self.function(velocity, x, t) for t, weight in times)
-        return (self.function(velocity, x, 0.0) - mean) / self.angular_frequency**2
+        mean = sum(weight * function(velocity, x, t, mode) for t, weight in times)
+        return (function(velocity, x, 0.0, mode) - mean) / self.angular_frequency**2
 
     def readings(
         self,

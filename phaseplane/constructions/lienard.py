@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil, floor
+from itertools import pairwise
+from math import ceil, copysign, floor
 
+from phaseplane.constructions.geometry import bisected
 from phaseplane.constructions.laws import Strut
 from phaseplane.constructions.primitives import Curve, Frame, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
 
+Epsilon = Callable[[float, float], float]
+"""epsilon(y-bar; y_i), m."""
+
+_BESIDE = 1e-9  # of the range of y-bar: distance of the points on both sides of a jump
 _POINTS = 64  # intervals of an auxiliary curve, even so that y-bar = 0 is included
 
 
@@ -25,19 +31,33 @@ class Lienard:
     corners : values of y-bar at which the curves have corners, m
     levels : y_i of the drawn curves, m, ascending; A is interpolated between them and extrapolated
         beyond; empty: A is on the curve through P's y, and curves are drawn for round values
+    guards : functions of y-bar and y_i; where one changes its sign a curve jumps or has a corner
     """
 
     plane: Plane
-    epsilon: Callable[[float, float], float]
+    epsilon: Epsilon
     corners: tuple[float, ...] = ()
     levels: tuple[float, ...] = ()
+    guards: tuple[Callable[[float, float], float], ...] = ()
 
     @classmethod
-    def of_strut(cls, plane: Plane, strut: Strut, levels: tuple[float, ...] = ()) -> Lienard:
-        """Return the plane of a strut: epsilon = (Phi(Omega y-bar, y_i) + G(y_i)) / c."""
+    def of_strut(
+        cls,
+        plane: Plane,
+        strut: Strut,
+        levels: tuple[float, ...] = (),
+        friction: float = 0.0,
+        guards: tuple[Epsilon, ...] = (),
+    ) -> Lienard:
+        """Return the plane of a strut: epsilon = (Phi(Omega y-bar, y_i) + G(y_i) +- R) / c."""
         omega, rate, force = plane.angular_frequency, strut.rate, strut.force
         corners = tuple(corner / omega for corner in strut.corners)
-        return cls(plane, lambda y_bar, y: force(omega * y_bar, y) / rate - y, corners, levels)
+
+        def epsilon(y_bar: float, y: float) -> float:
+            dry = copysign(friction, y_bar) if friction and y_bar else 0.0
+            return (force(omega * y_bar, y) + dry) / rate - y
+
+        return cls(plane, epsilon, corners, levels, guards)
 
     def state(self, displacement: float, velocity: float) -> complex:
         """Return P for a displacement, m, and its rate, m/s."""
@@ -48,25 +68,45 @@ class Lienard:
         y_bar = self.plane.scaled_velocity.read(p)
         return self.plane.displacement.read(p), self.plane.angular_frequency * y_bar
 
-    def raised(self, p: complex) -> tuple[complex, complex, complex]:
-        """Return Q, the foot of P; A, level with P on the auxiliary curve; and A*, the foot of A."""
+    def raised(
+        self, p: complex, epsilon: Epsilon | None = None
+    ) -> tuple[complex, complex, complex]:
+        """Return Q, the foot of P; A, level with P on the auxiliary curve; and A*, the foot of A.
+
+        Parameters
+        ----------
+        epsilon : of the branch of the curve that P is on, if it has several
+        """
         axis = self.plane.displacement
         origin, scale, sense = axis.origin, axis.scale, axis.direction.real
         y = sense * (p.real - origin.real) / scale
         y_bar = (p.imag - origin.imag) / scale
-        epsilon = self.interpolated(y_bar, y) if self.levels else self.epsilon(y_bar, y)
-        foot = origin.real - sense * scale * epsilon
+        law = epsilon or self.epsilon
+        far = self.interpolated(y_bar, y, law) if self.levels else law(y_bar, y)
+        foot = origin.real - sense * scale * far
         return complex(p.real, origin.imag), complex(foot, p.imag), complex(foot, origin.imag)
 
-    def interpolated(self, y_bar: float, y: float) -> float:
+    def interpolated(self, y_bar: float, y: float, epsilon: Epsilon) -> float:
         """Return epsilon, interpolated between the two drawn curves nearest to y, m."""
         levels = self.levels
         if len(levels) == 1:
-            return self.epsilon(y_bar, levels[0])
+            return epsilon(y_bar, levels[0])
         i = min(max(bisect_right(levels, y), 1), len(levels) - 1)
         low, high = levels[i - 1], levels[i]
         share = (y - low) / (high - low)
-        return (1.0 - share) * self.epsilon(y_bar, low) + share * self.epsilon(y_bar, high)
+        return (1.0 - share) * epsilon(y_bar, low) + share * epsilon(y_bar, high)
+
+    def _broken(self, heights: Sequence[float], y: float) -> Iterator[float]:
+        """Yield the values of y-bar just below and above each break of the curve for y."""
+        beside = _BESIDE * (heights[-1] - heights[0])
+        # off the grid, since many guards vanish at y-bar = 0, which is on it
+        places = [height + 1e3 * beside for height in heights]
+        for guard in self.guards:
+            values = [guard(place, y) for place in places]
+            for i, (low, high) in enumerate(pairwise(places)):
+                if values[i] * values[i + 1] < 0.0:
+                    at = bisected(lambda v, g=guard: g(v, y), low, high)
+                    yield from (at - beside, at + beside)
 
     def displacement(self, q: complex) -> float:
         """Return y read off the sheet: OQ / a (AP57 eqs. 11, 21, 39)."""
@@ -101,12 +141,13 @@ class Lienard:
         up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
 
         def curve(y: float) -> tuple[complex, ...]:
-            return tuple(plane.displacement.at(-self.epsilon(v, y)) + up * v for v in heights)
+            places = sorted({*heights, *self._broken(heights, y)}) if self.guards else heights
+            return tuple(plane.displacement.at(-self.epsilon(v, y)) + up * v for v in places)
 
         values = self.levels or _round_values(*reach(plane.displacement, points))
         family = [curve(y) for y in values]
-        apart = max(abs(p - q) for other in family for p, q in zip(family[0], other, strict=True))
-        if apart <= 1e-9 * abs(family[0][-1] - family[0][0]):
+        size = abs(family[0][-1] - family[0][0])
+        if all(_same(family[0], other, 1e-9 * size) for other in family):
             return (Curve("auxiliary", family[0]),)
         axis = plane.displacement
         factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, axis.unit)
@@ -114,6 +155,12 @@ class Lienard:
             Curve("auxiliary", vertices, f"{axis.label} = {factor * y:g}{unit}")
             for vertices, y in zip(family, values, strict=True)
         )
+
+
+def _same(one: Sequence[complex], other: Sequence[complex], tiny: float) -> bool:
+    return len(one) == len(other) and all(
+        abs(p - q) <= tiny for p, q in zip(one, other, strict=True)
+    )
 
 
 def _round_values(least: float, most: float) -> list[float]:

@@ -83,14 +83,14 @@ def _frames(
     readings: Mapping[str, float] | None = None
     elapsed = 0.0
     number, tick = 0, 1
-    while time < end:
+    fresh = bool(event) and event != JOLT
+    while time < end and not construction.ends(mode):
         goal = min(start.time + tick * step, end)
         if end - goal < _LEAST_PART * step:
             goal = end
         target = jolt if jolt < goal + _LEAST_PART * step else goal
         window = Window(time, target - time)
         try:
-            fresh = bool(event) and event != JOLT
             points, successors = stepper.step(mode, states, window)
             found = first_end(stepper, mode, states, window, points, successors, fresh=fresh)
             if found and found.part < window.duration * (1.0 - _LEAST_PART):
@@ -102,26 +102,29 @@ def _frames(
             raise ArithmeticError(
                 f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s"
             ) from None
-        yield Frame(number, time, window.duration, mode, points, readings, event)
+        scheme = construction.scheme_of(mode)
+        yield Frame(number, time, window.duration, scheme, points, readings, event)
         number += 1
         elapsed = window.duration
         time, states, event = target, successors, ""
         old_mode = mode
         if found:
-            mode = construction.succeeding(mode, found.limit)
+            mode = construction.mode_after(mode, found.limit, states, time)
             states = construction.remembered(states, states)
         if time == jolt:
             jolt, readings, event = next(jolts), None, JOLT
             states = construction.jolted(mode, states, time)
             mode = construction.mode_at(states, time)
-        if mode != old_mode:
+        fresh = mode != old_mode
+        if fresh:
             event = construction.event(old_mode, mode)
         if goal - time < _LEAST_PART * step:
             tick += 1
     if ending is not None:
         points = construction.points(mode, states, Window(time))
         readings = construction.readings(mode, states, time, readings, elapsed)
-        ending.append(Frame(number, time, 0.0, mode, points, readings, event))
+        scheme = construction.scheme_of(mode)
+        ending.append(Frame(number, time, 0.0, scheme, points, readings, event))
 
 
 def march(

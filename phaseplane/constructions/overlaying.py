@@ -62,7 +62,8 @@ def overlay(
             )
         }
         event = construction.event(old_mode, mode) if old_mode != mode else ""
-        made.append(Frame(len(made), time, window.duration, mode, points, readings, event))
+        scheme = construction.scheme_of(mode)
+        made.append(Frame(len(made), time, window.duration, scheme, points, readings, event))
         old_mode, elapsed = mode, window.duration
         if jolt is not None:
             readings = None

@@ -17,7 +17,7 @@ from phaseplane.suspension.variables import MODELS, Value
 from phaseplane import constructions
 
 from ..errors import InputError, one_line
-from ..scene.equation import EQUATION, function_of
+from ..scene.equation import EQUATION, formula_of, in_words
 
 if TYPE_CHECKING:
     from phaseplane.constructions import Construction
@@ -76,11 +76,13 @@ def of_system(
 
     Raises
     ------
-    ValueError : if the system is of another kind, or has dry friction, whose sticking cannot be drawn.
+    ValueError : if the system is of another kind, or has dry friction and more than one plane.
     """
     sticking = [element.name for element in system.elements if element.friction]
-    if sticking:
-        raise ValueError(f"{sticking[0]} has dry friction, for which there is no construction")
+    if sticking and len(system.coordinates) > 1:
+        raise ValueError(
+            f"{sticking[0]} has dry friction, for which there is a construction in one phase plane only"
+        )
     tyres = sum(bool(axle.tyre) for axle in system.axles)
     make = {
         (0, 0): _elastoplastic,
@@ -105,6 +107,7 @@ def _one_dof(system: System, settings: Mapping[str, Any], start: Start) -> Const
         mass=system.mass[0][0],
         spring=spring,
         damper=damper,
+        friction=sum(element.friction for element in system.elements),
         road=road,
         initial_deflection=q[0] - elevation,
         initial_rate=v[0] - velocity,
@@ -208,16 +211,15 @@ def _elastoplastic(system: System, settings: Mapping[str, Any], start: Start) ->
 
 
 def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -> Construction:
-    text = str(parameters["equation"])
-    function, autonomous = function_of(text)
+    formula = formula_of(parameters)
     scales = settings.get("plane_scales")
     return constructions.EquationPlane(
-        function,
-        autonomous,
-        float(parameters["angular_frequency"]),
+        formula.switching,
+        angular_frequency=float(parameters["angular_frequency"]),
         initial_displacement=float(parameters["displacement_start"]),
         initial_velocity=float(parameters["velocity_start"]),
-        words=f"x'' + {text} = 0",
+        words=in_words(formula),
+        unit="" if parameters["unit"] == "1" else str(parameters["unit"]),
         **({"scale": scales[0]} if scales else {}),
     )
 

@@ -17,7 +17,7 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 
 from ..errors import InputError, check_picture, one_line
-from ..scene.equation import EQUATION, drive_period, function_of, function_of_arrays
+from ..scene.equation import EQUATION, formula_of, in_words
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def portrait(
         raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
-        title = f"{title}: x'' + {scene.all_parameters['equation']} = 0"
+        title = f"{title}: {in_words(formula_of(scene.all_parameters))}"
     elif subject.held:
         title = f"{title}; {', '.join(subject.held)} held at rest"
     if made.frozen is not None and system.driven:
@@ -193,17 +193,17 @@ def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
 
 
 def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
-    text = str(parameters["equation"])
-    found = period or drive_period(text)
+    formula = formula_of(parameters)
+    found = period or formula.period
     if found is None:
         raise ValueError(
             "no forcing period was found in the equation; give it with --period, or give --frozen TIME"
         )
-    system = computed.PhaseSystem(
-        function_of(text)[0], period=found, on_arrays=function_of_arrays(text)
-    )
+    system = computed.PhaseSystem(formula.function, period=found, on_arrays=formula.on_arrays)
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    return _Subject(system, ("x", "x'"), max(_REACH, 1.1 * abs(start[0])), start)
+    unit = str(parameters["unit"])
+    labels = ("x", "x'") if unit == "1" else (f"x [{unit}]", f"x' [{unit}/s]")
+    return _Subject(system, labels, max(_REACH, 1.1 * abs(start[0])), start)
 
 
 def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) -> _Subject:

@@ -13,7 +13,7 @@ from phaseplane.suspension.variables import MODELS, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
 
 from ..errors import InputError, one_line, shown
-from .equation import EQUATION, VARIABLES
+from .equation import EQUATION, equation_variables
 from .names import meant
 
 if TYPE_CHECKING:
@@ -77,8 +77,12 @@ class Fmu:
         }
 
 
-def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
+def find_fmu(reference: str, folder: Path | None = None, parameters: object = None) -> Fmu:
     """Return the FMU of a model name, or of the path of an `.fmu` file (relative to `folder`).
+
+    Parameters
+    ----------
+    parameters : those that a scene gives, by name; an equation has parameters of its own among them
 
     Raises
     ------
@@ -87,7 +91,7 @@ def find_fmu(reference: str, folder: Path | None = None) -> Fmu:
     if reference in MODELS:
         return Fmu(reference, None, MODELS[reference])
     if reference == EQUATION:
-        return Fmu(EQUATION, None, VARIABLES)
+        return Fmu(EQUATION, None, equation_variables(parameters))
     if not reference.endswith(".fmu"):
         known = (*MODELS, EQUATION)
         raise InputError(

@@ -63,7 +63,11 @@ def load_scene(
         content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
         content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
     try:
-        context = {"folder": layers.folders.get("fmu"), "folders": layers.folders}
+        context = {
+            "folder": layers.folders.get("fmu"),
+            "folders": layers.folders,
+            "parameters": content.get("parameters"),
+        }
         scene = Scene.model_validate(content, context=context)
     except ValidationError as error:
         raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None

@@ -81,7 +81,8 @@ class Scene(Strict):
     def _find(cls, value: object, info: ValidationInfo) -> Fmu:
         if not isinstance(value, str):
             raise ValueError("must be a model's name or the path of an .fmu file")
-        return find_fmu(value, (info.context or {}).get("folder"))
+        context = info.context or {}
+        return find_fmu(value, context.get("folder"), context.get("parameters"))
 
     @field_validator("parameters", mode="before")
     @classmethod

@@ -297,7 +297,7 @@ def test_an_equation_that_cannot_be_solved_on_keeps_what_it_has(equation, x, v, 
 def test_the_scene_of_van_der_pol():
     result = CliRunner().invoke(main, ["run", "van_der_pol", "--set", "show.recording=false"])
     assert result.exit_code == 0, result.stderr
-    assert "with SciPy" in result.stdout
+    assert "by the method of Dormand and Prince" in result.stdout
     summary = json.loads(Path("out/van_der_pol/summary.json").read_text(encoding="utf-8"))
     assert summary["drawn"]["steps"] == 200
     assert 0.0 < summary["drawn"]["drift"]["displacement"] < 0.3

@@ -1,0 +1,176 @@
+"""One phase plane whose equation switches: relays, dry friction, clearances.
+
+On a switch where f jumps the auxiliary curve has a jump, which is drawn as a straight piece. Steps end on
+the switch. From there the motion goes on along the other branch of the curve, or, if both branches lead
+back to the switch, along the switch: A is then on the jump, where the acceleration keeps the motion on the
+switch. Dry friction at rest is such a motion, with D = Q.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+
+from phaseplane.constructions.construction import CONTACT, Window
+from phaseplane.constructions.one_plane import OnePlane
+from phaseplane.constructions.primitives import Scheme
+from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.steps import Points, States
+from phaseplane.equations.switching import Mode, Switching
+
+SLIDING, REST = "sliding", "rest"
+
+_SIGNS = {-1: "-", 0: "0", 1: "+"}
+_NUMBERS = {text: sign for sign, text in _SIGNS.items()}
+_GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
+
+
+def on_switch_scheme(words: str) -> Scheme:
+    """Return the drawing of a step along a switch; `words` say where D is."""
+    return scheme(
+        (
+            "The state point P, on the switch, and its foot Q on the axis.",
+            marks("state", "P"),
+            marks("foot", "Q"),
+            strokes("foot", "P-Q"),
+        ),
+        (
+            "Both branches of the auxiliary curve lead back to the switch: A on the jump between "
+            "them. Down to the axis: A*.",
+            marks("construction", "A A*"),
+            strokes("construction", "P-A A-A*"),
+        ),
+        (words, marks("normal", "D"), strokes("excitation", "A*-D")),
+        ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
+        (
+            "Its length on the arm of the turn angle: the arc is the length of the step.",
+            turn_arcs(("",)),
+        ),
+    )
+
+
+def on_switch_schemes() -> dict[str, Scheme]:
+    """Return the schemes of steps along a switch, and of rest on it."""
+    return {
+        SLIDING: on_switch_scheme("The normal DP is perpendicular to the switch: D."),
+        REST: on_switch_scheme("The forces are in balance: D = Q, and P stays where it is."),
+    }
+
+
+class SwitchedPlane(OnePlane):
+    """The common part of the constructions in a single phase plane with switches."""
+
+    @property
+    @abstractmethod
+    def switching(self) -> Switching:
+        """The equation, with its switches."""
+
+    @abstractmethod
+    def epsilon_in(self, mode: Mode) -> Callable[[float, float], float]:
+        """Return the branch of the auxiliary curves that belongs to a mode without sliding."""
+
+    @abstractmethod
+    def shift_in(self, mode: Mode, states: States, window: Window) -> float:
+        """Return the distance of D from A* in a mode, averaged over the window."""
+
+    def shift(self, states: States, window: Window) -> float:
+        """Return the distance of D from A* along the axis, averaged over the window."""
+        return self.shift_in(_mode(self.mode_at(states, window.start)), states, window)
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """Construct P, Q, A, A* and D, on the branch of the auxiliary curve of the mode."""
+        signs, p, plane = _mode(mode), states[0], self.lienard
+        if 0 not in signs:
+            q, a, foot = plane.raised(p, self.epsilon_in(signs))
+            moved = plane.plane.displacement.scale * self.shift_in(signs, states, window)
+            return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + moved}
+        x, v = plane.values(p)
+        times = ((window.start + part * window.duration, weight) for part, weight in _GAUSS)
+        mean = sum(w * self.switching.acceleration(signs, v, x, t) for t, w in times)
+        axis = plane.plane.displacement
+        q = complex(p.real, axis.origin.imag)
+        way = axis.direction * axis.scale * mean / plane.plane.angular_frequency**2
+        foot = q + way - axis.scale * self.shift_in(signs, states, window)
+        return {"P": p, "Q": q, "A": complex(foot.real, p.imag), "A*": foot, "D": q + way}
+
+    def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
+        """Return the signs of the guards, 0 where the motion is held on one."""
+        if not self.switching.guards:
+            return CONTACT
+        x, v = self.lienard.values(states[0])
+        return _text(self.switching.settled(v, x, time))
+
+    def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
+        """Return the margin to each guard."""
+        if mode == CONTACT:
+            return ()
+        x, v = self.lienard.values(states[0])
+        return tuple(self.switching.margins(_mode(mode), v, x, time))
+
+    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
+        """Return the mode beyond a guard, or on it."""
+        x, v = self.lienard.values(states[0])
+        return _text(self.switching.settled(v, x, time, [limit], _mode(mode)))
+
+    def remembered(self, states: States, before: States | None) -> States:
+        """Return the state point on the axis if it is there but for rounding."""
+        if before is None or not self.switching.guards:
+            return states
+        p, axis = states[0], self.lienard.plane.displacement
+        near = abs(p.imag - axis.origin.imag) <= 1e-9 * abs(p - axis.origin)
+        return (complex(p.real, axis.origin.imag), *states[1:]) if near else states
+
+    def scheme_of(self, mode: str) -> str:
+        """Return the scheme of a mode: off the switches, along one, or at rest."""
+        signs = _mode(mode)
+        if 0 not in signs:
+            return CONTACT
+        return REST if self._rests(signs) else SLIDING
+
+    def ends(self, mode: str) -> bool:
+        """Return whether the motion has come to rest for good."""
+        return self.switching.autonomous and self.scheme_of(mode) == REST
+
+    def event(self, mode: str, successor: str) -> str:
+        """Return `rest` or `sliding` where that begins."""
+        after = self.scheme_of(successor)
+        return after if after != CONTACT and after != self.scheme_of(mode) else ""
+
+    def _rests(self, signs: Mode) -> bool:
+        """Whether a held motion is at rest: on the velocity's own guard, on two, or on one of x."""
+        if signs.count(0) > 1:
+            return True
+        g_v, g_x, g_t = self.switching.gradient(signs.index(0), signs, 0.0, 0.0, 0.0)
+        return (g_x == 0.0 and g_t == 0.0) or g_v == 0.0
+
+    @cached_property
+    def guards(self) -> tuple[Callable[[float, float], float], ...]:
+        """The guards as functions of the scaled velocity and x, at time 0."""
+        omega, switching = self.lienard_plane_frequency, self.switching
+
+        def of(k: int) -> Callable[[float, float], float]:
+            guard = switching.guards[k]
+            return lambda x_bar, x: guard(
+                omega * x_bar, x, 0.0, switching.signs(omega * x_bar, x, 0.0)
+            )
+
+        return tuple(of(k) for k in range(len(switching.guards)))
+
+    @property
+    @abstractmethod
+    def lienard_plane_frequency(self) -> float:
+        """Omega of the plane, rad/s."""
+
+
+def schemes_with_switches(plain: Scheme) -> Mapping[str, Scheme]:
+    """Return the schemes of a plane with switches; `plain` is that of a step off them."""
+    return {CONTACT: plain, **on_switch_schemes()}
+
+
+def _mode(text: str) -> Mode:
+    return () if text == CONTACT else tuple(_NUMBERS[sign] for sign in text)
+
+
+def _text(mode: Mode) -> str:
+    return "".join(_SIGNS[sign] for sign in mode) if mode else CONTACT

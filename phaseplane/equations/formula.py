@@ -1,0 +1,398 @@
+"""Formulas f(v, x, t) of x'' + f = 0: read from a text, checked, and made into functions.
+
+A formula has named parameters and pieces. Every piece is written with the signs of its guards, so that
+f is smooth as long as no guard changes its sign:
+
+    |u| = u s(u)                                 max(a, b) = (a + b + (a - b) s(a - b)) / 2
+    relay(u, d) = (s(u - d) + s(u + d)) / 2      saturation(u, l) = (|u + l| - |u - l|) / 2
+    dead_zone(u, d) = u - saturation(u, d)       backlash(u, g) = dead_zone(u, g / 2)
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from phaseplane.equations.switching import Switching
+from phaseplane.suspension.units import nearest
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+
+def _sign(u: float) -> float:
+    return math.copysign(1.0, u) if u else 0.0
+
+
+def _relay(u: float, width: float = 0.0) -> float:
+    return 0.5 * (_sign(u - width) + _sign(u + width))
+
+
+def _saturation(u: float, limit: float) -> float:
+    return 0.5 * (abs(u + limit) - abs(u - limit))
+
+
+_SMOOTH = (
+    "acos", "asin", "atan", "atan2", "cos", "cosh", "exp", "hypot", "log", "sin", "sinh", "sqrt",
+    "tan", "tanh",
+)  # fmt: skip
+_PIECES: dict[str, tuple[Callable[..., float], int, int]] = {  # with least and most arguments
+    "abs": (abs, 1, 1),
+    "backlash": (lambda u, gap: u - _saturation(u, 0.5 * gap), 2, 2),
+    "copysign": (math.copysign, 2, 2),
+    "dead_zone": (lambda u, width: u - _saturation(u, width), 2, 2),
+    "max": (max, 2, 99),
+    "min": (min, 2, 99),
+    "relay": (_relay, 1, 2),
+    "saturation": (_saturation, 2, 2),
+    "sign": (_sign, 1, 1),
+}
+FUNCTIONS = tuple(sorted((*_SMOOTH, *_PIECES)))
+"""The functions of a formula."""
+
+VARIABLES = ("v", "x", "t")
+"""The variables of a formula: v = x', x and the time t."""
+
+_CONSTANTS = {"pi": math.pi}
+_BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
+_UNARY = (ast.USub, ast.UAdd)
+_LONGEST = 1000
+_MOST_SWITCHES = 40
+_MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have repeated
+_NUMBERS: dict[str, Any] = {
+    "__builtins__": {},
+    **{name: getattr(math, name) for name in _SMOOTH},
+    **{name: piece for name, (piece, _, _) in _PIECES.items()},
+    **_CONSTANTS,
+}
+
+Function = Callable[[float, float, float], float]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula f(v, x, t) of x'' + f = 0 with v = x'.
+
+    Parameters
+    ----------
+    text : numbers, v, x, t, pi, names of parameters, + - * / ^ (or **), brackets and `FUNCTIONS`
+    parameters : values of the named parameters, in one system of units
+
+    Raises
+    ------
+    ValueError : if the text is not such a formula; the message says what is allowed.
+    """
+
+    text: str
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Read the text."""
+        for name in self.parameters:
+            check_name(name)
+        _ = self._tree
+
+    @cached_property
+    def _tree(self) -> ast.expr:
+        return _read(self.text, self.parameters)
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The parameters that occur in the text."""
+        return frozenset(n for n in self.parameters if _mentions(self._tree, n))
+
+    @property
+    def autonomous(self) -> bool:
+        """Whether f does not depend on t."""
+        return not _mentions(self._tree, "t")
+
+    @cached_property
+    def function(self) -> Function:
+        """f(v, x, t) of three numbers; NaN outside the domain of f."""
+        return _guarded(self._made(self._tree, VARIABLES, _NUMBERS))
+
+    @cached_property
+    def on_arrays(self) -> Callable[..., npt.NDArray[np.float64]]:
+        """f(v, x, t) of numpy arrays; NaN outside the domain of f."""
+        made: Callable[..., Any] = self._made(self._tree, VARIABLES, _arrays())
+        return made
+
+    @cached_property
+    def switching(self) -> Switching:
+        """f with its switches, see `Switching`."""
+        pieces = _Pieces()
+        smooth = ast.fix_missing_locations(ast.Expression(pieces.visit(_copied(self._tree)))).body
+        arguments = (*VARIABLES, "s")
+        return Switching(
+            _guarded(self._made(smooth, arguments, _NUMBERS)),
+            tuple(
+                _guarded(self._made(ast.fix_missing_locations(ast.Expression(g)).body,
+                                    arguments, _NUMBERS))
+                for g in pieces.guards
+            ),
+            self.autonomous,
+        )  # fmt: skip
+
+    @cached_property
+    def period(self) -> float | None:
+        """The period of f in t, s; 0 if f does not depend on t, None if no period is found.
+
+        A period is found if t occurs only in sines and cosines of a constant times t plus a constant,
+        with commensurable frequencies.
+        """
+        return _period(self._tree, {**_NUMBERS, **self.parameters})
+
+    def _made(
+        self, body: ast.expr, arguments: Sequence[str], scope: Mapping[str, Any]
+    ) -> Callable[..., Any]:
+        code = ast.Lambda(
+            ast.arguments([], [ast.arg(name) for name in arguments], None, [], [], None, []), body
+        )
+        tree = ast.fix_missing_locations(ast.Expression(code))
+        made: Callable[..., Any] = eval(
+            compile(tree, "equation", "eval"), {**scope, **self.parameters}
+        )
+        return made
+
+
+def check_name(name: str) -> None:
+    """Reject a name that a parameter cannot have.
+
+    Raises
+    ------
+    ValueError : a name that is no identifier, or that means something else in a formula.
+    """
+    taken = (*VARIABLES, *_CONSTANTS, *FUNCTIONS, "s")
+    if not name.isidentifier() or name.startswith("_") or name in taken:
+        raise ValueError(
+            f"{name!r} cannot name a parameter of an equation: use letters, digits and _, "
+            f"but not {', '.join(taken[:5])} or the name of a function"
+        )
+
+
+def _guarded(made: Callable[..., Any]) -> Callable[..., float]:
+    def function(*values: Any) -> float:
+        try:
+            return float(made(*values))
+        except (ValueError, ZeroDivisionError, TypeError):  # outside the domain of f
+            return math.nan
+
+    return function
+
+
+def _arrays() -> dict[str, Any]:
+    import numpy as np  # noqa: PLC0415  (formulas of numbers do without it)
+
+    inverse = {name: f"arc{name[1:]}" for name in ("acos", "asin", "atan", "atan2")}
+    ours = {"max", "min", "relay", "saturation", "dead_zone", "backlash"}
+    found: dict[str, Any] = {
+        name: getattr(np, inverse.get(name, name)) for name in FUNCTIONS if name not in ours
+    }
+
+    def saturation(u: Any, limit: Any) -> Any:
+        return 0.5 * (np.abs(u + limit) - np.abs(u - limit))
+
+    found |= {
+        "max": lambda *of: functools.reduce(np.maximum, of),
+        "min": lambda *of: functools.reduce(np.minimum, of),
+        "relay": lambda u, width=0.0: 0.5 * (np.sign(u - width) + np.sign(u + width)),
+        "saturation": saturation,
+        "dead_zone": lambda u, width: u - saturation(u, width),
+        "backlash": lambda u, gap: u - saturation(u, 0.5 * gap),
+    }
+    return {"__builtins__": {}, **found, **_CONSTANTS}
+
+
+# Reading.
+
+
+def _read(text: str, parameters: Mapping[str, float]) -> ast.expr:
+    """Parse a formula into a tree of checked nodes only: no attributes, no other calls."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
+    try:
+        tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise ValueError(
+            f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
+        ) from None
+    body = _checked(tree.body, text, tuple(parameters))
+    return ast.fix_missing_locations(ast.Expression(body)).body
+
+
+def _checked(node: ast.expr, text: str, names: tuple[str, ...]) -> ast.expr:
+    """Return the checked node, integers made floats so that their powers cannot grow without end."""
+    match node:
+        case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+            try:
+                return ast.Constant(float(value))
+            except OverflowError:
+                raise ValueError(
+                    f"equation: {text!r} contains a number that is too large"
+                ) from None
+        case ast.BinOp(left, operator, right) if isinstance(operator, _BINARY):
+            return ast.BinOp(_checked(left, text, names), operator, _checked(right, text, names))
+        case ast.UnaryOp(operator, operand) if isinstance(operator, _UNARY):
+            return ast.UnaryOp(operator, _checked(operand, text, names))
+        case ast.Name(name) if name in VARIABLES or name in _CONSTANTS or name in names:
+            return node
+        case ast.Call(ast.Name(name) as called, arguments, []) if name in FUNCTIONS:
+            _check_count(name, len(arguments), text)
+            return ast.Call(called, [_checked(a, text, names) for a in arguments], [])
+    known = (*VARIABLES, *_CONSTANTS, *names, *FUNCTIONS)
+    part = ast.unparse(node)
+    if isinstance(node, ast.Name) and part not in FUNCTIONS:
+        raise ValueError(
+            f"equation = {text!r}: {part!r} is not known{nearest(part, known)}; give its value in "
+            f"[parameters], such as {part} = 1.0; allowed are numbers, + - * / ^, "
+            f"{', '.join((*VARIABLES, *_CONSTANTS, *names))} and {', '.join(FUNCTIONS)}"
+        )
+    hint = nearest(part.split("(")[0], known)
+    raise ValueError(
+        f"equation = {text!r}: {part!r} is not known{hint}; allowed are numbers, + - * / ^, "
+        f"{', '.join((*VARIABLES, *_CONSTANTS, *names))} and {', '.join(FUNCTIONS)}"
+    )
+
+
+def _check_count(name: str, count: int, text: str) -> None:
+    if name in _PIECES:
+        least, most = _PIECES[name][1:]
+    else:
+        least = most = 2 if name in ("atan2", "hypot") else 1
+    if not least <= count <= most:
+        wanted = f"{least}" if least == most else f"{least} or {most}"
+        wanted = "at least 2" if most > 2 else wanted
+        raise ValueError(f"equation = {text!r}: {name} takes {wanted} values, not {count}")
+
+
+def _copied(tree: ast.expr) -> ast.expr:
+    return ast.parse(ast.unparse(tree), mode="eval").body
+
+
+def _mentions(tree: ast.AST, name: str) -> bool:
+    return any(isinstance(node, ast.Name) and node.id == name for node in ast.walk(tree))
+
+
+# Pieces.
+
+
+class _Pieces(ast.NodeTransformer):
+    """Replaces each piece by a smooth expression of the signs s[0], s[1], ... of its guards.
+
+    A guard may contain the signs of guards before it.
+    """
+
+    def __init__(self) -> None:
+        self.guards: list[ast.expr] = []
+        self._numbers: dict[str, int] = {}
+
+    def visit_Call(self, node: ast.Call) -> ast.expr:
+        """Replace a call of a piece; its arguments first."""
+        name = node.func.id  # type: ignore[attr-defined]
+        arguments = [self.visit(argument) for argument in node.args]
+        match name, arguments:
+            case "sign", [u]:
+                return self._sign(u)
+            case "abs", [u]:
+                return self._size(u)
+            case "copysign", [a, b]:
+                return _product(self._size(a), self._sign(b))
+            case "max" | "min", [first, *others]:
+                return functools.reduce(lambda a, b: self._larger(a, b, name), others, first)
+            case "relay", [u]:
+                return self._sign(u)
+            case "relay", [u, d]:
+                return _half(_sum(self._sign(_difference(u, d)), self._sign(_sum(u, d))))
+            case "saturation", [u, limit]:
+                return self._saturation(u, limit)
+            case "dead_zone", [u, d]:
+                return _difference(u, self._saturation(u, d))
+            case "backlash", [u, gap]:
+                return _difference(u, self._saturation(u, _half(gap)))
+        return ast.Call(node.func, arguments, [])
+
+    def _sign(self, u: ast.expr) -> ast.expr:
+        if not any(_mentions(u, name) for name in (*VARIABLES, "s")):
+            return ast.Call(ast.Name("sign", ast.Load()), [u], [])
+        number = self._numbers.setdefault(ast.dump(u), len(self.guards))
+        if number == len(self.guards):
+            if number >= _MOST_SWITCHES:
+                raise ValueError(f"equation: more than {_MOST_SWITCHES} switches")
+            self.guards.append(u)
+        return ast.Subscript(ast.Name("s", ast.Load()), ast.Constant(number), ast.Load())
+
+    def _size(self, u: ast.expr) -> ast.expr:
+        return _product(u, self._sign(u))
+
+    def _larger(self, a: ast.expr, b: ast.expr, name: str) -> ast.expr:
+        size = self._size(_difference(a, b))
+        return _half(_sum(_sum(a, b), size) if name == "max" else _difference(_sum(a, b), size))
+
+    def _saturation(self, u: ast.expr, limit: ast.expr) -> ast.expr:
+        above, below = self._size(_sum(u, limit)), self._size(_difference(u, limit))
+        return _half(_difference(above, below))
+
+
+def _product(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Mult(), b)
+
+
+def _sum(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Add(), b)
+
+
+def _difference(a: ast.expr, b: ast.expr) -> ast.expr:
+    return ast.BinOp(a, ast.Sub(), b)
+
+
+def _half(a: ast.expr) -> ast.expr:
+    return ast.BinOp(ast.Constant(0.5), ast.Mult(), a)
+
+
+# Periods.
+
+
+def _period(tree: ast.expr, scope: Mapping[str, Any]) -> float | None:
+    turning = [
+        node for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        and node.func.id in ("sin", "cos") and len(node.args) == 1 and _mentions(node, "t")
+    ]  # fmt: skip
+    inner = [n for n in turning if not any(m is not n and m in ast.walk(n) for m in turning)]
+    known = {id(part) for node in inner for part in ast.walk(node)}
+    if any(isinstance(n, ast.Name) and n.id == "t" and id(n) not in known for n in ast.walk(tree)):
+        return None
+    frequencies = {_frequency(node.args[0], scope) for node in inner}
+    if None in frequencies:
+        return None
+    found = sorted(abs(f) for f in frequencies if f)
+    if not found:
+        return 0.0
+    ratios = [Fraction(f / found[0]).limit_denominator(_MOST_PERIODS) for f in found]
+    if any(abs(r - f / found[0]) > 1e-9 for r, f in zip(ratios, found, strict=True)):
+        return None
+    return 2.0 * math.pi / found[0] * math.lcm(*(r.denominator for r in ratios))
+
+
+def _frequency(argument: ast.expr, scope: Mapping[str, Any]) -> float | None:
+    """Return the factor of t in an argument a + b t, or None if it is not of that form."""
+    if _mentions(argument, "x") or _mentions(argument, "v"):
+        return None
+    code = compile(ast.Expression(argument), "equation", "eval")
+    times = (0.0, 1.0, 2.0, 3.7)
+    try:
+        at = [float(eval(code, dict(scope), {"t": t})) for t in times]
+    except (ValueError, ArithmeticError, TypeError):
+        return None
+    slope = at[1] - at[0]
+    straight = all(
+        abs(a - at[0] - slope * t) <= 1e-9 * (1.0 + abs(a)) for a, t in zip(at, times, strict=True)
+    )
+    return slope if straight else None

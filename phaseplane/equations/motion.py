@@ -1,0 +1,307 @@
+"""The motion of x'' + f(x', x, t) = 0, followed through its switches.
+
+The method is that of Dormand and Prince (J. Comp. Appl. Math. 6 (1980) 19-26), of order 5 with an error
+of order 4. Between the ends of a step x is the polynomial of fifth degree with their x, x' and x''. A
+step ends on the first guard that it meets; there the motion goes through, slides or rests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from math import inf, isfinite, nan
+from typing import NamedTuple
+
+from phaseplane.equations.switching import Mode, Switching
+
+_RELATIVE, _ABSOLUTE = 1e-10, 1e-12
+_SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
+_ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
+_LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
+_MOST_STEPS = 4_000_000
+_CROWD, _CROWDED = 60, 1e-6  # so many switches in so small a part of the motion: it has come to rest
+
+
+class MotionError(ArithmeticError):
+    """No step is short enough.
+
+    Parameters
+    ----------
+    time : until when the motion is known, s
+    """
+
+    def __init__(self, time: float) -> None:
+        super().__init__(
+            "no step is short enough: the acceleration is not a number there, or grows without bound"
+        )
+        self.time = time
+
+
+class Step(NamedTuple):
+    """One step of a motion: times, and x, x', x'' at both ends, all within one mode."""
+
+    start: float
+    end: float
+    first: tuple[float, float, float]
+    last: tuple[float, float, float]
+    mode: Mode
+
+    def at(self, time: float) -> tuple[float, float]:
+        """Return x and x' at a time within the step."""
+        h = self.end - self.start
+        if h == 0.0:
+            return self.last[:2]
+        s = (time - self.start) / h
+        (x0, v0, a0), (x1, v1, a1) = self.first, self.last
+        rise = x1 - x0 - h * (v0 + 0.5 * h * a0)
+        turn = h * (v1 - v0 - h * a0)
+        bend = h * h * (a1 - a0)
+        c3 = 10.0 * rise - 4.0 * turn + 0.5 * bend
+        c4 = -15.0 * rise + 7.0 * turn - bend
+        c5 = 6.0 * rise - 3.0 * turn + 0.5 * bend
+        x = x0 + h * s * (v0 + 0.5 * h * s * a0) + s**3 * (c3 + s * (c4 + s * c5))
+        v = v0 + h * s * a0 + s * s * (3.0 * c3 + s * (4.0 * c4 + 5.0 * s * c5)) / h
+        return x, v
+
+
+class Motion(NamedTuple):
+    """A motion at given times.
+
+    Parameters
+    ----------
+    times : those reached, s
+    displacements, velocities, accelerations : at these times
+    switches : the times at which the mode changed, s
+    complaint : why the motion ended early; empty if it did not
+    """
+
+    times: list[float]
+    displacements: list[float]
+    velocities: list[float]
+    accelerations: list[float]
+    switches: list[float]
+    complaint: str = ""
+
+
+def motion(
+    system: Switching, start: tuple[float, float], times: Sequence[float]
+) -> Motion:
+    """Return the motion from a state (x, x') at the first of ascending times, to ten digits."""
+    found = Motion([], [], [], [], [])
+    end = times[-1]
+    due = 0
+    mode: Mode | None = None
+    try:
+        for step in steps(system, start, times[0], end, longest=(end - times[0]) / 50.0):
+            if mode is not None and step.mode != mode:
+                found.switches.append(step.start)
+            mode = step.mode
+            while due < len(times) and times[due] <= step.end:
+                x, v = step.at(times[due])
+                found.times.append(times[due])
+                found.displacements.append(x)
+                found.velocities.append(v)
+                found.accelerations.append(_acceleration(system, mode, times[due], x, v))
+                due += 1
+    except MotionError as error:
+        if not found.times:
+            x, v = start
+            found.times.append(times[0])
+            found.displacements.append(x)
+            found.velocities.append(v)
+            found.accelerations.append(_acceleration(system, system.settled(v, x, times[0]),
+                                                     times[0], x, v))
+        return found._replace(complaint=str(error))
+    return found
+
+
+def _acceleration(system: Switching, mode: Mode, t: float, x: float, v: float) -> float:
+    try:
+        return system.acceleration(mode, v, x, t)
+    except OverflowError:
+        return nan
+
+
+def steps(
+    system: Switching,
+    start: tuple[float, float],
+    time: float,
+    end: float,
+    *,
+    longest: float = inf,
+    tolerance: float = _RELATIVE,
+) -> Iterator[Step]:
+    """Yield the steps of a motion one after another.
+
+    Parameters
+    ----------
+    start : x and x' at `time`
+    time, end : s
+    longest : greatest length of a step, s
+    tolerance : error of a step, relative to the state
+
+    Raises
+    ------
+    MotionError : where no step is short enough.
+    """
+    x, v = start
+    t = time
+    least = 1e-14 * max(abs(time), abs(end))
+    mode = system.settled(v, x, t)
+    h = min(longest, end - time)
+    recent: list[float] = []
+    a = _acceleration(system, mode, t, x, v)
+    h = min(h, _first(t, x, v, a, end))
+    for _ in range(_MOST_STEPS):
+        if end - t <= least:
+            return
+        h = min(h, end - t, longest)
+        made = _step(system, mode, t, x, v, a, h)
+        error = _error(made, x, v, tolerance)
+        if not error <= 1.0:
+            factor = max(_LEAST, 0.9 * error**-0.2) if isfinite(error) else _LEAST
+            h *= factor
+            if h <= max(1e-15 * abs(t), 1e-300) or h < least * 1e-3:
+                raise MotionError(t)
+            continue
+        x1, v1 = made[0], made[1]
+        if 0 in mode:
+            v1, x1 = system.project(mode, v1, x1, t + h)
+        step = Step(t, t + h if end - t > h * (1.0 + 1e-12) else end,
+                    (x, v, a), (x1, v1, _acceleration(system, mode, t + h, x1, v1)), mode)
+        met = _first_end(system, step) if mode else None
+        if met is not None:
+            k, part = met
+            made = _step(system, mode, t, x, v, a, part)
+            x1, v1 = made[0], made[1]
+            if 0 in mode:
+                v1, x1 = system.project(mode, v1, x1, t + part)
+            step = Step(t, t + part, (x, v, a),
+                        (x1, v1, _acceleration(system, mode, t + part, x1, v1)), mode)
+        yield step
+        t, (x, v, a) = step.end, step.last
+        if met is None:
+            h *= min(_MOST, 0.9 * error**-0.2) if error > 0.0 else _MOST
+            continue
+        recent = [*recent[1 - _CROWD :], t]
+        if len(recent) == _CROWD and t - recent[0] <= _CROWDED * (end - time):
+            # ever shorter intervals: the motion comes to rest where its guards meet
+            near = {k for k, g in enumerate(system.guards)
+                    if abs(g(v, x, t, mode)) < 1e-3 * (1.0 + abs(x))}
+            mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
+            if mode.count(0) == 1:
+                raise MotionError(t)
+            v = 0.0
+            recent = []
+        else:
+            mode = system.settled(v, x, t, [k], mode)
+            if 0 in mode:
+                v, x = system.project(mode, v, x, t)
+        a = _acceleration(system, mode, t, x, v)
+        h = min(h, _first(t, x, v, a, end)) if h > 0.0 else _first(t, x, v, a, end)
+    raise MotionError(t)
+
+
+def _first(t: float, x: float, v: float, a: float, end: float) -> float:
+    """Return a length for the first step: small against the time in which the state changes."""
+    size = abs(v) + abs(a)
+    scale = (abs(x) + abs(v) + 1e-3) / size if isfinite(size) and size > 0.0 else end - t
+    return max(1e-3 * scale, 1e-12 * (end - t)) if size > 0.0 else 0.01 * (end - t)
+
+
+def _step(
+    system: Switching, mode: Mode, t: float, x: float, v: float, a: float, h: float
+) -> tuple[float, float, float, float]:
+    """Return x and x' after a step by h, and their errors."""
+    f = system.acceleration
+    try:
+        v2 = v + h * 0.2 * a
+        a2 = f(mode, v2, x + h * 0.2 * v, t + 0.2 * h)
+        v3 = v + h * (3 / 40 * a + 9 / 40 * a2)
+        a3 = f(mode, v3, x + h * (3 / 40 * v + 9 / 40 * v2), t + 0.3 * h)
+        v4 = v + h * (44 / 45 * a - 56 / 15 * a2 + 32 / 9 * a3)
+        a4 = f(mode, v4, x + h * (44 / 45 * v - 56 / 15 * v2 + 32 / 9 * v3), t + 0.8 * h)
+        v5 = v + h * (19372 / 6561 * a - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4)
+        x5 = x + h * (19372 / 6561 * v - 25360 / 2187 * v2 + 64448 / 6561 * v3 - 212 / 729 * v4)
+        a5 = f(mode, v5, x5, t + 8 / 9 * h)
+        v6 = v + h * (9017 / 3168 * a - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4
+                      - 5103 / 18656 * a5)  # fmt: skip
+        x6 = x + h * (9017 / 3168 * v - 355 / 33 * v2 + 46732 / 5247 * v3 + 49 / 176 * v4
+                      - 5103 / 18656 * v5)  # fmt: skip
+        a6 = f(mode, v6, x6, t + h)
+        v7 = v + h * (35 / 384 * a + 500 / 1113 * a3 + 125 / 192 * a4 - 2187 / 6784 * a5
+                      + 11 / 84 * a6)  # fmt: skip
+        x7 = x + h * (35 / 384 * v + 500 / 1113 * v3 + 125 / 192 * v4 - 2187 / 6784 * v5
+                      + 11 / 84 * v6)  # fmt: skip
+        a7 = f(mode, v7, x7, t + h)
+    except OverflowError:
+        return nan, nan, nan, nan
+    return x7, v7, _lack(h, v, v3, v4, v5, v6, v7), _lack(h, a, a3, a4, a5, a6, a7)
+
+
+def _lack(
+    h: float, k1: float, k3: float, k4: float, k5: float, k6: float, k7: float
+) -> float:
+    """Return the difference between the results of order 5 and 4."""
+    return h * (
+        71 / 57600 * k1 - 71 / 16695 * k3 + 71 / 1920 * k4 - 17253 / 339200 * k5
+        + 22 / 525 * k6 - k7 / 40
+    )  # fmt: skip
+
+
+def _error(
+    made: tuple[float, float, float, float], x: float, v: float, tolerance: float
+) -> float:
+    x1, v1, dx, dv = made
+    if not isfinite(dx) or not isfinite(dv):
+        return inf
+    least = _ABSOLUTE * tolerance / _RELATIVE
+    return max(
+        abs(dx) / (least + tolerance * max(abs(x), abs(x1))),
+        abs(dv) / (least + tolerance * max(abs(v), abs(v1))),
+    )
+
+
+def _first_end(system: Switching, step: Step) -> tuple[int, float] | None:
+    """Return the guard at which the mode ends first within a step, and when, s from its start."""
+    mode, start = step.mode, step.start
+    h = step.end - start
+
+    def margins(part: float) -> list[float]:
+        x, v = step.at(start + part * h) if part < 1.0 else step.last[:2]
+        return system.margins(mode, v, x, start + part * h)
+
+    # beside a guard just passed a margin is zero to rounding
+    size = 1.0 + max(map(abs, (*step.first, *step.last)))
+    before, low = margins(0.0), 0.0
+    for high in _SAMPLES:
+        here = margins(high)
+        ended = [k for k, m in enumerate(here) if m < -_ROUNDING * size and m < before[k]]
+        if ended:
+            part, k = min((_root(lambda p, k=k: margins(p)[k], low, high), k) for k in ended)
+            return k, part * h
+        before, low = here, high
+    return None
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Return the first place where a margin is below zero, by the Illinois method."""
+    f_low, f_high = max(function(low), 0.0), function(high)
+    side = 0
+    for _ in range(100):
+        if f_low == f_high:
+            break
+        middle = (f_low * high - f_high * low) / (f_low - f_high)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        f = function(middle)
+        if f >= 0.0:
+            low, f_low = middle, f
+            f_high *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            high, f_high = middle, f
+            f_low *= 0.5 if side == -1 else 1.0
+            side = -1
+        if high - low <= 4e-16 * (1.0 + high):
+            break
+    return high

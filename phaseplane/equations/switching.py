@@ -1,0 +1,227 @@
+"""Equations whose right-hand side switches: f is smooth while the signs of its guards last.
+
+On a guard g = 0 at which f jumps, a motion either goes through or, if both sides lead back to it, slides
+along it. The acceleration is then the one between those of both sides with which g stays zero (A. F.
+Filippov, Differential equations with discontinuous righthand sides, 1988). Dry friction at rest is the
+sliding on v = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from math import isfinite
+
+Signs = Sequence[float]
+
+Mode = tuple[int, ...]
+"""The sign of each guard; 0 of one on which the motion slides. Two zeros or more are rest."""
+
+_NEAR = 1e-6  # for difference quotients, relative to the state
+_PROBE = 1e-7  # relative length of the steps that show to which side a motion goes
+_REST = 1e-9  # of the scale of velocity: on a guard of x alone the motion rests
+
+
+@dataclass(frozen=True)
+class Switching:
+    """f(v, x, t) as a function of the signs of guards, between which it is smooth.
+
+    Parameters
+    ----------
+    function : f(v, x, t, signs), which may be called beyond the guards that its signs belong to
+    guards : g(v, x, t, signs), each independent of its own sign and of those after it
+    autonomous : whether f and the guards are independent of t
+    """
+
+    function: Callable[..., float]
+    guards: tuple[Callable[..., float], ...] = ()
+    autonomous: bool = False
+
+    def signs(self, v: float, x: float, t: float) -> list[float]:
+        """Return the signs of all guards at a state; 0 on a guard."""
+        found = [0.0] * len(self.guards)
+        for k, guard in enumerate(self.guards):
+            value = guard(v, x, t, found)
+            found[k] = 0.0 if value == 0.0 else (1.0 if value > 0.0 else -1.0)
+        return found
+
+    def value(self, v: float, x: float, t: float) -> float:
+        """Return f by the signs that hold at a state."""
+        return self.function(v, x, t, self.signs(v, x, t))
+
+    def acceleration(self, mode: Mode, v: float, x: float, t: float) -> float:
+        """Return x'' in a mode; between the accelerations of both sides on a guard, 0 at rest.
+
+        Raises
+        ------
+        OverflowError : as from f.
+        """
+        zeros = mode.count(0)
+        if zeros == 0:
+            return -self.function(v, x, t, mode)
+        if zeros > 1:
+            return 0.0
+        low, high = self.sides(mode, v, x, t)
+        if low is None or high is None:
+            return 0.0
+        (below, g_below), (above, g_above) = low, high
+        apart = g_below - g_above
+        return above + (below - above) * (-g_above / apart) if apart else 0.0
+
+    def sides(
+        self, mode: Mode, v: float, x: float, t: float
+    ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+        """Return x'' and the rate of the guard below and above the guard that a mode slides on.
+
+        None if the guard does not depend on v: then there is no sliding but at rest.
+        """
+        k = mode.index(0)
+        g_v, g_x, g_t = self.gradient(k, mode, v, x, t)
+        if abs(g_v) * (1.0 + abs(v)) <= 1e-9 * abs(g_x) * (1.0 + abs(x)):
+            return None, None
+        found = []
+        for side in (-1, 1):
+            a = -self.function(v, x, t, _with(mode, k, side))
+            found.append((a, g_x * v + g_v * a + g_t))
+        return found[0], found[1]
+
+    def gradient(
+        self, k: int, signs: Signs, v: float, x: float, t: float
+    ) -> tuple[float, float, float]:
+        """Return the derivatives of a guard with respect to v, x and t."""
+        guard = self.guards[k]
+        dv, dx, dt = (_NEAR * (1.0 + abs(at)) for at in (v, x, t))
+        by_t = 0.0
+        if not self.autonomous:
+            by_t = (guard(v, x, t + dt, signs) - guard(v, x, t - dt, signs)) / (2.0 * dt)
+        return (
+            (guard(v + dv, x, t, signs) - guard(v - dv, x, t, signs)) / (2.0 * dv),
+            (guard(v, x + dx, t, signs) - guard(v, x - dx, t, signs)) / (2.0 * dx),
+            by_t,
+        )
+
+    def margins(self, mode: Mode, v: float, x: float, t: float) -> list[float]:
+        """Return for each guard how far the mode is from its end there: below zero it has ended.
+
+        For a guard on which the motion slides: the lesser of the rates at which both sides lead back.
+        """
+        found = []
+        for k, sign in enumerate(mode):
+            if sign:
+                found.append(sign * self.guards[k](v, x, t, mode))
+                continue
+            if mode.count(0) > 1:
+                found.append(self._firmness(mode, v, x, t))
+                continue
+            low, high = self.sides(mode, v, x, t)
+            if low is None or high is None:
+                found.append(self._firmness(mode, v, x, t))
+            else:
+                found.append(min(low[1], -high[1]))
+        return found
+
+    def _firmness(self, mode: Mode, v: float, x: float, t: float) -> float:
+        """Return how far 0 is inside the range of f over the signs that are free: rest lasts above 0."""
+        forces = [self.function(v, x, t, signs) for signs in _all(mode)]
+        return min(max(forces), -min(forces))
+
+    def project(self, mode: Mode, v: float, x: float, t: float) -> tuple[float, float]:
+        """Return the velocity and displacement moved back onto the guard that a mode slides on."""
+        if mode.count(0) > 1:
+            return 0.0, x
+        if mode.count(0) == 1:
+            k = mode.index(0)
+            g_v, g_x, _ = self.gradient(k, mode, v, x, t)
+            size = g_v * g_v + g_x * g_x
+            if size > 0.0:
+                off = self.guards[k](v, x, t, mode) / size
+                return v - off * g_v, x - off * g_x
+        return v, x
+
+    def settled(
+        self, v: float, x: float, t: float, on: Iterable[int] = (), before: Mode = ()
+    ) -> Mode:
+        """Return the mode in which a motion goes on from a state.
+
+        Parameters
+        ----------
+        on : guards on which the state is, though they may not be zero to rounding
+        before : the mode until then; where both sides lead away, its sign is kept
+        """
+        on = set(on)
+        found = [0] * len(self.guards)
+        free = []
+        for k, guard in enumerate(self.guards):
+            value = guard(v, x, t, found)
+            scale = 1e-12 * (1.0 + abs(v) + abs(x))
+            if k in on or abs(value) <= scale * self._steepness(k, found, v, x, t):
+                free.append(k)
+                found[k] = before[k] if before and before[k] else 1
+            else:
+                found[k] = 1 if value > 0.0 else -1
+        for k in free:
+            found[k] = self._side(k, tuple(found), v, x, t, before)
+        if len(free) > 1:  # each may depend on what the others have become
+            for k in free:
+                found[k] = self._side(k, tuple(found), v, x, t, before)
+            if abs(v) <= _REST * (1.0 + abs(x)):
+                rest = tuple(0 if k in free else sign for k, sign in enumerate(found))
+                if self._held(rest, free, x, t):
+                    return rest
+        sliding = [k for k in free if not found[k]]
+        for k in sliding[1:]:  # two guards that coincide: the first holds the motion
+            found[k] = before[k] if before and before[k] else 1
+        return tuple(found)
+
+    def _held(self, rest: Mode, free: Sequence[int], x: float, t: float) -> bool:
+        """Return whether a motion stays where it rests: whether every way out of it leads back."""
+        for signs in _all(rest):
+            a = -self.function(0.0, x, t, signs)
+            h = _PROBE
+            ahead = (a * h, x + 0.5 * a * h * h, t + h)
+            if all(signs[k] * self.guards[k](*ahead, signs) > 0.0 for k in free):
+                return False
+        return True
+
+    def _steepness(self, k: int, signs: Signs, v: float, x: float, t: float) -> float:
+        g_v, g_x, _ = self.gradient(k, signs, v, x, t)
+        return abs(g_v) + abs(g_x) if isfinite(g_v + g_x) else 0.0
+
+    def _side(self, k: int, mode: Mode, v: float, x: float, t: float, before: Mode) -> int:
+        """Return the side of a guard to which the motion goes from it, or 0 if neither leads away."""
+        away = []
+        for side in (-1, 1):
+            signs = _with(mode, k, side)
+            a = -self.function(v, x, t, signs)
+            g_v, g_x, g_t = self.gradient(k, signs, v, x, t)
+            rate = g_x * v + g_v * a + g_t
+            size = abs(g_x * v) + abs(g_v * a) + abs(g_t)
+            if abs(rate) <= 1e-9 * (size or 1.0) and abs(v) <= _REST * (1.0 + abs(x)):
+                # at rest beside it: the guard follows from the acceleration
+                rate = g_x * a if abs(g_v * a) <= 1e-9 * abs(g_x * a) else rate
+            if side * rate > 0.0:
+                away.append(side)
+        if len(away) == 1:
+            return away[0]
+        if not away:
+            jump = self.function(v, x, t, _with(mode, k, 1)) - self.function(
+                v, x, t, _with(mode, k, -1)
+            )
+            if abs(jump) > 1e-12 * (1.0 + abs(self.function(v, x, t, _with(mode, k, 1)))):
+                return 0
+        return before[k] if before and before[k] else 1
+
+
+def _with(mode: Mode, k: int, side: int) -> Mode:
+    return (*mode[:k], side, *mode[k + 1 :])
+
+
+def _all(mode: Mode) -> list[Mode]:
+    """Return the modes with all combinations of signs in place of the zeros."""
+    return list(product(*((sign,) if sign else (-1, 1) for sign in mode)))
+
+
+def smooth(function: Callable[[float, float, float], float], autonomous: bool) -> Switching:
+    """Return an equation without switches."""
+    return Switching(lambda v, x, t, _signs: function(v, x, t), (), autonomous)
