@@ -71,6 +71,7 @@ class OneDofPlane(SwitchedPlane):
     friction: float = 0.0
 
     title: ClassVar[str] = "One degree of freedom in its phase plane"
+
     def __post_init__(self) -> None:
         """Check the parameters."""
         check_positive(self, ("mass", "scale"))

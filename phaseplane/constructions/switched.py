@@ -2,8 +2,8 @@
 
 On a switch where f jumps the auxiliary curve has a jump, which is drawn as a straight piece. Steps end on
 the switch. From there the motion goes on along the other branch of the curve, or, if both branches lead
-back to the switch, along the switch: A is then on the jump, where the acceleration keeps the motion on the
-switch. Dry friction at rest is such a motion, with D = Q.
+back to the switch, along the switch: A is then on the jump, where the acceleration keeps the motion
+on the switch. Dry friction at rest is such a motion, with D = Q.
 """
 
 from __future__ import annotations

@@ -138,6 +138,7 @@ class Formula:
                 for g in pieces.guards
             ),
             self.autonomous,
+            pieces.jumps,
         )  # fmt: skip
 
     @cached_property
@@ -291,11 +292,13 @@ class _Pieces(ast.NodeTransformer):
 
     def __init__(self) -> None:
         self.guards: list[ast.expr] = []
+        self.jumps = False
         self._numbers: dict[str, int] = {}
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         """Replace a call of a piece; its arguments first."""
         name = node.func.id  # type: ignore[attr-defined]
+        self.jumps = self.jumps or name in ("sign", "relay", "copysign")
         arguments = [self.visit(argument) for argument in node.args]
         match name, arguments:
             case "sign", [u]:

@@ -18,7 +18,10 @@ _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
 _MOST_STEPS = 4_000_000
-_CROWD, _CROWDED = 60, 1e-6  # so many switches in so small a part of the motion: it has come to rest
+_CROWD, _CROWDED = (
+    60,
+    1e-6,
+)  # so many switches in so small a part of the motion: it has come to rest
 
 
 class MotionError(ArithmeticError):
@@ -82,9 +85,7 @@ class Motion(NamedTuple):
     complaint: str = ""
 
 
-def motion(
-    system: Switching, start: tuple[float, float], times: Sequence[float]
-) -> Motion:
+def motion(system: Switching, start: tuple[float, float], times: Sequence[float]) -> Motion:
     """Return the motion from a state (x, x') at the first of ascending times, to ten digits."""
     found = Motion([], [], [], [], [])
     end = times[-1]
@@ -108,8 +109,9 @@ def motion(
             found.times.append(times[0])
             found.displacements.append(x)
             found.velocities.append(v)
-            found.accelerations.append(_acceleration(system, system.settled(v, x, times[0]),
-                                                     times[0], x, v))
+            found.accelerations.append(
+                _acceleration(system, system.settled(v, x, times[0]), times[0], x, v)
+            )
         return found._replace(complaint=str(error))
     return found
 
@@ -166,8 +168,13 @@ def steps(
         x1, v1 = made[0], made[1]
         if 0 in mode:
             v1, x1 = system.project(mode, v1, x1, t + h)
-        step = Step(t, t + h if end - t > h * (1.0 + 1e-12) else end,
-                    (x, v, a), (x1, v1, _acceleration(system, mode, t + h, x1, v1)), mode)
+        step = Step(
+            t,
+            t + h if end - t > h * (1.0 + 1e-12) else end,
+            (x, v, a),
+            (x1, v1, _acceleration(system, mode, t + h, x1, v1)),
+            mode,
+        )
         met = _first_end(system, step) if mode else None
         if met is not None:
             k, part = met
@@ -175,8 +182,13 @@ def steps(
             x1, v1 = made[0], made[1]
             if 0 in mode:
                 v1, x1 = system.project(mode, v1, x1, t + part)
-            step = Step(t, t + part, (x, v, a),
-                        (x1, v1, _acceleration(system, mode, t + part, x1, v1)), mode)
+            step = Step(
+                t,
+                t + part,
+                (x, v, a),
+                (x1, v1, _acceleration(system, mode, t + part, x1, v1)),
+                mode,
+            )
         yield step
         t, (x, v, a) = step.end, step.last
         if met is None:
@@ -185,8 +197,11 @@ def steps(
         recent = [*recent[1 - _CROWD :], t]
         if len(recent) == _CROWD and t - recent[0] <= _CROWDED * (end - time):
             # ever shorter intervals: the motion comes to rest where its guards meet
-            near = {k for k, g in enumerate(system.guards)
-                    if abs(g(v, x, t, mode)) < 1e-3 * (1.0 + abs(x))}
+            near = {
+                k
+                for k, g in enumerate(system.guards)
+                if abs(g(v, x, t, mode)) < 1e-3 * (1.0 + abs(x))
+            }
             mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
             if mode.count(0) == 1:
                 raise MotionError(t)
@@ -238,9 +253,7 @@ def _step(
     return x7, v7, _lack(h, v, v3, v4, v5, v6, v7), _lack(h, a, a3, a4, a5, a6, a7)
 
 
-def _lack(
-    h: float, k1: float, k3: float, k4: float, k5: float, k6: float, k7: float
-) -> float:
+def _lack(h: float, k1: float, k3: float, k4: float, k5: float, k6: float, k7: float) -> float:
     """Return the difference between the results of order 5 and 4."""
     return h * (
         71 / 57600 * k1 - 71 / 16695 * k3 + 71 / 1920 * k4 - 17253 / 339200 * k5
@@ -248,9 +261,7 @@ def _lack(
     )  # fmt: skip
 
 
-def _error(
-    made: tuple[float, float, float, float], x: float, v: float, tolerance: float
-) -> float:
+def _error(made: tuple[float, float, float, float], x: float, v: float, tolerance: float) -> float:
     x1, v1, dx, dv = made
     if not isfinite(dx) or not isfinite(dv):
         return inf

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from math import isfinite
 
@@ -32,11 +33,13 @@ class Switching:
     function : f(v, x, t, signs), which may be called beyond the guards that its signs belong to
     guards : g(v, x, t, signs), each independent of its own sign and of those after it
     autonomous : whether f and the guards are independent of t
+    jumps : whether f may jump on a guard, rather than have a corner there
     """
 
     function: Callable[..., float]
     guards: tuple[Callable[..., float], ...] = ()
     autonomous: bool = False
+    jumps: bool = True
 
     def signs(self, v: float, x: float, t: float) -> list[float]:
         """Return the signs of all guards at a state; 0 on a guard."""
@@ -45,6 +48,35 @@ class Switching:
             value = guard(v, x, t, found)
             found[k] = 0.0 if value == 0.0 else (1.0 if value > 0.0 else -1.0)
         return found
+
+    @cached_property
+    def reversed(self) -> Switching:
+        """The equation in reversed time, in which velocities have the other sign."""
+        function = self.function
+
+        def mirrored(guard: Callable[..., float]) -> Callable[..., float]:
+            return lambda v, x, t, signs: guard(-v, x, -t, signs)
+
+        return Switching(
+            lambda v, x, t, signs: function(-v, x, -t, signs),
+            tuple(mirrored(guard) for guard in self.guards),
+            self.autonomous,
+            self.jumps,
+        )
+
+    def frozen(self, time: float) -> Switching:
+        """Return the equation with t held at a time, s."""
+        function = self.function
+
+        def held(guard: Callable[..., float]) -> Callable[..., float]:
+            return lambda v, x, _t, signs: guard(v, x, time, signs)
+
+        return Switching(
+            lambda v, x, _t, signs: function(v, x, time, signs),
+            tuple(held(guard) for guard in self.guards),
+            autonomous=True,
+            jumps=self.jumps,
+        )
 
     def value(self, v: float, x: float, t: float) -> float:
         """Return f by the signs that hold at a state."""
@@ -62,6 +94,9 @@ class Switching:
             return -self.function(v, x, t, mode)
         if zeros > 1:
             return 0.0
+        _, g_x, g_t = self.gradient(mode.index(0), mode, v, x, t)
+        if g_x == g_t == 0.0:
+            return 0.0  # on a guard of the velocity alone, without rounding
         low, high = self.sides(mode, v, x, t)
         if low is None or high is None:
             return 0.0

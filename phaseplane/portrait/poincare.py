@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import count, islice
 
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
+from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import Motions, motions
 
@@ -77,18 +80,14 @@ def section(
     _check_period(system)
     x, v = (0.8 * part.ravel() for part in _centred(window))
     x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
-    going = motions(system, window, [*(x + x0), start[0]], [*(v + v0), start[1]], tolerance=1e-7)
-    rows = [np.array([going.x, going.v]).T.copy()]
-    steps = 0
-    for k in range(1, periods + 1):
-        steps += _go_on(system, going, k)
-        far = np.abs(going.x - x0) > _GONE * window.width
-        far |= np.abs(going.v - v0) > _GONE * window.height
-        going.active[far | ~np.isfinite(going.x)] = False
-        rows.append(np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan))
-        apart = np.abs(rows[-1] - rows[-2])[going.active] / [window.width, window.height]
+    starts = np.array([[*(x + x0), start[0]], [*(v + v0), start[1]]]).T
+    rows = [starts]
+    for row in islice(_by_periods(system, window, starts), periods):
+        rows.append(row)
+        apart = np.abs(rows[-1] - rows[-2]) / [window.width, window.height]
+        apart = apart[np.isfinite(apart).all(axis=1)]
         # all have settled in motions of the drive's period: what follows is the same again
-        if steps > _MOST or not len(apart) or apart.max() < _SETTLED:
+        if not len(apart) or apart.max() < _SETTLED:
             break
     states = np.array(rows)
     transient = int(_TRANSIENT * (len(rows) - 1)) if _dissipates(system, window) else 0
@@ -98,6 +97,26 @@ def section(
         system.period, points[np.isfinite(points).all(axis=1)], transient, len(kept),
         _attractors(states, window) if transient else (),
     )  # fmt: skip
+
+
+def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[Grid]:
+    """Yield the states of all motions after every period; NaN for those that are gone."""
+    if switched.switches(system):
+        gone = (np.nan, np.nan)
+        every = [switched.samples(system, window, (x, v), _GONE - 0.5) for x, v in starts.tolist()]
+        while True:
+            yield np.array([next(one, gone) for one in every])
+    going = motions(system, window, starts[:, 0], starts[:, 1], tolerance=1e-7)
+    x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
+    steps = 0
+    for k in count(1):
+        steps += _go_on(system, going, k)
+        far = np.abs(going.x - x0) > _GONE * window.width
+        far |= np.abs(going.v - v0) > _GONE * window.height
+        going.active[far | ~np.isfinite(going.x)] = False
+        yield np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan)
+        if steps > _MOST:
+            return
 
 
 def _centred(window: Window) -> tuple[Grid, Grid]:

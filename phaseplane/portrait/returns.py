@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 from phaseplane.portrait.trajectories import Indices, Motions, motions
 
@@ -50,6 +51,15 @@ def turns(
     tolerance : of a step, in windows
     into : lists that receive the points of each motion
     """
+    if switched.switches(system):
+        rows = [
+            switched.turn(
+                system, window, start, backwards=backwards, tolerance=tolerance,
+                into=into[k] if into is not None else None,
+            )
+            for k, start in enumerate(starts.tolist())
+        ]  # fmt: skip
+        return Turns(*(np.array(rows).reshape(-1, 3).T))
     sense = -1.0 if backwards else 1.0
     going = motions(system, window, starts, 0.0, sense, tolerance)
     count = len(starts)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import copysign, inf
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from phaseplane.equations.switching import Switching
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.systems import System
 
@@ -31,6 +32,7 @@ class PhaseSystem:
     period : of f in time, s; 0 if f does not depend on time
     on_arrays : f of three arrays of equal shape; by default `function` is called with arrays, or
         number by number if it does not accept them
+    switching : the same f with its switches, if it jumps: motions are then followed through them
     """
 
     function: Function
@@ -38,6 +40,7 @@ class PhaseSystem:
     rate_corners: tuple[float, ...] = ()
     period: float = 0.0
     on_arrays: Function | None = None
+    switching: Switching | None = None
 
     @property
     def driven(self) -> bool:
@@ -82,6 +85,7 @@ class PhaseSystem:
             self.corners,
             self.rate_corners,
             on_arrays=on_arrays and (lambda v, x, t: on_arrays(v, x, np.full_like(t, time))),
+            switching=self.switching and self.switching.frozen(time),
         )
 
 
@@ -150,8 +154,8 @@ def direction_field(
 def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
     """Return the section of a system in which one coordinate moves and the others rest at zero.
 
-    The roads are level. For a system of one degree of freedom it is the whole plane. Dry friction and
-    yielding, which have a memory, are refused.
+    The roads are level. For a system of one degree of freedom it is the whole plane. Yielding, which has
+    a memory, is refused; dry friction acts against the rate, and jumps where it changes its sign.
 
     Parameters
     ----------
@@ -159,7 +163,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
 
     Raises
     ------
-    ValueError : no such coordinate, or an element with a memory.
+    ValueError : no such coordinate, or an element that yields.
     """
     n = len(system.mass)
     if not 0 <= coordinate < n:
@@ -167,7 +171,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
             f"coordinate {coordinate}: must be from 0 to {n - 1} ({', '.join(system.coordinates)})"
         )
     for element in system.elements:
-        if element.friction or element.yield_force < inf:
+        if element.yield_force < inf:
             raise ValueError(
                 f"{element.name} has a memory: its forces do not depend on x and x' alone, so there "
                 "is no phase portrait"
@@ -184,9 +188,12 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
         for e, b, share in acting:
             d, w = b * x, b * v
             force = e.spring.force(d) + e.damper.force(w) * e.modulation.force(d)
+            if e.friction and w:
+                force += copysign(e.friction, w)
             total += share * (e.limit if d > e.opening else min(force, e.limit))
         return total
 
+    dry = [(share * e.friction, b) for e, b, share in acting if e.friction]
     laws = [(_over(e.spring), _over(e.damper), _over(e.modulation)) for e, _, _ in acting]
 
     def on_arrays(v: Grid, x: Grid, _t: Grid) -> Grid:
@@ -198,6 +205,8 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
                 force = force + (
                     pull * modulation(b * x) if modulation and e.is_modulated else pull
                 )
+            if e.friction:
+                force = force + e.friction * np.sign(b * v)
             total += share * (np.minimum(force, e.limit) if e.limit < inf else force)
         return total
 
@@ -206,7 +215,28 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
         tuple(sorted({c / b for e, b, _ in acting for c in e.spring.corners})),
         tuple(sorted({c / b for e, b, _ in acting for c in e.damper.corners})),
         on_arrays=on_arrays,
+        switching=_with_friction(function, dry),
     )
+
+
+def _with_friction(function: Function, dry: Sequence[tuple[float, float]]) -> Switching | None:
+    """Return the equation with dry friction as a switch at rest; None without it.
+
+    Parameters
+    ----------
+    function : f with the friction by the sign of its rate
+    dry : friction over mass, and the rate of the element for a unit of x'
+    """
+    if not dry:
+        return None
+
+    def switched(v: float, x: float, t: float, signs: Sequence[float]) -> float:
+        own = sum(copysign(force, b * v) for force, b in dry) if v else 0.0
+        return float(
+            function(v, x, t) - own + sum(copysign(force, b) for force, b in dry) * signs[0]
+        )
+
+    return Switching(switched, (lambda v, _x, _t, _signs: v,), autonomous=True)
 
 
 def _over(law: Characteristic) -> Callable[[Grid], Grid] | None:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from phaseplane.portrait import switched
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
 Indices = npt.NDArray[np.intp]
@@ -204,6 +205,8 @@ def followed(
     part : largest distance between two points, in windows
     ends : displacements of saddles; a curve that comes close to one ends
     """
+    if switched.switches(system):
+        return switched.curves(system, window, x, v, sense, margin, length, part)
     going = motions(system, window, x, v, sense, tolerance)
     points: list[list[tuple[float, float]]] = [
         [state] for state in zip(going.x.tolist(), going.v.tolist(), strict=True)

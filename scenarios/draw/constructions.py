@@ -43,7 +43,14 @@ def constructed(
     planes = planes_of(model, parameters, settings)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     try:
-        drawing = constructions.march(planes, rule, step=step, duration=duration)
+        starts = settings.get("starts") or ()
+        if starts and not isinstance(planes, constructions.EquationPlane):
+            raise ValueError("starts are for equations only")
+        drawing = (
+            constructions.family(planes, starts, rule, step=step, duration=duration)
+            if isinstance(planes, constructions.EquationPlane) and starts
+            else constructions.march(planes, rule, step=step, duration=duration)
+        )
         return (
             constructions.with_shortcuts(drawing, planes, rule, step)
             if settings.get("shortcut")

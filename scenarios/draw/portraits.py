@@ -199,7 +199,13 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
         raise ValueError(
             "no forcing period was found in the equation; give it with --period, or give --frozen TIME"
         )
-    system = computed.PhaseSystem(formula.function, period=found, on_arrays=formula.on_arrays)
+    jumps = formula.switching.jumps
+    system = computed.PhaseSystem(
+        formula.function,
+        period=found,
+        on_arrays=formula.on_arrays,
+        switching=formula.switching if jumps else None,
+    )
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
     labels = ("x", "x'") if unit == "1" else (f"x [{unit}]", f"x' [{unit}/s]")

@@ -113,7 +113,11 @@ def _by(summary: Mapping[str, Any]) -> str:
     """Return what made the run, in words."""
     if summary["build_time"] is not None or summary["model"] != summary["fmu"]:
         return "with FMPy"
-    return "by the method of Dormand and Prince" if "equation" in summary["parameters"] else "in this process"
+    return (
+        "by the method of Dormand and Prince"
+        if "equation" in summary["parameters"]
+        else "in this process"
+    )
 
 
 _CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "smallest_contact_force")

@@ -105,6 +105,20 @@ def pair(value: object) -> tuple[object, object]:
     return value[0], value[1]
 
 
+def starts_from(value: object) -> tuple[tuple[float, float], ...]:
+    """Return a list of states [x, x'] as pairs of numbers."""
+    items = value if isinstance(value, list | tuple) else [None]
+    found = []
+    for item in items:
+        numbers = isinstance(item, list | tuple) and all(
+            isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in item
+        )
+        if not numbers or len(item) != 2:
+            raise ValueError("must be a list of states [x, x'], such as [[1.0, 0.0], [0.0, 2.0]]")
+        found.append((float(item[0]), float(item[1])))
+    return tuple(found)
+
+
 def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
     """Return a list of pairs of names; a pair may also be one text with a comma."""
     pairs = [

@@ -19,6 +19,7 @@ from .fields import (
     one_of,
     pair,
     pairs_of_names,
+    starts_from,
 )
 
 Figure = Literal[
@@ -130,5 +131,7 @@ class Construction(Strict):
     """distance between the planes' axes on paper"""
     plane_scales: Annotated[tuple[Factor, Factor], BeforeValidator(pair)] | None = None
     """scales (paper over displacement) of the strut and wheel planes; automatic if left out"""
+    starts: Annotated[tuple[tuple[float, float], ...], BeforeValidator(starts_from)] = ()
+    """further starts [x, x'] of an equation, whose integral curves are drawn on the same sheet"""
     shortcut: bool = False
     """whether to draw AP57's shortcut for touchdown, x2 = x2st, too (contact by force)"""

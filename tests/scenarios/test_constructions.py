@@ -16,12 +16,7 @@ from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.constructions import constructed, laid_over, rate_of, told_of
 from phaseplane.scenarios.draw.planes import of_system, planes_of
 from phaseplane.scenarios.errors import DrawingError, InputError
-from phaseplane.scenarios.scene.equation import (
-    check_equation,
-    drive_period,
-    function_of,
-    function_of_arrays,
-)
+from phaseplane.scenarios.scene.equation import check_equation
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.solving import solve
 from phaseplane.suspension.characteristics import linear
@@ -30,6 +25,7 @@ from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 
 from phaseplane.constructions import RULES
+from phaseplane.equations import Formula
 
 SETTINGS = {"rule": "delta", "step": 0.001}
 MODELS = {
@@ -163,13 +159,10 @@ def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
 
 
 def test_what_sticks_is_refused():
-    system = build("OneDof", {})
-    dry = System(
-        system.coordinates, system.mass, (*system.elements, Element("leaf", (1.0,), friction=50.0)),
-        system.signals, axles=system.axles,
-    )  # fmt: skip
-    with pytest.raises(ValueError, match="leaf has dry friction"):
-        of_system(dry, {})
+    """In one plane dry friction is constructed; two planes that stick together are not."""
+    with pytest.raises(ValueError, match=r"friction has dry friction.*in one phase plane only"):
+        of_system(build("QuarterCar", {"friction": 50.0}), {})
+    assert of_system(build("OneDof", {"friction": 50.0}), {}).friction == 50.0  # type: ignore[attr-defined]
     with pytest.raises(InputError, match="Tractor has no construction"):
         planes_of("Tractor", {}, {})
 
@@ -224,11 +217,11 @@ number = st.floats(-2.0, 2.0)
 
 @given(number, number, number)
 def test_a_formula_is_what_it_says(v, x, t):
-    function, autonomous = function_of("-(x^2 - 1)*v + 2*sin(pi*t)/ (1 + exp(x)) - max(x, v)")
+    formula = Formula("-(x^2 - 1)*v + 2*sin(pi*t)/ (1 + exp(x)) - max(x, v)")
     wanted = -(x**2 - 1) * v + 2 * np.sin(pi * t) / (1 + np.exp(x)) - max(x, v)
-    assert function(v, x, t) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
-    assert not autonomous
-    assert function_of("x")[1]
+    assert formula.function(v, x, t) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+    assert not formula.autonomous
+    assert Formula("x").autonomous
 
 
 @pytest.mark.parametrize(
@@ -260,7 +253,7 @@ def test_what_is_no_formula_is_refused(text, message):
 
 
 def test_where_a_formula_has_no_value_it_is_not_a_number():
-    function, _ = function_of("sqrt(x) + (0 - 8)^(1/3)")
+    function = Formula("sqrt(x) + (0 - 8)^(1/3)").function
     assert isnan(function(0.0, -1.0, 0.0))
     assert isnan(function(0.0, 1.0, 0.0))
 
@@ -365,11 +358,13 @@ def test_rules_that_cannot_be_drawn():
 
 
 def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Path) -> None:
-    """Dry friction has none; figures that need one are refused before anything is run."""
+    """Dry friction in two planes has none; figures that need one are refused before anything is run."""
     settings = ["show.figures=[]", "show.recording=trail", "duration=0.1"]
     summary, _ = run_scene("leaf_spring", settings, tmp_path / "out")
     assert "construction.rrd" in summary["files"]
-    with pytest.raises(InputError, match="dry friction, for which there is no construction"):
+    with pytest.raises(
+        InputError, match="dry friction, for which there is a construction in one phase plane only"
+    ):
         run_scene("leaf_spring", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
 
 
@@ -390,7 +385,7 @@ def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Pat
     ],
 )
 def test_the_period_of_a_drive_is_found_in_its_sines(text: str, period: float | None) -> None:
-    assert drive_period(text) == (period if period is None else pytest.approx(period))
+    assert Formula(text).period == (period if period is None else pytest.approx(period))
 
 
 @given(
@@ -404,10 +399,10 @@ def test_equations_of_arrays_are_those_of_numbers(
     text: str, states: list[tuple[float, float, float]]
 ) -> None:
     v, x, t = np.array(states).T
-    one, _ = function_of(text)
+    formula = Formula(text)
     with np.errstate(all="ignore"):
-        many = np.broadcast_to(function_of_arrays(text)(v, x, t), v.shape)
-    singly = [one(*state) for state in states]
+        many = np.broadcast_to(formula.on_arrays(v, x, t), v.shape)
+    singly = [formula.function(*state) for state in states]
     # a logarithm of zero is no number for Python, and minus infinity for numpy
     finite = np.isfinite(singly)
     np.testing.assert_allclose(many[finite], np.array(singly)[finite], rtol=1e-12, atol=1e-12)

@@ -1,0 +1,49 @@
+"""Several integral curves on one sheet: the construction from one start, the curves from others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from phaseplane.constructions.equation import EquationPlane
+from phaseplane.constructions.marching import march
+from phaseplane.constructions.primitives import Curve, Drawing, Frame
+from phaseplane.constructions.rules import Rule, delta
+from phaseplane.constructions.sheet import trail
+
+
+def family(
+    construction: EquationPlane,
+    starts: Sequence[tuple[float, float]],
+    rule: Rule = delta,
+    *,
+    step: float,
+    duration: float,
+) -> Drawing:
+    """Make a construction, and on its sheet the integral curves from other starts by the same steps.
+
+    Parameters
+    ----------
+    starts : x and x' of the other starts
+    rule, step, duration : as of `march`
+
+    Raises
+    ------
+    StepError, ValueError, ArithmeticError : as of `march`.
+    """
+    first = march(construction, rule, step=step, duration=duration)
+    (plane,) = construction.planes
+    others: list[tuple[Frame, ...]] = []
+    for x, velocity in starts:
+        moved = replace(construction, initial_displacement=x, initial_velocity=velocity)
+        others.append(march(moved, rule, step=step, duration=duration).frames)
+    every = [first.frames, *others]
+    # the auxiliary curves reach as far as any of the integral curves
+    fixed = construction.curves([frame for frames in every for frame in frames])
+    kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")
+    curves = tuple(
+        Curve("trail", tuple(trail(plane, frames)), f"({x:g}, {v:g})")
+        for (x, v), frames in zip(starts, others, strict=True)
+        if frames
+    )
+    return replace(first, curves=(*fixed, *kept, *curves))

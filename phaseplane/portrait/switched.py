@@ -1,0 +1,173 @@
+"""Motions of equations that switch, for portraits: curves, turns and sections, one motion at a time.
+
+Across a jump of f, and on a switch that holds a motion, only a step that ends there is right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from math import hypot, inf, isnan, nan
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.equations.motion import MotionError, Step, steps
+from phaseplane.equations.switching import Switching
+from phaseplane.portrait.system import Grid, PhaseSystem, Window
+
+_TOLERANCE = 1e-8
+_STILL, _REST = 1e-7, 5  # of the window's sides; a motion rests after so many steps this short
+_CRAWL = 1e-4  # the same for a turn, which ends long before it could return
+_MOST = 20_000  # steps
+
+
+def switches(system: PhaseSystem) -> Switching | None:
+    """Return the switching of a system; None if its f does not jump."""
+    return system.switching if system.switching and system.switching.guards else None
+
+
+def curve(
+    system: PhaseSystem,
+    window: Window,
+    start: tuple[float, float],
+    sense: float = 1.0,
+    *,
+    margin: float = 0.2,
+    length: float = 8.0,
+    part: float = 0.0125,
+) -> Grid:
+    """Return an integral curve until it leaves the window or comes to rest, shape (points, 2).
+
+    Backwards in time a curve ends on a switch that motions leave to both sides: it has no past there.
+
+    Parameters
+    ----------
+    sense, margin, length, part : as of `followed`
+    """
+    points = [start]
+    went, still = 0.0, 0
+    for step in _steps(system, start, sense, _TOLERANCE):
+        (x0, v0, _), (x1, v1, _) = step.first, step.last
+        way = hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
+        count = max(1, int(way / part) + 1)
+        inner = (step.at(step.start + (step.end - step.start) * i / count) for i in range(1, count))
+        points += [*inner, (x1, v1)]
+        went += way
+        still = still + 1 if way < _STILL else 0
+        over = not window.holds(x1, v1, margin) or went > length or still >= _REST
+        if over or _rests(step) or (sense < 0.0 and 0 in step.mode):
+            break
+    found = np.array(points)
+    found[:, 1] *= 1.0 if sense > 0.0 else -1.0
+    found[0] = start
+    return found
+
+
+def turn(
+    system: PhaseSystem,
+    window: Window,
+    start: float,
+    *,
+    backwards: bool = False,
+    tolerance: float = 1e-9,
+    into: list[tuple[float, float]] | None = None,
+) -> tuple[float, float, float]:
+    """Return where a motion from (start, 0) crosses the x axis the first two times, and when the second.
+
+    NaN for a crossing to which it does not come.
+    """
+    far, still = nan, 0
+    beyond = 1.0 if backwards else -1.0  # the sign of x' in the first half of the turn
+    mirrored = -1.0 if backwards else 1.0
+    for step in _steps(system, (start, 0.0), -1.0 if backwards else 1.0, max(tolerance, 1e-10)):
+        (x0, v0, _), (x1, v1, _) = step.first, step.last
+        way = hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
+        still = still + 1 if way < _CRAWL else 0
+        if not window.holds(x1, v1, 2.0) or _rests(step) or still >= _REST:
+            break
+        if into is not None:
+            into.append((x1, mirrored * v1))
+        # in reversed time the velocity on record is -x'
+        if (mirrored * v1) * beyond < 0.0 and (mirrored * v0) * beyond >= 0.0 and step.start > 0.0:
+            at = _crossing(step)
+            x = step.at(at)[0]
+            if not isnan(far):
+                return far, x, at
+            far, beyond = x, -beyond
+        elif v1 == 0.0 and v0 != 0.0:
+            if not isnan(far):
+                return far, x1, step.end
+            far, beyond = x1, -beyond
+    return far, nan, nan
+
+
+def samples(
+    system: PhaseSystem, window: Window, start: tuple[float, float], farthest: float
+) -> Iterator[tuple[float, float]]:
+    """Yield the states of a motion at the ends of successive periods, until it is gone."""
+    due = system.period
+    for step in _steps(system, start, 1.0, _TOLERANCE, longest=0.25 * system.period):
+        while step.end >= due * (1.0 - 1e-12):
+            x, v = step.at(min(due, step.end))
+            if not window.holds(x, v, farthest):
+                return
+            yield x, v
+            due = (round(due / system.period) + 1) * system.period
+
+
+def _steps(
+    system: PhaseSystem,
+    start: tuple[float, float],
+    sense: float,
+    tolerance: float,
+    longest: float = inf,
+) -> Iterator[Step]:
+    """Yield the steps of a motion; in reversed time its velocities have the other sign."""
+    switching = switches(system)
+    assert switching is not None
+    x, v = start
+    if sense < 0.0:
+        switching, v = switching.reversed, -v
+    most = _MOST if longest == inf else 100 * _MOST
+    try:
+        yield from islice(
+            steps(switching, (x, v), 0.0, 1e6, longest=longest, tolerance=tolerance), most
+        )
+    except (MotionError, OverflowError):
+        return
+
+
+def _rests(step: Step) -> bool:
+    return 0 in step.mode and step.first[1] == step.last[1] == 0.0
+
+
+def _crossing(step: Step) -> float:
+    """Return when x' vanishes within a step."""
+    low, high = step.start, step.end
+    rises = step.last[1] > 0.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if (step.at(middle)[1] > 0.0) == rises:
+            high = middle
+        else:
+            low = middle
+    return 0.5 * (low + high)
+
+
+def curves(
+    system: PhaseSystem,
+    window: Window,
+    x: npt.ArrayLike,
+    v: npt.ArrayLike,
+    sense: npt.ArrayLike,
+    margin: float,
+    length: float,
+    part: float,
+) -> list[Grid]:
+    """Return the integral curves from several states, see `curve`."""
+    starts = np.broadcast_arrays(*(np.asarray(each, float) for each in (x, v, sense)))
+    return [
+        curve(system, window, (a, b), s, margin=margin, length=length, part=part)
+        for a, b, s in zip(*(each.ravel().tolist() for each in starts), strict=True)
+    ]

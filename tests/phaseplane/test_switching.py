@@ -1,0 +1,312 @@
+"""Equations that switch: their pieces, their motion, their construction and their portraits."""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sqrt
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from phaseplane.suspension.characteristics import linear
+from phaseplane.suspension.models import build
+from scipy.integrate import solve_ivp
+
+from phaseplane.constructions import EquationPlane, OneDofPlane, march, rule_named
+from phaseplane.equations import Formula, motion
+from phaseplane.portrait import (
+    PhaseSystem,
+    Window,
+    equilibria,
+    followed,
+    limit_cycles,
+    of_coordinate,
+    whole_portrait,
+)
+
+number = st.floats(-3.0, 3.0)
+WINDOW = Window(-4.0, 4.0, -4.0, 4.0)
+
+
+def portrayed(text: str, **parameters: float) -> PhaseSystem:
+    formula = Formula(text, parameters)
+    return PhaseSystem(
+        formula.function, period=formula.period or 0.0, on_arrays=formula.on_arrays,
+        switching=formula.switching,
+    )  # fmt: skip
+
+
+@given(number, number, st.floats(0.0, 3.0))
+def test_pieces_are_what_they_are_called(x, v, d):
+    def value(text: str) -> float:
+        return Formula(text, {"d": d}).function(v, x, 0.0)
+
+    sign = (x > 0) - (x < 0)
+    assert value("sign(x)") == sign
+    assert value("relay(x, d)") == pytest.approx(sign if abs(x) > d else 0.5 * sign * (abs(x) == d))
+    assert value("saturation(x, d)") == pytest.approx(min(max(x, -d), d), abs=1e-15)
+    assert value("dead_zone(x, d)") == pytest.approx(sign * max(abs(x) - d, 0.0), abs=1e-15)
+    assert value("backlash(x, 2*d)") == pytest.approx(value("dead_zone(x, d)"), abs=1e-15)
+
+
+@given(
+    st.sampled_from([
+        "relay(x, 0.5)*v + saturation(v, 1)", "max(x, v, 0.1) - min(x, 2*v)", "abs(x)*abs(v)",
+        "dead_zone(x - abs(v), 0.3)", "copysign(x, v) + sign(sign(x) + 0.5*v)", "backlash(x, 1)^3",
+    ]),
+    number, number,
+)  # fmt: skip
+def test_pieces_by_their_signs_are_the_pieces(text, x, v):
+    formula = Formula(text)
+    assert formula.switching.value(v, x, 0.0) == pytest.approx(
+        formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
+    )
+    assert formula.on_arrays(np.array([v]), np.array([x]), np.array([0.0])) == pytest.approx(
+        formula.function(v, x, 0.0), rel=1e-12, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x + mu*v", "'mu' is not known.*give its value in .parameters., such as mu = 1.0"),
+        ("relay(x, 1, 2)", "relay takes 1 or 2 values, not 3"),
+        ("saturation(x)", "saturation takes 2 values, not 1"),
+        ("max(x)", "max takes at least 2 values, not 1"),
+        ("sin()", "sin takes 1 values, not 0"),
+    ],
+)
+def test_what_is_wrong_with_a_formula_is_said(text, message):
+    with pytest.raises(ValueError, match=message):
+        Formula(text)
+
+
+def test_a_parameter_cannot_be_called_like_what_a_formula_knows():
+    for name in ("v", "t", "sin", "pi", "2x", "a b"):
+        with pytest.raises(ValueError, match="cannot name a parameter"):
+            Formula("x", {name: 1.0})
+
+
+def test_dry_friction_takes_the_same_from_every_swing_and_then_holds():
+    """x'' + x + R sign(x') = 0: half circles about -+R, until |x| <= R."""
+    friction, start = 0.3, 2.05
+    times = np.linspace(0.0, 6.0 * pi, 601).tolist()
+    found = motion(Formula("x + R*sign(v)", {"R": friction}).switching, (start, 0.0), times)
+    turns = [start - 2.0 * friction * k for k in range(4)]  # the last is inside the stretch of rest
+    for t, x in zip(found.times, found.displacements, strict=True):
+        k = min(int(t / pi), 3)
+        side = (-1.0) ** k
+        moving = side * friction + (turns[k] - friction) * side * cos(t - k * pi)
+        assert x == pytest.approx(side * turns[3] if k == 3 else moving, abs=1e-9)
+    assert found.switches == pytest.approx([pi, 2.0 * pi, 3.0 * pi], abs=1e-9)
+    assert found.velocities[-1] == found.accelerations[-1] == 0.0
+
+
+def test_a_relay_slides_down_its_line():
+    """x'' + sign(x + T x') = 0 slides on x + T x' = 0 where |x'| < T: x = x0 exp(-t/T)."""
+    lag = 0.8
+    found = motion(
+        Formula("sign(x + T*v)", {"T": lag}).switching, (0.4, -0.5), np.linspace(0, 6, 61).tolist()
+    )
+    for t, x, v, a in list(zip(*found[:4], strict=True))[1:]:
+        decay = 0.4 * exp(-t / lag)
+        assert (x, v, a) == pytest.approx((decay, -decay / lag, decay / lag**2), abs=1e-9)
+
+
+def test_a_driven_mass_with_friction_waits_until_the_drive_is_stronger():
+    """x'' + R sign(x') = F sin(t): it starts where F sin t = R."""
+    found = motion(
+        Formula("0.5*sign(v) - sin(t)").switching, (0.0, 0.0), np.linspace(0, 1, 101).tolist()
+    )
+    begins = pi / 6.0
+    for t, x in zip(found.times, found.displacements, strict=True):
+        known = 0.0
+        if t > begins:  # twice integrated from there
+            s = t - begins
+            known = cos(begins) * s - (np.sin(t) - np.sin(begins)) - 0.25 * s * s
+        assert x == pytest.approx(known, abs=1e-9)
+    assert found.switches == pytest.approx([begins], abs=1e-9)
+
+
+def test_two_relays_come_to_rest_in_finite_time():
+    """x'' + sign(x) + R sign(x') = 0: swings shrink by (1 - R)/(1 + R), as their times by its root."""
+    friction = 0.5
+    shrink = (1.0 - friction) / (1.0 + friction)
+    quarter = sqrt(2.0 / (1.0 - friction)) + sqrt(2.0 * shrink / (1.0 + friction))
+    rest = quarter / (1.0 - sqrt(shrink))
+    found = motion(
+        Formula("sign(x) + 0.5*sign(v)").switching, (1.0, 0.0), [0.0, 0.9 * rest, 1.1 * rest]
+    )
+    assert abs(found.displacements[1]) > 1e-6
+    assert found.times[-1] == pytest.approx(1.1 * rest)
+    assert abs(found.displacements[2]) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["(x^2 - 1)*v + x", "x + 20*dead_zone(x, 1) + 0.1*v", "x*abs(x) + 0.2*v - 0.3*cos(1.2*t)",
+     "saturation(5*x, 1) + 0.1*v*abs(v)"],
+)  # fmt: skip
+def test_motions_are_those_of_scipy(text):
+    formula = Formula(text)
+    times = np.linspace(0.0, 15.0, 16)
+    found = motion(formula.switching, (1.5, 0.5), times.tolist())
+    known = solve_ivp(
+        lambda t, y: (y[1], -formula.function(y[1], y[0], t)), (0.0, 15.0), (1.5, 0.5),
+        method="DOP853", t_eval=times, rtol=1e-11, atol=1e-13, max_step=2e-2,
+    )  # fmt: skip
+    assert found.displacements == pytest.approx(known.y[0], abs=3e-8)
+    assert found.velocities == pytest.approx(known.y[1], abs=3e-7)
+
+
+def test_a_motion_that_cannot_go_on_says_until_when():
+    found = motion(Formula("-v^2 - 1").switching, (0.0, 0.0), np.linspace(0, 3, 301).tolist())
+    assert "grows without bound" in found.complaint
+    assert found.times[-1] == pytest.approx(0.5 * pi, abs=0.011)  # x' = tan t
+
+
+# Construction.
+
+
+def test_the_construction_of_dry_friction_is_exact_and_ends_its_steps_on_the_switch():
+    """Every step turns P about -+R, where the auxiliary curve jumps from -R to R."""
+    friction = 0.3
+    one = EquationPlane(
+        Formula("x + R*sign(v)", {"R": friction}).switching, initial_displacement=2.05
+    )
+    drawing = march(one, rule_named("delta"), step=0.21, duration=20.0)
+    assert drawing.end is not None
+    assert drawing.end.time == pytest.approx(3.0 * pi)
+    assert drawing.end.event == drawing.end.scheme == "rest"
+    assert drawing.end.readings["displacement"] == pytest.approx(0.25 * -1.0, abs=1e-9)
+    for frame in drawing:
+        foot = frame.points["D"].real / one.scale
+        assert abs(foot) == pytest.approx(friction, abs=1e-12)
+        assert foot * (frame.readings["velocity"] or -1.0 * frame.points["P"].real) < 0.0
+    (curve,) = [c for c in drawing.curves if c.role == "auxiliary"]
+    on_axis = [z.real / one.scale for z in curve.vertices if abs(z.imag) < 1e-6 * one.scale]
+    assert (min(on_axis), max(on_axis)) == pytest.approx((-friction, friction))
+    aside = {round(z.real / one.scale, 9) for z in curve.vertices if abs(z.imag) > 1e-6 * one.scale}
+    assert aside == {-friction, friction}  # upright but for the jump: nothing slanted
+
+
+@pytest.mark.parametrize(
+    "text", ["sign(x + 0.3*v)", "x + 0.3*sign(v) + 0.5*cos(1.1*t)", "x + 3*dead_zone(x, 0.5)"]
+)
+def test_the_construction_keeps_its_order_through_switches(text):
+    formula = Formula(text)
+    one = EquationPlane(formula.switching, initial_displacement=2.0)
+    errors = []
+    for step in (0.1, 0.05, 0.025):
+        drawing = march(one, rule_named("delta"), step=step, duration=6.0)
+        known = motion(formula.switching, (2.0, 0.0), [f.time for f in drawing])
+        errors.append(
+            max(abs(f.readings["displacement"] - x)
+                for f, x in zip(drawing, known.displacements, strict=True))
+        )  # fmt: skip
+    assert errors[0] / errors[2] > 11.0
+    assert errors[2] < 2e-3
+
+
+def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():
+    """The body stays on the axle until the road's acceleration overcomes the friction."""
+    from phaseplane.suspension import roads  # noqa: PLC0415
+
+    one = OneDofPlane(
+        mass=100.0, spring=linear(1e4), damper=linear(0.0), friction=30.0,
+        road=roads.sine(0.01, 2.0, 2.0),
+    )  # fmt: skip
+    drawing = march(one, rule_named("delta"), step=2e-3, duration=1.0)
+    at_rest = [f for f in drawing if f.scheme == "rest"]
+    assert at_rest
+    for frame in at_rest:
+        assert frame.points["D"] == frame.points["Q"]
+        assert frame.readings["suspension_deflection_rate"] == pytest.approx(0.0, abs=1e-12)
+        balance = 100.0 * one.road.derivatives(frame.time)[2]
+        held = balance + 1e4 * frame.readings["suspension_deflection"]
+        assert abs(held) <= 30.0 * (1.0 + 1e-6)
+        control = frame.readings["control_body_acceleration"]
+        assert frame.readings["body_acceleration"] == pytest.approx(control, abs=1e-9)
+
+    def slope(t, y):
+        return y[1], -(1e4 * y[0] + 30.0 * np.tanh(y[1] / 1e-6)) / 100.0 - one.road.derivatives(t)[
+            2
+        ]
+
+    known = solve_ivp(
+        slope, (0.0, 1.0), (0.0, one.initial_rate), method="BDF", rtol=1e-8, atol=1e-10
+    )
+    end = drawing.end
+    assert end is not None
+    assert end.readings["suspension_deflection"] == pytest.approx(known.y[0, -1], abs=2e-5)
+
+
+# Portraits.
+
+
+def test_curves_of_dry_friction_are_circles_that_end_on_the_stretch_of_rest():
+    (found,) = followed(portrayed("x + 0.3*sign(v)"), WINDOW, [2.05], [0.0])
+    below = found[: int(np.argmax(found[1:, 1] >= 0.0)) + 1]
+    assert np.hypot(below[:, 0] - 0.3, below[:, 1]) == pytest.approx(1.75, abs=1e-6)
+    assert found[-1] == pytest.approx([-0.25, 0.0], abs=1e-7)
+
+
+def test_curves_of_a_relay_end_in_the_origin_along_its_line():
+    (found,) = followed(portrayed("sign(x + 0.3*v)"), WINDOW, [2.0], [0.0])
+    assert np.hypot(*found[-1]) < 1e-4
+    late = found[np.abs(found[:, 1]) < 0.2][-50:]
+    assert late[:, 0] + 0.3 * late[:, 1] == pytest.approx(0.0, abs=1e-7)
+
+
+def test_backwards_a_curve_is_the_one_that_it_came_along():
+    system = portrayed("x + 0.3*sign(v)")
+    (there,) = followed(system, WINDOW, [1.0], [1.0])
+    middle = there[len(there) // 4]
+    (back,) = followed(system, WINDOW, [middle[0]], [middle[1]], -1.0)
+    assert np.hypot(*(back - [1.0, 1.0]).T).min() < 0.06
+
+
+def test_the_limit_cycle_of_negative_damping_and_dry_friction():
+    """x'' - 2d x' + x + R sign(x') = 0: half turns about +-R grow by q = exp(d pi / w).
+
+    A half turn from x to -x closes the cycle: x + R = q (x - R).
+    """
+    d, friction = 0.15, 0.5
+    turned = sqrt(1.0 - d * d)
+    q = exp(d * pi / turned)
+    (cycle,) = limit_cycles(portrayed("-2*d*v + x + R*sign(v)", d=d, R=friction), WINDOW)
+    assert cycle.crossing == pytest.approx(friction * (q + 1.0) / (q - 1.0), rel=1e-6)
+    assert cycle.period == pytest.approx(2.0 * pi / turned, rel=1e-6)
+    assert cycle.multiplier == pytest.approx(q * q, rel=1e-3)
+    assert cycle.kind == "repels"
+
+
+def test_the_section_of_a_driven_mass_with_friction_is_den_hartogs():
+    """J. P. Den Hartog, Trans. ASME 53 (1931): without stops, x at the turn from the closed form."""
+    friction, force, w = 0.1, 0.5, 0.8
+    shown = whole_portrait(
+        portrayed("x + R*sign(v) - F*cos(w*t)", R=friction, F=force, w=w), WINDOW, periods=40
+    )
+    assert shown.section is not None
+    (attractor,) = shown.section.attractors
+    x, v = attractor[-1]
+    beta = 1.0 / w
+    response = beta**2 / (beta**2 - 1.0)
+    damping = beta * np.sin(beta * pi) / (1.0 + np.cos(beta * pi))
+    amplitude = force * sqrt(response**2 - (friction / force) ** 2 * damping**2)
+    formula = Formula("x + R*sign(v) - F*cos(w*t)", {"R": friction, "F": force, "w": w})
+    times = np.linspace(0.0, 2.0 * pi / w, 4001)
+    found = motion(formula.switching, (float(x), float(v)), times.tolist())
+    assert max(found.displacements) == pytest.approx(amplitude, rel=1e-5)
+
+
+def test_a_vehicle_with_dry_friction_has_its_stretch_of_rest():
+    """The friction of a leaf spring over its rate, to both sides."""
+    system = build("OneDof", {"friction": 300.0})
+    rate = system.elements[0].spring.tangent(0.0)
+    section = of_coordinate(system)
+    (rest,) = equilibria(section, Window(-0.1, 0.1, -1.0, 1.0))
+    assert (rest.x, rest.until) == pytest.approx((-300.0 / rate, 300.0 / rate), rel=1e-6)
+    (curve,) = followed(section, Window(-0.1, 0.1, -1.0, 1.0), [0.08], [0.0])
+    assert curve[-1, 1] == 0.0
+    assert abs(curve[-1, 0]) <= 300.0 / rate * (1.0 + 1e-9)
