@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from math import ceil, copysign, floor
 
@@ -105,7 +106,7 @@ class Lienard:
             values = [guard(place, y) for place in places]
             for i, (low, high) in enumerate(pairwise(places)):
                 if values[i] * values[i + 1] < 0.0:
-                    at = bisected(lambda v, g=guard: g(v, y), low, high)
+                    at = bisected(partial(_at_level, guard, y), low, high)
                     yield from (at - beside, at + beside)
 
     def displacement(self, q: complex) -> float:
@@ -155,6 +156,10 @@ class Lienard:
             Curve("auxiliary", vertices, f"{axis.label} = {factor * y:g}{unit}")
             for vertices, y in zip(family, values, strict=True)
         )
+
+
+def _at_level(guard: Epsilon, y: float, y_bar: float) -> float:
+    return guard(y_bar, y)
 
 
 def _same(one: Sequence[complex], other: Sequence[complex], tiny: float) -> bool:

@@ -200,10 +200,13 @@ def _arrays() -> dict[str, Any]:
     def saturation(u: Any, limit: Any) -> Any:
         return 0.5 * (np.abs(u + limit) - np.abs(u - limit))
 
+    def relay(u: Any, width: Any = 0.0) -> Any:
+        return 0.5 * (np.sign(u - width) + np.sign(u + width))
+
     found |= {
         "max": lambda *of: functools.reduce(np.maximum, of),
         "min": lambda *of: functools.reduce(np.minimum, of),
-        "relay": lambda u, width=0.0: 0.5 * (np.sign(u - width) + np.sign(u + width)),
+        "relay": relay,
         "saturation": saturation,
         "dead_zone": lambda u, width: u - saturation(u, width),
         "backlash": lambda u, gap: u - saturation(u, 0.5 * gap),
@@ -308,7 +311,8 @@ class _Pieces(ast.NodeTransformer):
             case "copysign", [a, b]:
                 return _product(self._size(a), self._sign(b))
             case "max" | "min", [first, *others]:
-                return functools.reduce(lambda a, b: self._larger(a, b, name), others, first)
+                larger = functools.partial(self._larger, name)
+                return functools.reduce(larger, others, first)
             case "relay", [u]:
                 return self._sign(u)
             case "relay", [u, d]:
@@ -334,7 +338,7 @@ class _Pieces(ast.NodeTransformer):
     def _size(self, u: ast.expr) -> ast.expr:
         return _product(u, self._sign(u))
 
-    def _larger(self, a: ast.expr, b: ast.expr, name: str) -> ast.expr:
+    def _larger(self, name: str, a: ast.expr, b: ast.expr) -> ast.expr:
         size = self._size(_difference(a, b))
         return _half(_sum(_sum(a, b), size) if name == "max" else _difference(_sum(a, b), size))
 

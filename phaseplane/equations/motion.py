@@ -8,6 +8,7 @@ step ends on the first guard that it meets; there the motion goes through, slide
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from math import inf, isfinite, nan
 from typing import NamedTuple
 
@@ -288,10 +289,14 @@ def _first_end(system: Switching, step: Step) -> tuple[int, float] | None:
         here = margins(high)
         ended = [k for k, m in enumerate(here) if m < -_ROUNDING * size and m < before[k]]
         if ended:
-            part, k = min((_root(lambda p, k=k: margins(p)[k], low, high), k) for k in ended)
+            part, k = min((_root(partial(_one, margins, k), low, high), k) for k in ended)
             return k, part * h
         before, low = here, high
     return None
+
+
+def _one(margins: Callable[[float], list[float]], k: int, part: float) -> float:
+    return margins(part)[k]
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

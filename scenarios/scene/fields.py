@@ -110,12 +110,14 @@ def starts_from(value: object) -> tuple[tuple[float, float], ...]:
     items = value if isinstance(value, list | tuple) else [None]
     found = []
     for item in items:
-        numbers = isinstance(item, list | tuple) and all(
-            isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in item
-        )
-        if not numbers or len(item) != 2:
+        numbers = [
+            float(n)
+            for n in (item if isinstance(item, list | tuple) else ())
+            if isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n)
+        ]
+        if len(numbers) != 2:
             raise ValueError("must be a list of states [x, x'], such as [[1.0, 0.0], [0.0, 2.0]]")
-        found.append((float(item[0]), float(item[1])))
+        found.append((numbers[0], numbers[1]))
     return tuple(found)
 
 

@@ -97,7 +97,8 @@ class Scene(Strict):
         except InputError as error:
             raise _at(f"{str(error).partition(':')[0]}.file", str(error)) from None
         checked = {}
-        for name, raw in given.items():
+        # the unit of an equation first: others are read by it
+        for name, raw in sorted(given.items(), key=lambda item: item[0] != "unit"):
             try:
                 refuse_unknown([name], declared, f"{fmu.model} has no parameter")
                 checked[name] = declared[name].checked(raw)

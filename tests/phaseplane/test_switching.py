@@ -285,7 +285,7 @@ def test_the_section_of_a_driven_mass_with_friction_is_den_hartogs():
     """J. P. Den Hartog, Trans. ASME 53 (1931): without stops, x at the turn from the closed form."""
     friction, force, w = 0.1, 0.5, 0.8
     shown = whole_portrait(
-        portrayed("x + R*sign(v) - F*cos(w*t)", R=friction, F=force, w=w), WINDOW, periods=40
+        portrayed("x + R*sign(v) - F*cos(w*t)", R=friction, F=force, w=w), WINDOW, periods=60
     )
     assert shown.section is not None
     (attractor,) = shown.section.attractors

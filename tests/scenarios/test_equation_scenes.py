@@ -1,0 +1,121 @@
+"""Equations as scenes: named parameters with units, pieces, several starts."""
+
+from __future__ import annotations
+
+import csv
+import json
+from math import pi
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw.constructions import constructed
+from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.results.folder import read_results
+from phaseplane.scenarios.scene.loading import load_scene
+
+PENDULUM = """
+fmu = "Equation"
+duration = "3 s"
+[parameters]
+equation = "g/l*sin(x) + R*sign(v)"
+g = "9.81 m/s2"
+l = "40 cm"
+R = 2.5
+unit = "rad"
+displacement_start = "120 deg"
+angular_frequency = 5.0
+[show]
+outputs = "all"
+output_interval = "10 ms"
+[construction]
+step = "20 ms"
+starts = [[1.0, 6.0], [-2.0, 0.0]]
+"""
+
+
+@pytest.fixture
+def pendulum(tmp_path: Path) -> str:
+    path = tmp_path / "pendulum.toml"
+    path.write_text(PENDULUM)
+    return str(path)
+
+
+def test_named_parameters_are_si_and_part_of_the_scene(pendulum: str, tmp_path: Path) -> None:
+    scene = load_scene(pendulum, ["l=500 mm"])
+    assert scene.all_parameters["l"] == 0.5
+    assert scene.all_parameters["displacement_start"] == pytest.approx(2.0 * pi / 3.0)
+    assert scene.fmu.outputs()["velocity"].unit == "rad/s"
+    assert load_scene(pendulum).hash != scene.hash
+    run_scene(pendulum, ["duration=8"], tmp_path / "out")
+    found = read_results(tmp_path / "out").columns
+    assert found["velocity"][-1] == found["acceleration"][-1] == 0.0  # it rests
+    assert 9.81 / 0.4 * abs(found["displacement"][-1]) < 2.5
+
+
+@pytest.mark.parametrize(
+    ("setting", "message"),
+    [
+        ("m=1", "Equation has no parameter 'm'"),
+        ("equation=k*g*l*R*x", "'k' is not known.*give its value in .parameters., such as k = 1.0"),
+        ("l=5 parsec", "unit 'parsec' does not fit"),
+        ("unit=ft", "unit = 'ft': must be one of 1, m, rad"),
+        ("displacement_start=1 m", "unit 'm' does not fit"),
+        ("construction.starts=[[1]]", r"must be a list of states \[x, x'\]"),
+        ("construction.starts=1", r"must be a list of states \[x, x'\]"),
+        ("construction.starts=[[1, nan]]", r"must be a list of states \[x, x'\]"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: str) -> None:
+    with pytest.raises(SceneError, match=message):
+        load_scene(pendulum, [setting])
+
+
+def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -> None:
+    scene = load_scene(pendulum)
+    drawing = constructed(
+        "Equation", scene.all_parameters, scene.construction.model_dump(), scene.duration
+    )
+    (plane,) = drawing.planes
+    for k, start in enumerate(scene.construction.starts):
+        alone = load_scene(
+            pendulum, [f"displacement_start={start[0]}", f"velocity_start={start[1]}"]
+        )
+        settings = alone.construction.model_dump() | {"starts": ()}
+        own = constructed("Equation", alone.all_parameters, settings, alone.duration)
+        curve = [c for c in drawing.curves if c.role == "trail"][k]
+        points = [*(f.points["P"] for f in own), own.frames[-1].points["P'"]]
+        assert curve.vertices == pytest.approx(points, abs=1e-15)
+        assert plane.displacement.read(curve.vertices[0]) == pytest.approx(start[0])
+
+
+def test_starts_are_refused_where_there_is_no_equation(tmp_path: Path) -> None:
+    summary, _ = run_scene(
+        "ap57", ["construction.starts=[[0, 1]]", "duration=10 ms"], tmp_path / "out", expect=False
+    )
+    assert any("starts are for equations only" in problem for problem in summary["problems"])
+
+
+def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None:
+    plan = tmp_path / "frictions.toml"
+    plan.write_text(
+        f'scene = "{pendulum}"\nmeasures = ["peak.velocity"]\n[vary]\nR = [0.0, 2.5, 5.0]\n'
+    )
+    told = CliRunner().invoke(main, ["sweep", str(plan), "-o", str(tmp_path / "out"), "--json"])
+    assert told.exit_code == 0, told.output
+    with (tmp_path / "out" / "runs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    peaks = [float(next(row[k] for k in row if k.startswith("peak.velocity"))) for row in rows]
+    assert len(peaks) == 3
+    assert abs(peaks[0]) > abs(peaks[1]) > abs(peaks[2])
+
+
+def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None:
+    told = CliRunner().invoke(main, ["portrait", pendulum, "--json"])
+    assert told.exit_code == 0, told.output
+    shown = json.loads(told.output)
+    middle = min(shown["equilibria"], key=lambda at: abs(at["x"] + at.get("until", 0.0)))
+    assert middle["kind"] == "stretch of rest"
+    assert "R = 2.5" in shown["title"]
