@@ -16,6 +16,7 @@ from types import FrameType
 from typing import Any
 
 import numpy as np
+import symmetries
 import truth
 from draws import Drawn
 from numpy.typing import NDArray
@@ -191,7 +192,8 @@ def examine(drawn: Drawn, only: str = "") -> dict[str, Any]:
 
     `errors` has for each tolerance those of each kind, in tolerances; `exact` the errors of the method
     of that name, where it applies; `fixed` those of displacements at three fixed steps, over the peak;
-    `failures` what must not be, in words.
+    `symmetries` what is left of each, in tolerances, `inputs` of the road as an input, over the peak;
+    `failures` is what must not be, in words, `explained` what the system itself magnifies.
     """
     began = process_time()
     found: dict[str, Any] = {"seed": drawn.seed, "model": drawn.model, "errors": {}, "failures": []}
@@ -235,8 +237,37 @@ def examine(drawn: Drawn, only: str = "") -> dict[str, Any]:
         _examine_exact(found, drawn, right, judge)
     if only.startswith(("", drawn.method)[bool(only)]):
         _examine_fixed(found, drawn, right)
+    if only in ("", "symmetries"):
+        _examine_symmetries(found, drawn, judge)
     found["seconds"] = process_time() - began
     return found
+
+
+def _examine_symmetries(found: dict[str, Any], drawn: Drawn, judge: Any) -> None:
+    failures, case = found["failures"], symmetries.case(drawn)
+    tolerance, left = symmetries.TOLERANCE, found.setdefault("symmetries", {})
+    for name, compare in (symmetries.TO_THE_BIT | symmetries.CLOSE).items():
+        try:
+            with within(2 * _TIME):
+                apart = compare(case)
+        except (SimulationError, TimeoutError, ArithmeticError) as error:
+            failures.append(f"symmetries: {name}: {error}")
+            continue
+        if apart is None:
+            continue
+        left[name] = apart / tolerance
+        if name in symmetries.TO_THE_BIT and apart:
+            failures.append(f"symmetries: {name}: not the same bits, {apart:.3g} of the peak")
+        if name in symmetries.CLOSE:
+            judge(f"symmetries: {name}", tolerance, {"displacements": apart})
+    try:
+        with within(2 * _TIME):
+            errors = symmetries.inputs(case)
+    except (SimulationError, TimeoutError, ArithmeticError) as error:
+        failures.append(f"symmetries: inputs: {error}")
+        return
+    if errors:
+        found["inputs"] = errors
 
 
 def _attempt(failures: list[str], what: str, *given: Any, **solver: Any) -> Motion | None:

@@ -26,7 +26,7 @@ def text(results: Sequence[Mapping[str, Any]]) -> str:
         for kind in KINDS:
             lines.append(_line(tolerance, kind, _column(compared, tolerance, kind)))
     lines += [_line("exact 1e-6", kind, _exact(compared, kind)) for kind in KINDS]
-    lines += ["", *_fixed(compared), ""]
+    lines += ["", *_fixed(compared), "", *_symmetries(compared), ""]
     unexplained = [(r, line) for r in results for line in r["failures"]]
     explained = [(r, line) for r in results for line in r.get("explained", ())]
     lines.append(f"beyond 3 tolerances, but explained by the system: {len(explained)}")
@@ -49,12 +49,12 @@ def _exact(results: Iterable[Mapping[str, Any]], kind: str) -> _Column:
 
 def _line(what: str, kind: str, column: _Column) -> str:
     if not column:
-        return f"{what:<10} {kind:<16} {0:>7}"
+        return f"{f'{what:<10} {kind}':<27} {0:>7}"
     values = np.array([value for value, _ in column])
     shares = np.quantile(values, [0.5, 0.9, 0.99], method="lower")
     worst, seed = max(column)
     numbers = " ".join(f"{x:>8.2g}" for x in (*shares, worst))
-    return f"{what:<10} {kind:<16} {len(column):>7} {numbers}  ({seed})"
+    return f"{f'{what:<10} {kind}':<27} {len(column):>7} {numbers}  ({seed})"
 
 
 def _fixed(results: Iterable[Mapping[str, Any]]) -> Iterable[str]:
@@ -70,3 +70,22 @@ def _fixed(results: Iterable[Mapping[str, Any]]) -> Iterable[str]:
         order = np.median(np.log2(moved[:, 1] / moved[:, 2])) if len(moved) else np.nan
         medians = " ".join(f"{x:.2g}" for x in np.median(errors, axis=0))
         yield f"{method:<14} {len(rows):>5} systems   {medians}   {order:.2f}"
+
+
+def _symmetries(results: Sequence[Mapping[str, Any]]) -> Iterable[str]:
+    """What is left of each symmetry, in tolerances of 1e-6, and the order of inputs."""
+    yield "left of symmetries           systems   median     90 %     99 %    worst  (its number)"
+    found: dict[str, _Column] = {}
+    for r in results:
+        for name, value in r.get("symmetries", {}).items():
+            found.setdefault(name, []).append((value, r["seed"]))
+    for name, column in found.items():
+        yield _line(name, "", column)
+    errors = np.array([r["inputs"] for r in results if "inputs" in r])
+    moved = errors[(errors > 1e-7).all(axis=1)] if len(errors) else errors
+    if len(moved):
+        orders = np.quantile(0.5 * np.log2(moved[:, 0] / moved[:, 1]), [0.1, 0.5, 0.9])
+        yield (
+            f"road as an input: {len(moved)} systems, order {orders[1]:.2f} "
+            f"(10 to 90 %: {orders[0]:.2f} to {orders[2]:.2f})"
+        )
