@@ -32,7 +32,9 @@ class Bounds(Strict):
     max: float | None = None
 
     def hold(self, value: object) -> bool:
-        """Whether a value is within the bounds; a missing value is not."""
+        """Whether a value, or each of several, is within the bounds; a missing value is not."""
+        if isinstance(value, list | tuple):
+            return bool(value) and all(self.hold(one) for one in value)
         if not isinstance(value, int | float):
             return False
         return (self.min is None or value >= self.min) and (self.max is None or value <= self.max)

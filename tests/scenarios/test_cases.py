@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from math import pi, sqrt
 from pathlib import Path
 
 import pytest
+from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.scenarios.results.report import failures
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import CASES, case_names
 from phaseplane.scenarios.simulate.runner import run
+from phaseplane.suspension.models import build
 
-QUICK = ("ap57_obstacle", "h83_example40", "stiff_stop", "light_wheel", "speed_bump_20", "kerb")
+QUICK = (
+    "ap57_obstacle", "h83_example40", "h83_example23", "h83_example24", "h83_example25", "h83_example27",
+    "h83_example28", "stiff_stop", "light_wheel", "speed_bump_20", "kerb",
+)  # fmt: skip
 BARE = ["show.figures=[]", "show.recording=false"]
 
 
@@ -44,3 +50,14 @@ def test_the_titles_tell_the_cases_apart() -> None:
     titles = [load_scene(name).title for name in case_names()]
     assert len(set(titles)) == len(titles)
     assert {path.suffix for path in Path(CASES).rglob("*.*")} == {".toml"}
+
+
+def test_the_double_pendulum_has_the_frequencies_and_shapes_of_the_source() -> None:
+    """H83 example 28: p = omega^2 l / g from p^2 - 4 p + 2 = 0, phi2 / phi1 = sqrt 2 and -sqrt 2."""
+    scene = load_scene("h83_example28", BARE)
+    modes = linearised(build(scene.fmu.model, scene.all_parameters)).modes()
+    unit = sqrt(9.80665)
+    found = [2.0 * pi * mode.frequency / unit for mode in modes]
+    assert found == pytest.approx([0.7653668647, 1.8477590650], rel=1e-9)
+    shapes = [(mode.shape[1] / mode.shape[0]).real for mode in modes]
+    assert shapes == pytest.approx([sqrt(2.0), -sqrt(2.0)], rel=1e-9)

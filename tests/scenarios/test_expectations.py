@@ -11,7 +11,7 @@ from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
-from phaseplane.scenarios.scene.expectations import During
+from phaseplane.scenarios.scene.expectations import Bounds, During
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.simulate.runner import run
@@ -203,3 +203,10 @@ def test_what_cannot_be_expected_is_refused(
     with pytest.raises(SceneError) as caught:
         scene(tmp_path, fmu, expect)
     assert words in str(caught.value)
+
+
+def test_bounds_hold_for_each_of_several_values() -> None:
+    bounds = Bounds(min=1.0, max=2.0)
+    assert bounds.hold((1.0, 2.0))
+    assert not bounds.hold((1.0, 2.5))
+    assert not bounds.hold(())
