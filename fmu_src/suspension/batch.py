@@ -8,28 +8,30 @@ from __future__ import annotations
 
 import os
 from array import array
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import ceil, isfinite
 from operator import itemgetter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from .engine import Integrator, why_stopped
-from .many import PartingError, many, table
-from .models import build, build_checked
-from .series import Series, at_the_end, over_time
+from .models import build_checked
+from .outputs import Reading
+from .series import Series, is_at_end, is_over_time, joints
 from .session import start_state
 from .systems import System
 from .variable import Variable
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown
+from .variables import outputs as outputs_of
 
 _CHUNK = 1024  # runs per task of a thread
-_MOST_NUMBERS = 4_000_000  # in one table of systems
+_MOST_KINDS = 8  # of systems, with an integrator for each
+_MOST_NUMBERS = 4_000_000  # of systems whose runs are yet to be made
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +114,14 @@ def run_many(
         raise ParameterError("times must ascend")
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
-    task = _Task(model, instants, tuple(outputs), tuple(at_end), corners)
+    declared = outputs_of(model)
+    task = _Task(
+        model,
+        instants,
+        {name: declared[name] for name in outputs},
+        {name: declared[name] for name in at_end},
+        corners,
+    )
     workers = workers or os.cpu_count() or 1
     size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
     chunks = [parameter_sets[k : k + size] for k in range(0, len(parameter_sets), size)]
@@ -146,7 +155,7 @@ def outputs_over_time(model: str) -> list[str]:
     ------
     ParameterError : unknown model.
     """
-    return over_time(_as_it_comes(model))
+    return _outputs(model, is_over_time)
 
 
 def outputs_at_end(model: str) -> list[str]:
@@ -156,12 +165,14 @@ def outputs_at_end(model: str) -> list[str]:
     ------
     ParameterError : unknown model.
     """
-    return at_the_end(_as_it_comes(model))
+    return _outputs(model, is_at_end)
 
 
-def _as_it_comes(model: str) -> System:
-    variables(model)  # refuses an unknown model
-    return build(model, checked_parameters(model, {}))
+def _outputs(model: str, wanted: Callable[[Reading], bool]) -> list[str]:
+    """Return the outputs that are read in a wanted way."""
+    declared = outputs_of(model)
+    system = build_checked(model, checked_parameters(model, {}))
+    return [name for name, v in declared.items() if v.reading and wanted(v.reading(system, v))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,168 +181,124 @@ class _Task:
 
     model: str
     times: array[float]
-    outputs: tuple[str, ...]
-    at_end: tuple[str, ...]
+    outputs: Mapping[str, Variable]
+    at_end: Mapping[str, Variable]
     corners: bool
 
 
+@dataclass(slots=True)
+class _Kind:
+    """Runs of systems that differ only in their numbers, made by one integrator.
+
+    Parameters
+    ----------
+    solver : method, step and the like
+    runs : those yet to be made
+    systems : of these runs, if they are needed beside their numbers
+    numbers : the rows of their systems, one after the other
+    """
+
+    solver: tuple[Value, ...]
+    integrator: Any
+    series: Series
+    runs: list[int] = field(default_factory=list)
+    systems: list[System] = field(default_factory=list)
+    numbers: array[float] = field(default_factory=lambda: array("d"))
+
+
 class _Bench:
-    """One thread's integrator and series, which make runs from systems built for many runs at once."""
+    """One thread's integrators, one for each kind of system."""
 
     def __init__(self, task: _Task) -> None:
         self._task = task
-        self._solver: tuple[Value, ...] = ()
-        self._integrator: Any = None
-        self._series: Any = None
+        self._kinds: list[_Kind] = []
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         """Make a run for each set; bad parameters are a failure of their run."""
         found = [_NOTHING] * len(sets)
-        for runs in _with_equal_texts(self._task.model, sets):
-            self._run_together(sets, runs, found)
+        for run, given in enumerate(sets):
+            try:
+                kind = self._enter(run, given)
+            except ValueError as error:
+                found[run] = Outcome({}, str(error))
+            else:
+                if len(kind.numbers) > _MOST_NUMBERS:
+                    self._make(kind, found)
+                if len(self._kinds) > _MOST_KINDS:
+                    self._make(self._kinds.pop(), found)
+        for kind in self._kinds:
+            self._make(kind, found)
         return found
 
-    def _run_together(
-        self, sets: Sequence[Mapping[str, object]], runs: Sequence[int], found: list[Outcome]
-    ) -> None:
-        """Make runs together if possible, else in parts, in the end one by one."""
-        parts: Iterable[Sequence[int]]
-        try:
-            self._enter([sets[run] for run in runs])
-        except PartingError as parting:
-            which = dict(zip(runs, parting.which.tolist(), strict=True))
-            parts = [[run for run in runs if which[run] is side] for side in (True, False)]
-        except (ValueError, TypeError, ArithmeticError) as error:
-            if len(runs) == 1:
-                if not isinstance(error, ValueError):
-                    raise
-                found[runs[0]] = Outcome({}, str(error))
-                return
-            parts = [[run] for run in runs]
-        else:
-            for run, outcome in zip(runs, self._outcomes(len(runs)), strict=True):
-                found[run] = outcome
-            return
-        for part in parts:
-            self._run_together(sets, part, found)
-
-    def _enter(self, sets: Sequence[Mapping[str, object]]) -> None:
-        """Build the systems of all sets at once, and prepare their runs.
+    def _enter(self, run: int, given: Mapping[str, object]) -> _Kind:
+        """Build the system of a run, and add it to those of its kind.
 
         Raises
         ------
-        PartingError : systems that differ in more than their numbers.
-        ValueError : a system that the method cannot integrate.
+        ValueError : bad parameters, or a system that the method cannot integrate.
         """
         model = self._task.model
-        with np.errstate(all="raise", under="ignore"):
-            parameters = _together(model, sets)
-            system = build_checked(model, parameters)
-            rest = (0.0,) * len(system.mass)
-            state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
-            if self._solver == _solver(parameters) and self._integrator.fits(system):
-                self._series.enter(system)
-            else:
-                self._have_integrator(system, parameters, sets[0])
-            numbers = self._integrator.row(system, *state)
-        if len(numbers) * len(sets) > _MOST_NUMBERS and len(sets) > 1:
-            raise PartingError(np.arange(len(sets)) < len(sets) // 2)
-        self._series.take(table(numbers, len(sets)))
+        parameters = checked_parameters(model, given)
+        system = build_checked(model, parameters)
+        rest = (0.0,) * len(system.mass)
+        state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
+        kind = self._kind(_solver(parameters), system)
+        kind.numbers.extend(kind.integrator.row(system, *state))
+        kind.runs.append(run)
+        if kind.series.needs_systems:
+            kind.systems.append(system)
+        return kind
 
-    def _have_integrator(
-        self, system: System, parameters: Mapping[str, Value], example: Mapping[str, object]
-    ) -> None:
-        """Make an integrator for systems like the example, and the series that collects its columns."""
+    def _kind(self, solver: tuple[Value, ...], system: System) -> _Kind:
+        """Return the kind of a system, the latest first."""
+        for k, kind in enumerate(self._kinds):
+            if kind.solver == solver and kind.integrator.fits(system):
+                if k:
+                    self._kinds.insert(0, self._kinds.pop(k))
+                return kind
         task = self._task
-        self._solver = ()
-        method, step, tolerance, theta, beyond = solver = _solver(parameters)
-        self._integrator = Integrator(
-            build(task.model, checked_parameters(task.model, example)),
-            method, step, tolerance, task.times[0],
+        method, step, tolerance, theta, beyond = solver
+        integrator = Integrator(
+            system, method, step, tolerance, task.times[0],
             energy=False, theta=theta, beyond_stable=beyond,
         )  # fmt: skip
-        self._series = Series(
-            self._integrator, system, task.times, task.outputs, task.at_end, task.corners
-        )
-        self._solver = solver
+        series = Series(integrator, system, task.times, task.outputs, task.at_end, task.corners)
+        self._kinds.insert(0, _Kind(solver, integrator, series))
+        return self._kinds[0]
 
-    def _outcomes(self, runs: int) -> Iterator[Outcome]:
-        """Make all runs, and yield their outcomes."""
-        names, times = self._task.outputs, self._task.times
+    def _make(self, kind: _Kind, found: list[Outcome]) -> None:
+        """Make all runs of a kind."""
+        runs, kind.runs = kind.runs, []
+        systems, kind.systems = kind.systems, []
+        numbers, kind.numbers = kind.numbers, array("d")
+        if runs:
+            kind.series.take(systems, numbers)
+            for run, outcome in zip(
+                runs, self._outcomes(kind.series, len(runs), systems), strict=True
+            ):
+                found[run] = outcome
+
+    def _outcomes(self, series: Series, runs: int, systems: Sequence[System]) -> Iterator[Outcome]:
+        """Make all runs that a series has taken, and yield their outcomes."""
+        names, times, corners = self._task.outputs, self._task.times, self._task.corners
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
-        joints = self._series.joints(runs) if self._task.corners else [()] * runs
         first = 0
         while first < runs:
-            ended = self._series.go(first, columns)
+            ended = series.go(first, columns)
             for k, one in enumerate(ended):
                 values = of_runs[first + k]
-                switches = self._series.switches(k) if self._task.corners else ()
-                corners = (switches, joints[first + k])
+                bends = (series.switches(k), joints(systems[first + k])) if corners else ((), ())
                 if one.status == 0:
                     found = dict(zip(names, values, strict=True))
-                    yield Outcome(found, "", self._series.ends(k, one), *corners)
+                    yield Outcome(found, "", series.ends(k, one), *bends)
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
                 why = why_stopped(one.status, f"at {one.time:.6g} s, in step {one.steps}")
-                yield Outcome(found, why, {}, *corners)
+                yield Outcome(found, why, {}, *bends)
             first += len(ended)
 
 
 _solver = itemgetter(
     "solver.method", "solver.step", "solver.tolerance", "solver.theta", "solver.beyond_stable"
 )
-
-
-def _with_equal_texts(model: str, sets: Sequence[Mapping[str, object]]) -> Iterable[list[int]]:
-    """Group runs that give the same parameters, with equal values except for numbers of the system."""
-    declared = _declared(model)
-    texts: dict[tuple[str, ...], list[str]] = {}
-    together: dict[object, list[int]] = {}
-    for run, given in enumerate(sets):
-        names = tuple(given)
-        if names not in texts:
-            texts[names] = [name for name in names if not _is_number(declared.get(name))]
-        values = [given[name] for name in texts[names]]
-        # True, 1 and 1.0 are equal, but not the same parameter value
-        key = (names, *values, *map(type, values))
-        try:
-            together.setdefault(key, []).append(run)
-        except TypeError:  # unhashable, which no parameter can be
-            together[run] = [run]
-    return together.values()
-
-
-def _declared(model: str) -> dict[str, Variable]:
-    return {v.name: v for v in variables(model) if v.causality == "parameter"}
-
-
-def _is_number(declared: Variable | None) -> bool:
-    """Return whether a parameter may differ among runs that are made together."""
-    return (
-        declared is not None
-        and isinstance(declared.start, float)
-        and not declared.name.startswith("solver.")
-    )
-
-
-def _together(model: str, sets: Sequence[Mapping[str, object]]) -> dict[str, Value]:
-    """Return all parameters of sets that give the same names, with many numbers in place of one.
-
-    Raises
-    ------
-    ParameterError : a value that its parameter does not allow.
-    """
-    declared = _declared(model)
-    parameters = checked_parameters(model, sets[0])
-    for name in sets[0]:
-        if _is_number(declared[name]):
-            check = declared[name].checked
-            given = [one[name] for one in sets]
-            if not {*map(type, given)} <= {float, int}:
-                given = [check(value) for value in given]
-            values = np.array(given, dtype=float) + 0.0  # never -0.0
-            for extreme in (values.min(), values.max()):
-                check(float(extreme))
-            parameters[name] = cast("float", many(values))
-    return parameters

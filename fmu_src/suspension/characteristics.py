@@ -13,6 +13,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from math import exp, inf, isfinite, log, log1p, sinh, tanh
 from typing import NamedTuple
@@ -94,6 +95,8 @@ class Characteristic:
     @property
     def potentials(self) -> tuple[float, ...]:
         """The constant of each piece that makes `potential` continuous and zero at 0."""
+        if len(self.pieces) == 1:
+            return (-self.pieces[0].antiderivative(0.0),)
         zero = bisect_right(self.corners, 0.0)  # outwards from here, to avoid cancellation
         constants = [0.0] * len(self.pieces)
         constants[zero] = -self.pieces[zero].antiderivative(0.0)
@@ -114,9 +117,7 @@ class Characteristic:
     @property
     def is_zero(self) -> bool:
         """Whether the force is zero everywhere, so that the element may be left out."""
-        return all(
-            c == 0.0 for piece in self.pieces for c in (*piece.coefficients, piece.saturation)
-        )
+        return not any(any(piece.coefficients) or piece.saturation for piece in self.pieces)
 
     def argument(self, force: float) -> float:
         """Return the least x at which a rising law has this force; infinite if there is none.
@@ -219,16 +220,23 @@ def _bisected(piece: Piece, force: float, low: float, high: float) -> float:
     return high
 
 
+# systems built one after the other, as in a sweep, have most of their laws in common
+_known = lru_cache(maxsize=256)
+
+
+@_known
 def linear(rate: float) -> Characteristic:
     """Return a straight line through the origin: F = rate x."""
     return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, 0.0)),))
 
 
+@_known
 def cubic(rate: float, cubic_rate: float) -> Characteristic:
     """Return a hardening (or softening) spring F = rate x + cubic_rate x^3."""
     return Characteristic((Piece(-inf, 0.0, (0.0, rate, 0.0, cubic_rate)),))
 
 
+@_known
 def constant(value: float) -> Characteristic:
     """Return a constant: a factor on a damper, or a constant force."""
     return Characteristic((Piece(-inf, 0.0, (value, 0.0, 0.0, 0.0)),))
@@ -303,6 +311,7 @@ def _without_straight_joints(pieces: Iterable[Piece]) -> tuple[Piece, ...]:
     return tuple(kept)
 
 
+@_known
 def damper(
     rebound_rate: float,
     bump_rate: float,
@@ -418,11 +427,13 @@ def _end_tangent(width: float, width_next: float, slope: float, slope_next: floa
     return parabola
 
 
+@_known
 def bump_stop(gap: float, stiffness: float) -> Characteristic:
     """Return the end stop of the bump travel: F = stiffness (x + gap) for x < -gap, else 0."""
     return polyline([(-gap, 0.0)], stiffness, 0.0)
 
 
+@_known
 def rebound_stop(gap: float, stiffness: float) -> Characteristic:
     """Return the end stop of the rebound travel: F = stiffness (x - gap) for x > gap, else 0."""
     return polyline([(gap, 0.0)], 0.0, stiffness)

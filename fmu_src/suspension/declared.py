@@ -1,4 +1,4 @@
-"""Declarations of the variables of the models' parts: suspension, wheel, road, solver.
+"""Declarations of the parameters and inputs of the models' parts: suspension, wheel, road, solver.
 
 Start values are those of the worked example of AP57 section 8.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from .units import KGF
-from .variable import Variable, output, parameter, tunable
+from .variable import Variable, parameter, tunable
 
 ROAD_SHAPES = (
     "input", "flat", "bump", "obstacle", "sine", "sweep", "step", "ramp", "plank", "pothole",
@@ -126,15 +126,6 @@ SOLVER_PARAMETERS = (
               "1", minimum=1.37, maximum=10.0),
 )  # fmt: skip
 
-SOLVER_OUTPUTS = (
-    output("energy_residual", "residual of the energy balance", "J", nominal=1e-3),
-    output("stable_step", "largest stable step of the incremental method for the current tangent "
-            "(2 sqrt 3 / omega_max)", "s", display="ms", nominal=1e-3),
-    output("step_count", "internal steps taken so far", start=0),
-    output("ok", "false once the run has failed; all other Real outputs are then NaN",
-            start=True),
-)  # fmt: skip
-
 GRAVITY = parameter("gravity", KGF, "gravitational acceleration; 0: no weight, no lift-off", "m/s2",
                       minimum=0.0)  # fmt: skip
 LIFT_OFF = parameter("lift_off", True, "whether the tyre may leave the road")
@@ -144,34 +135,6 @@ CONTACT_RULE = parameter(
     "the gap closes. force: contact while spring and damper of the tyre together press on the road, "
     "even across a gap (AP57 eq. 28 for both ends of the flight)", choices=("gap", "force"),
 )  # fmt: skip
-
-
-def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
-    """Return displacement, velocity and acceleration of a coordinate."""
-    return (
-        output(f"{coordinate}_displacement", f"displacement of {what} from static equilibrium, "
-                "upwards positive", "m", display="mm", nominal=0.01),
-        output(f"{coordinate}_velocity", f"velocity of {what}, upwards positive", "m/s",
-                nominal=0.1),
-        output(f"{coordinate}_acceleration", f"acceleration of {what}, upwards positive", "m/s2",
-                nominal=1.0),
-    )  # fmt: skip
-
-
-def deflection(name: str, between: str) -> tuple[Variable, ...]:
-    """Return a deflection and its rate."""
-    return (
-        output(f"{name}_deflection", f"{between}, from static equilibrium, extension positive", "m",
-                display="mm", nominal=0.01),
-        output(f"{name}_deflection_rate", f"rate of change of {name} deflection, rebound positive",
-                "m/s", nominal=0.1),
-    )  # fmt: skip
-
-
-def force(element: str, what: str, nominal: float = 1e3) -> Variable:
-    """Return the force of an element."""
-    return output(f"{element}_force", f"{what}, from static equilibrium, positive in extension "
-                   "(pulls the body down)", "N", display="kN", nominal=nominal)  # fmt: skip
 
 
 def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
@@ -205,33 +168,3 @@ def body_force(where: str = "") -> Variable:
     """Return the input for an external force on the body."""
     return Variable("body_force", f"external force on the body{where}, upwards positive", "input",
                     0.0, "N", "kN", nominal=1e3)  # fmt: skip
-
-
-GROUND = (
-    output("ground_elevation", "elevation of the road under the wheel, upwards positive", "m",
-            display="mm", nominal=0.01),
-    output("ground_velocity", "rate of change of ground_elevation, upwards positive", "m/s",
-            nominal=0.1),
-)  # fmt: skip
-
-SUSPENSION_FORCES = (
-    force("spring", "spring force"),
-    force("damper", "damper force"),
-    force("bump_stop", "bump stop force"),
-    force("rebound_stop", "rebound stop force"),
-    force("friction", "dry friction force"),
-)
-
-CONTACT = (
-    output("tyre_force", "tyre force, from static equilibrium, positive in extension (pulls the "
-            "wheel down)", "N", display="kN", nominal=1e3),
-    output("contact_force", "force of the road on the tyre, never negative unless lift_off is "
-            "false", "N", display="kN", nominal=1e3),
-    output("airborne", "whether the wheel is off the road", start=False),
-    output("lift_off_count", "number of lift-offs so far (a start in flight does not count)",
-            start=0),
-    output("airborne_time", "time spent off the road so far", "s", display="ms", nominal=0.01),
-    output("last_lift_off", "time of the last lift-off, -1 before the first", "s", start=-1.0),
-    output("last_touchdown", "time of the last touchdown, -1 before the first", "s",
-            start=-1.0),
-)  # fmt: skip

@@ -359,8 +359,6 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
     """Return the system of a model from all of its parameters, as returned by `checked_parameters`.
 
-    The numbers may be those of many runs at once (see `many`).
-
     Raises
     ------
     ParameterError : a model that is not a system, such as a road.

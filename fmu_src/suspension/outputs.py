@@ -1,23 +1,78 @@
-"""Outputs of a system: motions, deflections, forces, contact, and the state of the run.
+"""The table of outputs: name, meaning and unit of each, and how a system is read for it.
 
-They are named after the system's coordinates, motions and axles, so that no model needs code here.
+`Variable.reading` resolves an entry for one system. A session reads present values from it, a batch
+whole columns; model descriptions, scenes and printed tables take name and meaning from the same entry.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
-from operator import mul
-from typing import Any, NamedTuple, Protocol
 
-from .signals import Signal
-from .systems import Axle, Element, Motion, System
-from .variables import Value
+from .systems import Axle, System
+from .variable import Value, Variable
 
-Read = Callable[[], Value]
+DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
+_ORDERS = ("displacement", "velocity", "acceleration")
 
-SUSPENSION = ("spring", "damper", "bump_stop", "rebound_stop", "friction")
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """An output sum b x + sum c u + offset.
+
+    Parameters
+    ----------
+    quantity : of x: DISPLACEMENT, VELOCITY or ACCELERATION of the coordinates, or FORCE of the elements
+    terms : index in x and b
+    signals : names of roads and loads u, and c; of a velocity their rates are used
+    offset : in the unit of the output
+    """
+
+    quantity: int
+    terms: tuple[tuple[int, float], ...] = ()
+    signals: tuple[tuple[str, float], ...] = ()
+    offset: float = 0.0
+
+    @property
+    def index(self) -> int | None:
+        """The index of the only entry of x, if the output is one."""
+        alone = len(self.terms) == 1 and not self.signals and self.offset == 0.0
+        return self.terms[0][0] if alone and self.terms[0][1] == 1.0 else None
+
+
+@dataclass(frozen=True, slots=True)
+class OfContact:
+    """An output that follows from the lift-offs and touchdowns of a tyre.
+
+    Parameters
+    ----------
+    contact : number of the tyre among all tyres
+    tyre : index of its element
+    what : `airborne_time`, or an attribute of `Contact`
+    """
+
+    contact: int
+    tyre: int
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class OfFlow:
+    """An output of the element that yields: `permanent_set` or `yielding`."""
+
+    element: int
+    what: str
+
+
+@dataclass(frozen=True, slots=True)
+class OfRun:
+    """An output of the run: `energy_residual`, `stable_step`, `step_count` or `ok`."""
+
+    what: str
+
+
+Reading = Line | OfContact | OfFlow | OfRun
 
 
 @dataclass(slots=True)
@@ -25,7 +80,7 @@ class Contact:
     """The contact of one tyre with the road, and its history up to the present time."""
 
     airborne: bool = False
-    lift_offs: int = 0
+    lift_off_count: int = 0
     last_lift_off: float = -1.0
     last_touchdown: float = -1.0
 
@@ -33,208 +88,200 @@ class Contact:
         """Record a lift-off or a touchdown."""
         self.airborne = airborne
         if airborne:
-            self.lift_offs += 1
+            self.lift_off_count += 1
             self.last_lift_off = instant
         else:
             self.last_touchdown = instant
 
 
-class Contacts(NamedTuple):
-    """The contacts of all tyres at the present time, in the order of their axles."""
-
-    airborne: Sequence[int]
-    lift_offs: Sequence[int]
-    last_lift_off: Sequence[float]
-    last_touchdown: Sequence[float]
+# -- how systems are read -------------------------------------------------------------------------
 
 
-class State:
-    """Motion, deflections and forces at the time that the integrator sampled last.
-
-    Everything is computed on request. `q`, `v` and the like are views of the integrator's arrays.
-
-    Parameters
-    ----------
-    system : the system being stepped
-    integrator : its integrator
-    """
-
-    def __init__(self, system: System, integrator: Any) -> None:
-        self._system, self._integrator = system, integrator
-        # builtin views are read several times faster than those of a compiled attribute
-        self.q, self.v = memoryview(integrator.sample_q), memoryview(integrator.sample_v)
-        self._a, self._f = memoryview(integrator.sample_a), memoryview(integrator.sample_f)
-        self._set = memoryview(integrator.sample_set)
-        self.at(0.0, system.signals)
-
-    def at(self, time: float, signals: Mapping[str, Signal]) -> None:
-        """Move to another time, s, which the integrator has just sampled."""
-        self._time, self._sources = time, signals
-        self._signals: dict[str, tuple[float, float, float, float]] | None = None
-        self._deflections: list[tuple[float, float]] | None = None
-        self._known = False  # whether forces, accelerations and sets are those of this time
-
-    @property
-    def signals(self) -> dict[str, tuple[float, float, float, float]]:
-        """Every signal with its derivatives."""
-        if self._signals is None:
-            t = self._time
-            self._signals = {name: source.derivatives(t) for name, source in self._sources.items()}
-        return self._signals
-
-    @property
-    def deflections(self) -> list[tuple[float, float]]:
-        """Deflection and rate of every element."""
-        if self._deflections is None:
-            self._deflections = [
-                (
-                    _along(e.direction, self.q) - (self.signals[e.road][0] if e.road else 0.0),
-                    _along(e.direction, self.v) - (self.signals[e.road][1] if e.road else 0.0),
-                )
-                for e in self._system.elements
-            ]
-        return self._deflections
-
-    def _find_forces(self) -> None:
-        """Compute forces, accelerations and permanent sets from the equation of motion."""
-        if not self._known:
-            self._integrator.sample_forces(self._time)
-            self._known = True
-
-    @property
-    def forces(self) -> Sequence[float]:
-        """Force of every element."""
-        self._find_forces()
-        return self._f
-
-    @property
-    def a(self) -> Sequence[float]:
-        """Accelerations."""
-        self._find_forces()
-        return self._a
-
-    @property
-    def permanent_sets(self) -> Sequence[float]:
-        """Deflection at which the force of each yielding element would be zero."""
-        self._find_forces()
-        return self._set
+def _moves(system: System, output: Variable) -> Line:
+    """A coordinate, or a motion that follows from coordinates, or a derivative of it."""
+    for i, coordinate in enumerate(system.coordinates):
+        for order, what in enumerate(_ORDERS):
+            if output.name == f"{coordinate}_{what}".lstrip("_"):
+                return Line(order, ((i, 1.0),))
+    motion = next(motion for motion in system.motions if output.name in motion.names)
+    return Line(motion.names.index(output.name), _terms(motion.direction))
 
 
-def _along(direction: Sequence[float], vector: Sequence[float]) -> float:
-    """b' x."""
-    return sum(map(mul, direction, vector))
+def _force(system: System, output: Variable) -> Line:
+    """The force of an element; zero if the system has none of that name."""
+    e = system.element(output.name.removesuffix("_force"))
+    return Line(FORCE, () if e is None else ((e, 1.0),))
 
 
-def _combination(direction: Sequence[float], vector: Sequence[float]) -> Callable[[], float]:
-    """Return a reader of b' x for a vector that changes in place (most have two terms)."""
-    terms = [(b, i) for i, b in enumerate(direction) if b != 0.0]
-    if len(terms) == 2:
-        (b, i), (c, j) = terms
-        return lambda: b * vector[i] + c * vector[j]
-    return lambda: sum(b * vector[i] for b, i in terms)
+def _suspension_deflects(system: System, output: Variable) -> Line:
+    axle = _axle(system, output)
+    road = () if axle.tyre else ((axle.road, -1.0),)
+    return Line(_order(output), _terms(axle.suspension), road)
 
 
-class Run(Protocol):
-    """The part of a session from which its outputs are read."""
-
-    ok: bool
-    state: State
-    contacts: Contacts
-
-    @property
-    def time(self) -> float:
-        """The present time, s."""
+def _tyre_deflects(system: System, output: Variable) -> Line:
+    tyre = system.elements[_tyre(system, output)]
+    return Line(_order(output), _terms(tyre.direction), ((tyre.road, -1.0),))
 
 
-def readers(system: System, integrator: Any, run: Run) -> dict[str, Read]:
-    """Return the function that reads each output at the present time."""
-    read: dict[str, Read] = {
-        "energy_residual": lambda: integrator.residual_at(run.time),
-        "stable_step": integrator.stable_step,
-        "step_count": lambda: integrator.step_count,
-        "ok": lambda: run.ok,
-    }
-    for i, name in enumerate(system.coordinates):
-        read |= _of_coordinate(i, f"{name}_" if name else "", run)
-    for e, element in enumerate(system.elements):
-        read |= _of_element(e, element, integrator, run)
-    if not system.axles:
-        read["applied_force"] = lambda: sum(run.state.signals[m.signal][0] for m in system.loads)
-    for motion in system.motions:
-        read |= _of_motion(motion, run)
-    tyres = 0
-    for axle in system.axles:
-        read |= _of_axle(axle, system, run)
-        tyre = system.element(axle.tyre)
-        if tyre is not None:
-            read |= _of_tyre(axle, tyre, tyres, integrator, run)
-            tyres += 1
-    return read
+def _ground(system: System, output: Variable) -> Line:
+    order = VELOCITY if output.name.endswith("_velocity") else DISPLACEMENT
+    return Line(order, (), ((_axle(system, output).road, 1.0),))
 
 
-def _of_coordinate(i: int, name: str, run: Run) -> dict[str, Read]:
-    q, v = run.state.q, run.state.v
-    return {
-        f"{name}displacement": lambda: q[i],
-        f"{name}velocity": lambda: v[i],
-        f"{name}acceleration": lambda: run.state.a[i],
-    }
+def _contact_force(system: System, output: Variable) -> Line:
+    load = _axle(system, output).static_load
+    return Line(FORCE, ((_tyre(system, output), -1.0),), offset=load)
 
 
-def _of_element(e: int, element: Element, integrator: Any, run: Run) -> dict[str, Read]:
-    """Force of an element; permanent set and yielding of one that can yield."""
-    read: dict[str, Read] = {f"{element.name}_force": lambda: run.state.forces[e]}
-    if element.yield_force < inf:
-        read["permanent_set"] = lambda: run.state.permanent_sets[e]
-        read["yielding"] = lambda: integrator.yielding(e)
-    return read
+def _contact(system: System, output: Variable) -> OfContact:
+    axles = [axle.prefix for axle in system.axles if axle.tyre]
+    what = output.name.removeprefix(output.axle)
+    return OfContact(axles.index(output.axle), _tyre(system, output), what)
 
 
-def _of_motion(motion: Motion, run: Run) -> dict[str, Read]:
-    b = motion.direction
-    displacement, velocity, acceleration = motion.names
-    return {
-        displacement: _combination(b, run.state.q),
-        velocity: _combination(b, run.state.v),
-        acceleration: lambda: _along(b, run.state.a),
-    }
+def _applied(system: System, output: Variable) -> Line:
+    return Line(DISPLACEMENT, (), tuple((load.signal, 1.0) for load in system.loads))
 
 
-def _of_axle(axle: Axle, system: System, run: Run) -> dict[str, Read]:
-    """Deflection and forces of the suspension, and the road."""
-
-    def deflection(order: int) -> Read:
-        moved = _combination(axle.suspension, run.state.v if order else run.state.q)
-        if axle.tyre:
-            return moved
-        return lambda: moved() - run.state.signals[axle.road][order]
-
-    def force(name: str) -> Read:
-        e = system.element(f"{axle.prefix}{name}")
-        return (lambda: 0.0) if e is None else (lambda: run.state.forces[e])
-
-    read: dict[str, Read] = {
-        "suspension_deflection": deflection(0),
-        "suspension_deflection_rate": deflection(1),
-        "ground_elevation": lambda: run.state.signals[axle.road][0],
-        "ground_velocity": lambda: run.state.signals[axle.road][1],
-        **{f"{name}_force": force(name) for name in SUSPENSION},
-    }
-    return {f"{axle.prefix}{name}": reader for name, reader in read.items()}
+def _flow(system: System, output: Variable) -> OfFlow:
+    yields = [element.yield_force < inf for element in system.elements]
+    return OfFlow(yields.index(True), output.name)
 
 
-def _of_tyre(axle: Axle, e: int, c: int, integrator: Any, run: Run) -> dict[str, Read]:
-    """Deflection and force of tyre c, which is element e, and its contact with the road."""
-    of = run.contacts
-    read: dict[str, Read] = {
-        "tyre_deflection": lambda: run.state.deflections[e][0],
-        "tyre_deflection_rate": lambda: run.state.deflections[e][1],
-        "tyre_force": lambda: run.state.forces[e],
-        "contact_force": lambda: axle.static_load - run.state.forces[e],
-        "airborne": lambda: of.airborne[c] != 0,
-        "lift_off_count": lambda: of.lift_offs[c],
-        "airborne_time": lambda: integrator.limited_time_at(e, run.time),
-        "last_lift_off": lambda: of.last_lift_off[c],
-        "last_touchdown": lambda: of.last_touchdown[c],
-    }
-    return {f"{axle.prefix}{name}": reader for name, reader in read.items()}
+def _run(system: System, output: Variable) -> OfRun:
+    return OfRun(output.name)
+
+
+def _order(output: Variable) -> int:
+    return VELOCITY if output.name.endswith("_rate") else DISPLACEMENT
+
+
+def _terms(direction: Sequence[float]) -> tuple[tuple[int, float], ...]:
+    return tuple((i, b) for i, b in enumerate(direction) if b != 0.0)
+
+
+def _axle(system: System, output: Variable) -> Axle:
+    return next(axle for axle in system.axles if axle.prefix == output.axle)
+
+
+def _tyre(system: System, output: Variable) -> int:
+    e = system.element(_axle(system, output).tyre)
+    assert e is not None
+    return e
+
+
+# -- the table ------------------------------------------------------------------------------------
+
+
+def output(
+    name: str,
+    description: str,
+    unit: str = "",
+    start: Value = 0.0,
+    *,
+    reading: Callable[[System, Variable], Reading] | None = None,
+    **more: object,
+) -> Variable:
+    """Return an output, of the type of `start`; without `reading` it is read by other means."""
+    return Variable(
+        name, description, "output", start, unit, reading=reading, **more  # type: ignore[arg-type]
+    )  # fmt: skip
+
+
+def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
+    """Return displacement, velocity and acceleration of a coordinate."""
+    return (
+        output(f"{coordinate}_displacement", f"displacement of {what} from static equilibrium, "
+                "upwards positive", "m", display="mm", nominal=0.01, reading=_moves),
+        output(f"{coordinate}_velocity", f"velocity of {what}, upwards positive", "m/s",
+                nominal=0.1, reading=_moves),
+        output(f"{coordinate}_acceleration", f"acceleration of {what}, upwards positive", "m/s2",
+                nominal=1.0, reading=_moves),
+    )  # fmt: skip
+
+
+def _deflection(
+    name: str, between: str, reading: Callable[[System, Variable], Reading]
+) -> tuple[Variable, ...]:
+    """Return a deflection and its rate."""
+    return (
+        output(f"{name}_deflection", f"{between}, from static equilibrium, extension positive", "m",
+                display="mm", nominal=0.01, reading=reading),
+        output(f"{name}_deflection_rate", f"rate of change of {name} deflection, rebound positive",
+                "m/s", nominal=0.1, reading=reading),
+    )  # fmt: skip
+
+
+def suspension_deflection(between: str) -> tuple[Variable, ...]:
+    """Return the deflection of a suspension and its rate; `between` says of what."""
+    return _deflection("suspension", between, _suspension_deflects)
+
+
+TYRE_DEFLECTION = _deflection("tyre", "wheel displacement minus ground elevation", _tyre_deflects)
+
+GROUND = (
+    output("ground_elevation", "elevation of the road under the wheel, upwards positive", "m",
+            display="mm", nominal=0.01, reading=_ground),
+    output("ground_velocity", "rate of change of ground_elevation, upwards positive", "m/s",
+            nominal=0.1, reading=_ground),
+)  # fmt: skip
+
+SUSPENSION_FORCES = tuple(
+    output(f"{element}_force", f"{what} force, from static equilibrium, positive in extension "
+           "(pulls the body down)", "N", display="kN", nominal=1e3, reading=_force)
+    for element, what in (
+        ("spring", "spring"), ("damper", "damper"), ("bump_stop", "bump stop"),
+        ("rebound_stop", "rebound stop"), ("friction", "dry friction"),
+    )
+)  # fmt: skip
+
+CONTACT = (
+    output("tyre_force", "tyre force, from static equilibrium, positive in extension (pulls the "
+            "wheel down)", "N", display="kN", nominal=1e3, reading=_force),
+    output("contact_force", "force of the road on the tyre, never negative unless lift_off is "
+            "false", "N", display="kN", nominal=1e3, reading=_contact_force),
+    output("airborne", "whether the wheel is off the road", start=False, reading=_contact),
+    output("lift_off_count", "number of lift-offs so far (a start in flight does not count)",
+            start=0, reading=_contact),
+    output("airborne_time", "time spent off the road so far", "s", display="ms", nominal=0.01,
+            reading=_contact),
+    output("last_lift_off", "time of the last lift-off, -1 before the first", "s", start=-1.0,
+            reading=_contact),
+    output("last_touchdown", "time of the last touchdown, -1 before the first", "s",
+            start=-1.0, reading=_contact),
+)  # fmt: skip
+
+PITCH = (
+    output("pitch_angle", "pitch of the body from static equilibrium, front upwards positive",
+            "rad", display="deg", nominal=0.01, reading=_moves),
+    output("pitch_rate", "rate of change of pitch_angle, front upwards positive", "rad/s",
+            display="deg/s", nominal=0.1, reading=_moves),
+    output("pitch_acceleration", "rate of change of pitch_rate, front upwards positive", "rad/s2",
+            display="deg/s2", nominal=1.0, reading=_moves),
+)  # fmt: skip
+
+FRAME = (  # of H83 example 40
+    output("displacement", "displacement of the mass", "m", display="mm", nominal=1e-3,
+           reading=_moves),
+    output("velocity", "velocity of the mass", "m/s", nominal=1e-2, reading=_moves),
+    output("acceleration", "acceleration of the mass", "m/s2", nominal=0.1, reading=_moves),
+    output("spring_force", "force of the spring, opposing a positive displacement", "N",
+           nominal=10.0, reading=_force),
+    output("damper_force", "force of the damper, opposing a positive velocity", "N", nominal=10.0,
+           reading=_force),
+    output("applied_force", "force on the mass, sum of table and input", "N", nominal=10.0,
+           reading=_applied),
+    output("permanent_set", "displacement at which the spring force would be zero", "m",
+           display="mm", nominal=1e-3, reading=_flow),
+    output("yielding", "whether the spring yields", start=False, reading=_flow),
+)  # fmt: skip
+
+SOLVER_OUTPUTS = (
+    output("energy_residual", "residual of the energy balance", "J", nominal=1e-3, reading=_run),
+    output("stable_step", "largest stable step of the incremental method for the current tangent "
+            "(2 sqrt 3 / omega_max)", "s", display="ms", nominal=1e-3, reading=_run),
+    output("step_count", "internal steps taken so far", start=0, reading=_run),
+    output("ok", "false once the run has failed; all other Real outputs are then NaN",
+            start=True, reading=_run),
+)  # fmt: skip

@@ -294,16 +294,14 @@ def _sweep(p: Mapping[str, Value]) -> Signal:
 
 
 def _random(p: Mapping[str, Value]) -> Signal:
-    given = (
+    return _random_road(
         number(p, "road.roughness") or str(p["road.class"]), number(p, "road.profile_length"),
         number(p, "speed"), int(p["road.seed"]), number(p, "road.start"),
     )  # fmt: skip
-    plain = all(type(value) in (float, int, str) for value in given)  # not numbers of many runs
-    return (_known_road if plain else roads.random_profile)(*given)
 
 
 # a run asks for its road several times: to check it, to step, to measure
-_known_road = lru_cache(maxsize=2)(roads.random_profile)
+_random_road = lru_cache(maxsize=2)(roads.random_profile)
 
 
 def _from_table(

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from operator import attrgetter
 from typing import Any, NamedTuple
@@ -18,104 +17,31 @@ import numpy as np
 import numpy.typing as npt
 
 from .engine import KINDS, Rows
-from .many import Many, of_run
-from .outputs import SUSPENSION, Contact
-from .signals import Segment, Signal
+from .outputs import ACCELERATION, DISPLACEMENT, FORCE, Contact, Line, OfContact, OfRun, Reading
+from .signals import Segment
 from .systems import System
+from .variable import Variable
 
 _OF_CONTACT = KINDS.index("contact")
 _MOST_RUNS = 64  # in one batch
 _MOST_FILLED = 50_000  # numbers that the integrator fills in one batch
-DISPLACEMENT, VELOCITY, ACCELERATION, FORCE = range(4)
-_ORDERS = ("displacement", "velocity", "acceleration")
-_CONTACT = {  # attributes of `Contact` by the outputs' names
-    "airborne": "airborne", "lift_off_count": "lift_offs", "last_lift_off": "last_lift_off",
-    "last_touchdown": "last_touchdown",
-}  # fmt: skip
 Column = npt.NDArray[np.float64]
 _Log = Sequence[tuple[float, int, int, int, int]]
 
 
-@dataclass(frozen=True, slots=True)
-class Line:
-    """An output `sum b x + road_factor u + offset`.
-
-    Parameters
-    ----------
-    kind : the kind of x: DISPLACEMENT, VELOCITY, ACCELERATION or FORCE
-    direction : b by the index of the coordinate or element
-    road : name of the signal u, or empty; for velocities its rate is used
-    axle : index of the axle whose static load is the offset; None for no offset
-    """
-
-    kind: int
-    direction: Mapping[int, float]
-    road: str = ""
-    road_factor: float = -1.0
-    axle: int | None = None
-
-    def is_alone(self) -> bool:
-        """Return whether it is a single entry of x."""
-        return not self.road and self.axle is None and list(self.direction.values()) == [1.0]
+def is_over_time(reading: Reading) -> bool:
+    """Return whether `Series.go` can fill an output."""
+    return isinstance(reading, Line) or is_of_switches(reading)
 
 
-def lines(system: System) -> dict[str, Line]:
-    """Return the linear outputs of a system."""
-    return dict(_lines(system))
+def is_at_end(reading: Reading) -> bool:
+    """Return whether `Series.ends` can tell an output."""
+    return isinstance(reading, OfContact) or reading == OfRun("step_count")
 
 
-def _lines(system: System) -> Iterator[tuple[str, Line]]:
-    for i, name in enumerate(system.coordinates):
-        for kind, what in enumerate(_ORDERS):
-            yield f"{name}_{what}".lstrip("_"), Line(kind, {i: 1.0})
-    for motion in system.motions:
-        for kind, name in enumerate(motion.names):
-            yield name, Line(kind, _terms(motion.direction))
-    for e, element in enumerate(system.elements):
-        yield f"{element.name}_force", Line(FORCE, {e: 1.0})
-    for k, axle in enumerate(system.axles):
-        yield from ((f"{axle.prefix}{name}", line) for name, line in _of_axle(k, system))
-
-
-def _of_axle(k: int, system: System) -> Iterator[tuple[str, Line]]:
-    axle = system.axles[k]
-    road = "" if axle.tyre else axle.road
-    for kind, ending in ((DISPLACEMENT, ""), (VELOCITY, "_rate")):
-        yield f"suspension_deflection{ending}", Line(kind, _terms(axle.suspension), road)
-        what = "velocity" if kind else "elevation"
-        yield f"ground_{what}", Line(kind, {}, axle.road, 1.0)
-    for name in SUSPENSION:
-        if system.element(f"{axle.prefix}{name}") is None:
-            yield f"{name}_force", Line(FORCE, {})
-    e = system.element(axle.tyre)
-    if e is not None:
-        tyre = system.elements[e]
-        for kind, ending in ((DISPLACEMENT, ""), (VELOCITY, "_rate")):
-            yield f"tyre_deflection{ending}", Line(kind, _terms(tyre.direction), tyre.road)
-        yield "tyre_force", Line(FORCE, {e: 1.0})
-        yield "contact_force", Line(FORCE, {e: -1.0}, axle=k)
-
-
-def _terms(direction: Sequence[float]) -> dict[int, float]:
-    return {i: b for i, b in enumerate(direction) if b != 0.0}
-
-
-def over_time(system: System) -> list[str]:
-    """Return the names of the outputs of `Series.go`."""
-    return [*lines(system), *_of_tyres(system, _CONTACT)]
-
-
-def at_the_end(system: System) -> list[str]:
-    """Return the names of the outputs of `Series.ends`."""
-    return ["step_count", *_of_tyres(system, ("airborne_time", *_CONTACT))]
-
-
-def _of_tyres(system: System, names: Iterable[str]) -> dict[str, tuple[int | None, str]]:
-    """Return the element and the quantity of each contact output of every tyre."""
-    return {
-        f"{a.prefix}{name}": (system.element(a.tyre), name)
-        for a in system.axles if a.tyre for name in names
-    }  # fmt: skip
+def is_of_switches(reading: Reading) -> bool:
+    """Return whether an output follows from the switches of a contact."""
+    return isinstance(reading, OfContact) and reading.what != "airborne_time"
 
 
 class Ended(NamedTuple):
@@ -143,11 +69,15 @@ class Series:
     Parameters
     ----------
     integrator : the integrator
-    system : the system of one or many runs (see `many`); other systems may differ in their numbers
+    system : the system of one run; those of others may differ in their numbers
     times : s, ascending
-    names : outputs over time
-    at_end : outputs at the last time
-    corners : whether `switches` and `joints` are needed
+    over_time : outputs over time by name
+    at_end : outputs at the last time by name
+    corners : whether `switches` are needed
+
+    Attributes
+    ----------
+    needs_systems : whether the systems of all runs are needed, or their numbers are enough
     """
 
     def __init__(
@@ -155,18 +85,21 @@ class Series:
         integrator: Any,
         system: System,
         times: array[float],
-        names: Sequence[str],
-        at_end: Sequence[str] = (),
+        over_time: Mapping[str, Variable],
+        at_end: Mapping[str, Variable],
         corners: bool = False,
     ) -> None:
-        self._times, self._names, self._at_end = times, names, at_end
+        self._integrator, self._times, self._declared = integrator, times, [*over_time.values()]
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
-        self._tyres = _of_tyres(system, ("airborne_time", *_CONTACT))
-        wanted = {what for name, (_, what) in self._tyres.items() if name in {*names, *at_end}}
-        self._logged = corners or not wanted <= {"airborne_time"}
-        self._integrator = integrator
-        self.enter(system)
-        kinds = {line.kind for line in self._lines if line is not None}
+        self._readings = [output.reading(system, output) for output in self._declared]  # type: ignore[misc]
+        self._at_end = {name: v.reading(system, v) for name, v in at_end.items()}  # type: ignore[misc]
+        self.needs_systems = corners or any(
+            isinstance(one, Line) and one.index is None for one in self._readings
+        )
+        self._logged = corners or any(
+            map(is_of_switches, (*self._readings, *self._at_end.values()))
+        )
+        kinds = {one.quantity for one in self._readings if isinstance(one, Line)}
         if ACCELERATION in kinds:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
         n, elements = len(system.mass), len(system.elements)
@@ -178,16 +111,10 @@ class Series:
         integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
         self._rows = Rows(integrator, self._logged)
 
-    def enter(self, system: System) -> None:
-        """Prepare for runs of another system."""
-        self._system = system
-        found = dict(_lines(system))
-        self._lines = [found.get(name) for name in self._names]
-        self._alone = [line is not None and line.is_alone() for line in self._lines]
-
-    def take(self, numbers: npt.NDArray[np.float64]) -> None:
-        """Store the `row` of each run, (runs, numbers)."""
-        self._rows.take(numbers.reshape(-1).data, self._times[0])
+    def take(self, systems: Sequence[System], numbers: array[float]) -> None:
+        """Store the systems of all runs, if needed, and the `row` of each, one after the other."""
+        self._systems = systems
+        self._rows.take(numbers, self._times[0])
 
     def go(self, first: int, into: npt.NDArray[np.float64]) -> list[Ended]:
         """Make at least one run, from `first` on, and return the ends of the runs made.
@@ -201,17 +128,17 @@ class Series:
         self._logs = self._taken_apart(ended) if self._logged else []
         last = first + len(ended)
         with np.errstate(all="ignore"):  # a motion may have diverged
-            for k, line in enumerate(self._lines):
-                if line is None:
-                    for run, log in enumerate(self._logs, first):
-                        into[k, run] = self._of_contact(
-                            self._names[k], self._times, log, run - first
-                        )
-                elif self._alone[k]:
-                    filled = self._filled[line.kind][: last - first]
-                    into[k, first:last] = filled[:, next(iter(line.direction))]
+            for column, reading, output in zip(into, self._readings, self._declared, strict=True):
+                if isinstance(reading, OfContact):
+                    for k, log in enumerate(self._logs):
+                        column[first + k] = self._of_contact(reading, self._times, log, k)
+                elif reading.index is not None:
+                    filled = self._filled[reading.quantity][: last - first]
+                    column[first:last] = filled[:, reading.index]
                 else:
-                    self._fill(into[k, first:last], line, first)
+                    systems = self._systems[first:last]
+                    lines = [output.reading(system, output) for system in systems]  # type: ignore[misc]
+                    self._fill(column[first:last], lines, systems)
         return ended
 
     def _taken_apart(self, ended: Sequence[Ended]) -> list[_Log]:
@@ -221,54 +148,45 @@ class Series:
 
     def ends(self, k: int, ended: Ended) -> dict[str, float]:
         """Return the outputs at the last time of run k of the last batch."""
-        return {name: self._end(name, k, ended) for name in self._at_end}
+        return {name: self._end(reading, k, ended) for name, reading in self._at_end.items()}
 
     def switches(self, k: int) -> list[float]:
         """Return the times at which an element changed its branch in run k of the last batch, s."""
         return [instant for instant, *_ in self._logs[k]]
 
-    def joints(self, runs: int) -> Column:
-        """Return the times at which roads and loads have joints, s, ascending, (runs, joints)."""
-        starts = [
-            np.broadcast_to(np.asarray(segment.start), runs)
-            for signal in self._system.signals.values()
-            for segment in signal.segments[1:]
-        ]
-        return np.sort(np.array(starts, float).reshape(-1, runs).T, axis=1)
-
-    def _fill(self, column: Column, line: Line, first: int) -> None:
-        """Fill the column of successive runs, (runs, times), from run `first` on."""
-        runs, filled = len(column), self._filled[line.kind]
+    def _fill(self, column: Column, lines: Sequence[Line], systems: Sequence[System]) -> None:
+        """Fill the column of successive runs, (runs, times), with sum b x + sum c u + offset."""
+        first = lines[0]
+        x = self._filled[first.quantity]
         column[:] = 0.0
-        for i, b in line.direction.items():
-            column += filled[:runs, i] * _of_runs(b, first, runs)
-        if line.road:
-            for k in range(runs):
-                column[k] += line.road_factor * self._under(line.road, line.kind, first + k)
-        if line.axle is not None:
-            column += _of_runs(self._system.axles[line.axle].static_load, first, runs)
+        for k, (i, _) in enumerate(first.terms):
+            column += x[: len(lines), i] * _upright(line.terms[k][1] for line in lines)
+        for k, (name, _) in enumerate(first.signals):
+            for run, (line, system) in enumerate(zip(lines, systems, strict=True)):
+                column[run] += line.signals[k][1] * self._course(name, first.quantity, system)
+        column += _upright(line.offset for line in lines)
 
-    def _under(self, road: str, order: int, run: int) -> Column:
-        """Return a road or its rate at all times; cached while the road is the same."""
-        segments = of_run(self._system.signals[road].segments, run)
-        known = self._roads.get((road, order))
-        if known is None or known[0] is not segments:
-            signal = Signal(segments)
+    def _course(self, name: str, order: int, system: System) -> Column:
+        """Return a signal or its rate at all times; cached while it is the same."""
+        signal = system.signals[name]
+        known = self._roads.get((name, order))
+        if known is None or known[0] is not signal.segments:
             column = np.array([signal.derivatives(t)[order] for t in self._times])
-            known = self._roads[road, order] = segments, column
+            known = self._roads[name, order] = signal.segments, column
         return known[1]
 
-    def _of_contact(self, name: str, times: array[float], log: _Log, run: int) -> array[float]:
+    def _of_contact(
+        self, reading: OfContact, times: array[float], log: _Log, run: int
+    ) -> array[float]:
         """Return a contact output at given times, from the switches in a run of the last batch."""
-        tyre, what = self._tyres[name]
-        read = attrgetter(_CONTACT[what])
+        read = attrgetter(reading.what)
         switches = [
             (instant, bool(before), bool(after))
             for instant, element, kind, before, after in log
-            if element == tyre and kind == _OF_CONTACT
+            if element == reading.tyre and kind == _OF_CONTACT
         ]
         # a wheel that starts in flight has not lifted off: only its touchdown is a switch
-        flies = switches[0][1] if switches else self._rows.limited_time(run, tyre) > 0.0
+        flies = switches[0][1] if switches else self._rows.limited_time(run, reading.tyre) > 0.0
         contact, column = Contact(airborne=flies), array("d")
         for instant, _, after in switches:
             before = array("d", [read(contact)])
@@ -276,17 +194,21 @@ class Series:
             contact.switch(instant, after)
         return column + array("d", [read(contact)]) * (len(times) - len(column))
 
-    def _end(self, name: str, k: int, ended: Ended) -> float:
-        if name == "step_count":
+    def _end(self, reading: Reading, k: int, ended: Ended) -> float:
+        if not isinstance(reading, OfContact):
             return ended.steps
-        tyre, what = self._tyres[name]
-        if what in _CONTACT:
-            return self._of_contact(name, self._times[-1:], self._logs[k], k)[0]
-        return float(self._rows.limited_time(k, tyre))
+        if is_of_switches(reading):
+            return self._of_contact(reading, self._times[-1:], self._logs[k], k)[0]
+        return float(self._rows.limited_time(k, reading.tyre))
 
 
-def _of_runs(number: float, first: int, runs: int) -> float | npt.NDArray[np.float64]:
-    """Return the numbers of successive runs, shaped for their columns."""
-    if isinstance(number, Many):
-        return np.asarray(number)[first : first + runs, None]
-    return number
+def joints(system: System) -> list[float]:
+    """Return the times at which roads and loads have joints, s, ascending."""
+    return sorted(
+        segment.start for signal in system.signals.values() for segment in signal.segments[1:]
+    )
+
+
+def _upright(numbers: Any) -> Column:
+    """Return a number of each run as a factor of the columns, (runs, 1)."""
+    return np.array([*numbers])[:, None]

@@ -20,11 +20,18 @@ from typing import Any
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
 from .models import build
-from .outputs import Contacts, State, readers
+from .reading import Contacts, Readers, State
 from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import number
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
+from .variables import (
+    ParameterError,
+    Value,
+    checked_parameters,
+    outputs,
+    refuse_unknown,
+    variables,
+)
 
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 
@@ -88,7 +95,6 @@ class Session:
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
         self._inputs = [v.name for v in declared if v.causality == "input"]
-        self._outputs = {v.name: v.start for v in declared if v.causality == "output"}
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
@@ -153,7 +159,7 @@ class Session:
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*(memoryview(getattr(self._run, of)) for of in Contacts._fields))
         self.state = State(system, integrator)
-        self.readers = readers(system, integrator, self)  # of outputs, while `ok`
+        self.readers = Readers(outputs(self.model), system, integrator, self)  # while `ok`
 
     # -- inputs and stepping -------------------------------------------------------------------------
 
@@ -358,14 +364,15 @@ class Session:
         ------
         ParameterError : no such variable.
         """
-        if name in self.readers:
+        declared = outputs(self.model)
+        if name in declared:
             if not self.ok and name != "ok":
-                start = self._outputs[name]
+                start = declared[name].start
                 return nan if isinstance(start, float) else type(start)(0)
             return self.readers[name]()
         if name in self._inputs:
             return float(self._run.value[self._inputs.index(name)])
-        refuse_unknown([name], (*self.readers, *self._inputs, *self.parameters), "no variable")
+        refuse_unknown([name], (*declared, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
 
     # -- whole state ---------------------------------------------------------------------------------

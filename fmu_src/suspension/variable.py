@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from math import isfinite
-from typing import cast
+from typing import Any, cast
 
 from .units import UnitError, nearest, to_si
 
@@ -34,6 +34,8 @@ class Variable:
     nominal : a typical magnitude
     choices : the allowed texts
     tunable : whether a parameter may change during a run
+    axle : prefix of the axle that an output belongs to, or empty
+    reading : of an output: returns how a system is read for it; see `outputs`
     """
 
     name: str
@@ -48,6 +50,8 @@ class Variable:
     nominal: float | None = None
     choices: tuple[str, ...] = ()
     tunable: bool = False
+    axle: str = ""
+    reading: Callable[[Any, Variable], Any] | None = field(default=None, repr=False, compare=False)
 
     def checked(self, value: object) -> Value:
         """Return the value in SI and in the variable's type.
@@ -122,13 +126,6 @@ def parameter(
 ) -> Variable:
     """Return a parameter with its default."""
     return Variable(name, description, "parameter", start, unit, **more)  # type: ignore[arg-type]
-
-
-def output(
-    name: str, description: str, unit: str = "", start: Value = 0.0, **more: object
-) -> Variable:
-    """Return an output, of the type of `start`."""
-    return Variable(name, description, "output", start, unit, **more)  # type: ignore[arg-type]
 
 
 def tunable(*declared: Variable) -> tuple[Variable, ...]:

@@ -12,27 +12,33 @@ from functools import cache
 
 from .declared import (
     BODY_FORCE_TABLE,
-    CONTACT,
     CONTACT_RULE,
     GRAVITY,
-    GROUND,
     LIFT_OFF,
     METHODS,
     ROAD_INPUTS,
     ROAD_SHAPES,
-    SOLVER_OUTPUTS,
     SOLVER_PARAMETERS,
     SUSPENSION,
-    SUSPENSION_FORCES,
     WHEEL,
     body_force,
-    deflection,
     initial,
-    motion,
     road,
 )
+from .outputs import (
+    CONTACT,
+    FRAME,
+    GROUND,
+    PITCH,
+    SOLVER_OUTPUTS,
+    SUSPENSION_FORCES,
+    TYRE_DEFLECTION,
+    motion,
+    output,
+    suspension_deflection,
+)
 from .units import KGF, nearest
-from .variable import ParameterError, Value, Variable, output, parameter, refuse_unknown
+from .variable import ParameterError, Value, Variable, parameter, refuse_unknown
 
 __all__ = [
     "METHODS",
@@ -45,6 +51,7 @@ __all__ = [
     "Value",
     "Variable",
     "checked_parameters",
+    "outputs",
     "refuse_unknown",
     "variables",
 ]
@@ -52,15 +59,15 @@ __all__ = [
 _ON_WHEEL = (  # outputs of a suspension that stands on a wheel
     *motion("body", "the body"),
     *motion("wheel", "the wheel"),
-    *deflection("suspension", "body minus wheel displacement"),
-    *deflection("tyre", "wheel displacement minus ground elevation"),
+    *suspension_deflection("body minus wheel displacement"),
+    *TYRE_DEFLECTION,
     *GROUND,
     *SUSPENSION_FORCES,
     *CONTACT,
 )
 _ON_ROAD = (  # outputs of a suspension that stands directly on the road
     *motion("body", "the body"),
-    *deflection("suspension", "body displacement minus ground elevation"),
+    *suspension_deflection("body displacement minus ground elevation"),
     *GROUND,
     *SUSPENSION_FORCES,
 )
@@ -106,6 +113,7 @@ def _both_axles(declared: Iterable[Variable]) -> tuple[Variable, ...]:
             v,
             name=f"{axle}{'.' if v.causality == 'parameter' else '_'}{v.name}",
             description=f"{axle} axle: {v.description}",
+            axle=f"{axle}_" * (v.causality == "output"),
         )
         for axle in ("front", "rear")
         for v in declared
@@ -134,15 +142,7 @@ _HALF_CAR_ROAD = road(
     "the front wheel",
 )
 
-_RIGID_BODY_MOTION = (
-    *motion("body", "the body's centre of gravity"),
-    output("pitch_angle", "pitch of the body from static equilibrium, front upwards positive",
-            "rad", display="deg", nominal=0.01),
-    output("pitch_rate", "rate of change of pitch_angle, front upwards positive", "rad/s",
-            display="deg/s", nominal=0.1),
-    output("pitch_acceleration", "rate of change of pitch_rate, front upwards positive", "rad/s2",
-            display="deg/s2", nominal=1.0),
-)  # fmt: skip
+_RIGID_BODY_MOTION = (*motion("body", "the body's centre of gravity"), *PITCH)
 
 _HALF_CAR_RIGID_TYRES = (
     *_RIGID_BODY,
@@ -196,16 +196,7 @@ _ELASTOPLASTIC = (  # start values of H83 example 40
     *SOLVER_PARAMETERS,
     Variable("force", "force on the mass, added to that of force.table", "input", 0.0, "N", "kN",
              nominal=10.0),
-    output("displacement", "displacement of the mass", "m", display="mm", nominal=1e-3),
-    output("velocity", "velocity of the mass", "m/s", nominal=1e-2),
-    output("acceleration", "acceleration of the mass", "m/s2", nominal=0.1),
-    output("spring_force", "force of the spring, opposing a positive displacement", "N",
-           nominal=10.0),
-    output("damper_force", "force of the damper, opposing a positive velocity", "N", nominal=10.0),
-    output("applied_force", "force on the mass, sum of table and input", "N", nominal=10.0),
-    output("permanent_set", "displacement at which the spring force would be zero", "m",
-           display="mm", nominal=1e-3),
-    output("yielding", "whether the spring yields", start=False),
+    *FRAME,
     *SOLVER_OUTPUTS,
 )  # fmt: skip
 
@@ -227,7 +218,12 @@ def _road_source() -> tuple[Variable, ...]:
         *(replace(v, choices=shapes) if v.name == "road.shape" else v for v in along),
         parameter("wheelbase", 2.5, "distance between the axles", "m", minimum=0.0),
         *(
-            replace(variable, name=f"{axle}_{quantity}", description=f"{axle} axle: {what}")
+            replace(
+                variable,
+                name=f"{axle}_{quantity}",
+                description=f"{axle} axle: {what}",
+                reading=None,
+            )
             for axle in ("front", "rear")
             for variable, quantity, what in zip(
                 GROUND,
@@ -270,6 +266,17 @@ def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Val
     refuse_unknown(given, declared, f"{model} has no parameter")
     checked = {name: declared[name].checked(value) for name, value in given.items()}
     return _defaults(model) | checked
+
+
+@cache
+def outputs(model: str) -> dict[str, Variable]:
+    """Return the outputs of a model by name.
+
+    Raises
+    ------
+    ParameterError : no such model.
+    """
+    return {v.name: v for v in variables(model) if v.causality == "output"}
 
 
 @cache

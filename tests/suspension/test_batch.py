@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.suspension import series
+from phaseplane.suspension import batch, series
 from phaseplane.suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
 from phaseplane.suspension.series import Ended, Series
 from phaseplane.suspension.session import simulate
@@ -198,6 +198,51 @@ def test_bad_input_is_refused(
 ) -> None:
     with pytest.raises(ParameterError, match=reason):
         run_many(model, [{}], times, outputs)
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("spring.cubic", [0.0, 1e4, 0.0, 2e4]),
+        ("damper.bump_limit", [0.0, 100.0, 200.0, 0.0]),
+        ("damper.saturation_force", [0.0, 100.0, 200.0, 300.0]),
+        ("road.start", [0.0, 0.01, -0.02, 0.05]),
+        ("friction", [0.0, 20.0, -1.0, 30.0]),
+        ("speed", ["36 km/h", 10.0, "20 m/s", 15]),
+        ("unsprung_mass", [30.0, 0.0, 20.0, float("nan")]),
+        ("lift_off", [True, 1, False, 1.0]),
+        ("road.table", ["", "0:0, 1:0.02", [1], "0:0, 1:0.02"]),
+        ("initial.wheel_velocity", [0.0, 0.1, -0.1, 0.0]),
+        ("solver.tolerance", [10.0 ** (-k / 4) for k in range(4, 20)]),
+    ],
+)
+def test_systems_of_several_kinds_are_what_each_is_alone(name: str, values: list[object]) -> None:
+    cars = [
+        {
+            name: value,
+            "sprung_mass": 250.0 + 10.0 * k,
+            "road.shape": "table" * (name == "road.table") or "bump",
+        }
+        for k, value in enumerate(values)
+    ] * 2  # a worker takes half of them at a time
+    outputs = ["body_displacement", "contact_force", "tyre_deflection"]
+    together = run_many("QuarterCar", cars, TIMES[:11], outputs, workers=1)
+    for car, one in zip(cars, together, strict=True):
+        (alone,) = run_many("QuarterCar", [car], TIMES[:11], outputs, workers=1)
+        assert told(one) == told(alone)
+
+
+def test_runs_are_made_when_their_systems_have_too_many_numbers(
+    monkeypatch: pytest.MonkeyPatch, goes: list[list[Ended]]
+) -> None:
+    cars = [{"speed": 10.0 + k} for k in range(9)]
+    whole = run_many("QuarterCar", cars, TIMES, OUTPUTS, workers=1)
+    assert len(goes) == 2  # a worker takes half of them at a time
+    goes.clear()
+    monkeypatch.setattr(batch, "_MOST_NUMBERS", 150)
+    parts = run_many("QuarterCar", cars, TIMES, OUTPUTS, workers=1)
+    assert len(goes) > 4
+    assert list(map(told, whole)) == list(map(told, parts))
 
 
 TEXTS: dict[str, list[object]] = {

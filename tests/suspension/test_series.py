@@ -6,8 +6,9 @@ from collections.abc import Mapping
 
 import pytest
 from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
-from phaseplane.suspension.variables import MODELS, ParameterError
+from phaseplane.suspension.variables import MODELS, ParameterError, outputs
 
 TIMES = [0.004 * k for k in range(101)]
 STOPS = {
@@ -45,6 +46,13 @@ def test_every_output_is_what_stepping_gives_to_the_bit(
         assert run.at_end[name] == wanted[name][-1], name
     if "lift_off_count" in ends and not any(n.startswith(("lift", "initial")) for n in given):
         assert run.at_end["lift_off_count"] >= 1
+
+
+@pytest.mark.parametrize("model", list(MODELS))
+def test_every_declared_output_says_how_a_system_is_read(model: str) -> None:
+    system = build(model, {})
+    assert all(v.reading(system, v) for v in outputs(model).values() if v.reading is not None)
+    assert {name for name, v in outputs(model).items() if v.reading is None} == set()
 
 
 @pytest.mark.parametrize("model", ["OneDof", "QuarterCar", "HalfCarRigidTyres", "HalfCar"])

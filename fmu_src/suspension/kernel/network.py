@@ -370,12 +370,15 @@ class Network(Elements):
 
 def numbers_of(system):
     """Return all numbers of a system, one after the other."""
-    return [
-        *(x for row in system.mass for x in row),
-        *(x for load in system.loads for x in load.direction),
-        *signal_numbers(system.signals),
-        *(x for element in system.elements for x in element_numbers(element)),
-    ]
+    numbers = []
+    for row in system.mass:
+        numbers += row
+    for load in system.loads:
+        numbers += load.direction
+    numbers += signal_numbers(system.signals)
+    for element in system.elements:
+        numbers += element_numbers(element)
+    return numbers
 
 
 def _sizes(system):

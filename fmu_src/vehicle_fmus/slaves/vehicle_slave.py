@@ -85,6 +85,7 @@ class VehicleSlave(Fmi2Slave):
         # parameters and inputs as set by the host, checked when a session is made from them
         self._parameters = checked_parameters(self.model, _start_values(self.resources))
         self._input_names = {v.name for v in declared if v.causality == "input"}
+        self._output_names = {v.name for v in declared if v.causality == "output"}
         self._inputs: dict[str, float] = {}  # only those that the host has set
         self._bound: Mapping[str, Callable[[], Any]] = {}
         self._readers: list[Callable[[], Any]] = []  # by value reference
@@ -193,7 +194,8 @@ class VehicleSlave(Fmi2Slave):
         if session.readers is not self._bound:  # another session, or one rebuilt for a parameter
             self._bound = session.readers
             self._readers = [
-                self._bound.get(name, partial(session.value, name)) for name in self._names
+                self._bound[name] if name in self._output_names else partial(session.value, name)
+                for name in self._names
             ]
         readers = self._readers
         return [readers[vr]() for vr in vrs]

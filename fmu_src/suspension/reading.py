@@ -1,0 +1,210 @@
+"""How a session reads its outputs at the present time, each on request."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, NamedTuple, Protocol
+
+from .outputs import (
+    ACCELERATION,
+    DISPLACEMENT,
+    VELOCITY,
+    Line,
+    OfContact,
+    OfFlow,
+    OfRun,
+    Reading,
+)
+from .signals import Signal
+from .systems import System
+from .variable import Value, Variable
+
+Read = Callable[[], Value]
+
+
+class Contacts(NamedTuple):
+    """The contacts of all tyres at the present time, in the order of their axles."""
+
+    airborne: Sequence[int]
+    lift_offs: Sequence[int]
+    last_lift_off: Sequence[float]
+    last_touchdown: Sequence[float]
+
+
+class State:
+    """Motion and forces at the time that the integrator sampled last.
+
+    Everything is computed on request. `q`, `v` and the like are views of the integrator's arrays.
+
+    Parameters
+    ----------
+    system : the system being stepped
+    integrator : its integrator
+    """
+
+    def __init__(self, system: System, integrator: Any) -> None:
+        self._integrator = integrator
+        # builtin views are read several times faster than those of a compiled attribute
+        self.q, self.v = memoryview(integrator.sample_q), memoryview(integrator.sample_v)
+        self._a, self._f = memoryview(integrator.sample_a), memoryview(integrator.sample_f)
+        self._set = memoryview(integrator.sample_set)
+        self.at(0.0, system.signals)
+
+    def at(self, time: float, signals: Mapping[str, Signal]) -> None:
+        """Move to another time, s, which the integrator has just sampled."""
+        self._time, self._sources = time, signals
+        self._signals: dict[str, tuple[float, float, float, float]] | None = None
+        self._known = False  # whether forces, accelerations and sets are those of this time
+
+    @property
+    def signals(self) -> dict[str, tuple[float, float, float, float]]:
+        """Every signal with its derivatives."""
+        if self._signals is None:
+            t = self._time
+            self._signals = {name: source.derivatives(t) for name, source in self._sources.items()}
+        return self._signals
+
+    def _find_forces(self) -> None:
+        """Compute forces, accelerations and permanent sets from the equation of motion."""
+        if not self._known:
+            self._integrator.sample_forces(self._time)
+            self._known = True
+
+    @property
+    def forces(self) -> Sequence[float]:
+        """Force of every element."""
+        self._find_forces()
+        return self._f
+
+    @property
+    def a(self) -> Sequence[float]:
+        """Accelerations."""
+        self._find_forces()
+        return self._a
+
+    @property
+    def permanent_sets(self) -> Sequence[float]:
+        """Deflection at which the force of each yielding element would be zero."""
+        self._find_forces()
+        return self._set
+
+
+class Run(Protocol):
+    """The part of a session from which its outputs are read."""
+
+    ok: bool
+    state: State
+    contacts: Contacts
+
+    @property
+    def time(self) -> float:
+        """The present time, s."""
+
+
+class Readers(dict[str, Read]):
+    """The function that reads each output at the present time, made when it is first asked for.
+
+    Parameters
+    ----------
+    declared : the outputs of the model by name
+    system, integrator, run : what they are read from
+    """
+
+    def __init__(
+        self, declared: Mapping[str, Variable], system: System, integrator: Any, run: Run
+    ) -> None:
+        super().__init__()
+        self._declared, self._system = declared, system
+        self._integrator, self._run = integrator, run
+
+    def __missing__(self, name: str) -> Read:
+        output = self._declared[name]
+        assert output.reading is not None
+        reading = output.reading(self._system, output)
+        read = self[name] = _reader(reading, self._integrator, self._run)
+        return read
+
+
+def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
+    match reading:
+        case Line():
+            return _of_line(reading, run)
+        case OfContact(_, tyre, "airborne_time"):
+            return lambda: integrator.limited_time_at(tyre, run.time)
+        case OfContact(c, _, "airborne"):
+            airborne = run.contacts.airborne
+            return lambda: airborne[c] != 0
+        case OfContact(c, _, "lift_off_count"):
+            lift_offs = run.contacts.lift_offs
+            return lambda: lift_offs[c]
+        case OfContact(c, _, "last_lift_off"):
+            lifted = run.contacts.last_lift_off
+            return lambda: lifted[c]
+        case OfContact(c):
+            touched = run.contacts.last_touchdown
+            return lambda: touched[c]
+        case OfFlow(element, "yielding"):
+            return lambda: integrator.yielding(element)
+        case OfFlow(element):
+            return lambda: run.state.permanent_sets[element]
+        case OfRun("energy_residual"):
+            return lambda: integrator.residual_at(run.time)
+        case OfRun("stable_step"):
+            return integrator.stable_step
+        case OfRun("step_count"):
+            return lambda: integrator.step_count
+    return lambda: run.ok
+
+
+def _of_line(line: Line, run: Run) -> Read:
+    """Return the reader of sum b x + sum c u + offset."""
+    if line.quantity in (DISPLACEMENT, VELOCITY):
+        moved = _of_motion(
+            line.terms, run.state.q if line.quantity == DISPLACEMENT else run.state.v
+        )
+    else:
+        moved = _of_forces(line, run)
+    if not line.signals and line.offset == 0.0:
+        return moved
+    order = VELOCITY if line.quantity == VELOCITY else DISPLACEMENT
+    signals, offset = line.signals, line.offset
+
+    def read() -> float:
+        value = moved()
+        for name, factor in signals:
+            value += factor * run.state.signals[name][order]
+        return value + offset
+
+    return read
+
+
+def _of_motion(terms: Sequence[tuple[int, float]], x: Sequence[float]) -> Callable[[], float]:
+    """Return the reader of sum b x for a vector that changes in place; most have one term or two."""
+    if len(terms) == 1 and terms[0][1] == 1.0:
+        i = terms[0][0]
+        return lambda: x[i]
+    if len(terms) == 2:
+        (i, b), (j, c) = terms
+        return lambda: b * x[i] + c * x[j]
+    return lambda: _sum(terms, x)
+
+
+def _of_forces(line: Line, run: Run) -> Callable[[], float]:
+    """Return the reader of sum b x for what is computed on request."""
+    terms = line.terms
+    if line.quantity == ACCELERATION:
+        if line.index is not None:
+            i = line.index
+            return lambda: run.state.a[i]
+        return lambda: _sum(terms, run.state.a)
+    if line.index is not None:
+        e = line.index
+        return lambda: run.state.forces[e]
+    return lambda: _sum(terms, run.state.forces)
+
+
+def _sum(terms: Iterable[tuple[int, float]], x: Sequence[float]) -> float:
+    total = 0.0
+    for i, b in terms:
+        total += b * x[i]
+    return total
