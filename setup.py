@@ -65,7 +65,7 @@ DIRECTIVES = {
 # in the order in which they need each other
 MODULES = (
     "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
-    "iteration", "lanes", "stepper", "switches", "cruise", "ledger", "watch", "march", "integrator",
+    "increments", "balance", "columns", "stepper", "switches", "ledger", "watch", "march", "integrator",
     "run",
 )  # fmt: skip
 

@@ -11,7 +11,7 @@ cdef class Elements(Laws):
     cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
     cdef double[::1] opening
     cdef int[::1] row_signal, element_row, yields, modulated
-    cdef bint always_affine
+    cdef bint always_straight
     cdef int switchable  # number of branches that can change
     cdef int[::1] switch_element, switch_kind
     # its branches
@@ -23,13 +23,13 @@ cdef class Elements(Laws):
     # results of the last evaluation
     cdef double[::1] row_d, row_v, row_f, row_k, row_c
     cdef double[::1] branch_f, branch_k, branch_c
-    cdef double force0, force1, force2
+    cdef double force0, force1, force2, slope_of_rate
 
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
     @cython.locals(e=int)
     cdef int enter_elements(self, double[::1] x, int at) noexcept nogil
-    @cython.locals(e=int, kind=int, p=int, first=int, several=bint)
+    @cython.locals(e=int, kind=int, p=int, several=bint)
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
     cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
@@ -41,13 +41,16 @@ cdef class Elements(Laws):
     cdef double element_force(self, int e) noexcept nogil
     @cython.locals(r=int, e=int, ps=int, pd=int, pm=int, force=double, slope=double, factor=double)
     cdef void row_forces(self) noexcept nogil
-    @cython.locals(e=int, r=int, at=int, rest=double, c=double, factor=double)
+    @cython.locals(e=int, r=int, p=int, rest=double, c=double, factor=double)
     cdef void linearise(self) noexcept nogil
     @cython.locals(ps=int, pd=int, pm=int, d=double, v=double, a=double, j=double, k=double, c=double,
                    damping0=double, damping1=double, damping2=double, m0=double, m1=double, m2=double)
     cdef void unlimited_force(self, int e, double[::1] row, int at) noexcept nogil
-    @cython.locals(e=int, p=int)
-    cdef int is_affine(self) noexcept nogil
+    cdef bint spring_is_straight(self, int e) noexcept nogil
+    @cython.locals(p=int)
+    cdef bint damper_is_straight(self, int e) noexcept nogil
+    @cython.locals(force=double, c=double)
+    cdef void damping_and_slopes(self, int e, double d, double w) noexcept nogil
 
     @cython.locals(now=int, law=int, spring=int)
     cdef double bound(self, int e, int kind, int side) noexcept nogil

@@ -114,9 +114,9 @@ class Elements(Laws):
         return at
 
     def list_switchable(self):
-        """List the branches that can change, and find whether all forces are always linear."""
+        """List the branches that can change, and find whether all forces are straight in every branch."""
         self.switchable = 0
-        self.always_affine = 1
+        self.always_straight = 1
         for e in range(self.elements):
             for kind in range(_KINDS):
                 if kind == _CONTACT:
@@ -132,12 +132,11 @@ class Elements(Laws):
                     self.switch_element[self.switchable] = e
                     self.switch_kind[self.switchable] = kind
                     self.switchable += 1
-            first = self.first[_LAWS * e]
-            for p in range(first, self.first[_LAWS * (e + 1)]):
+            for p in range(self.first[_LAWS * e], self.first[_LAWS * (e + 1)]):
                 if not self.straight[p]:
-                    self.always_affine = 0
+                    self.always_straight = 0
             if self.modulated[e]:
-                self.always_affine = 0
+                self.always_straight = 0
 
     # -- rows ----------------------------------------------------------------------------------------
 
@@ -208,7 +207,7 @@ class Elements(Laws):
                 self.row_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
 
     def linearise(self):
-        """Force at rest and tangents of every row while all pieces are straight: f + k d + c w."""
+        """Force at rest and tangents of the straight pieces of every row, f + k d + c w."""
         for r in range(self.rows):
             self.branch_f[r] = 0.0
             self.branch_k[r] = 0.0
@@ -218,23 +217,47 @@ class Elements(Laws):
             if self.branch[_KINDS * e + _CONTACT]:
                 self.branch_f[r] += self.limit[e]
             else:
-                at = self.piece_now(e, _SPRING) * _PIECE
-                self.branch_f[r] += self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
-                self.branch_k[r] += self.piece[at + 3]
-                at = self.piece_now(e, _DAMPER) * _PIECE
-                rest = self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
-                c = self.piece[at + 3]
-                if self.modulated[e]:
-                    factor = self.law(self.piece_now(e, _MODULATION), 0.0)
-                    rest *= factor
-                    c *= factor
-                self.branch_f[r] += rest
-                self.branch_c[r] += c
+                if self.spring_is_straight(e):
+                    p = self.piece_now(e, _SPRING)
+                    self.branch_f[r] += self.intercept(p)
+                    self.branch_k[r] += self.piece[p * _PIECE + 3]
+                if self.damper_is_straight(e):
+                    p = self.piece_now(e, _DAMPER)
+                    rest = self.intercept(p)
+                    c = self.piece[p * _PIECE + 3]
+                    if self.modulated[e]:
+                        factor = self.law(self.piece_now(e, _MODULATION), 0.0)
+                        rest *= factor
+                        c *= factor
+                    self.branch_f[r] += rest
+                    self.branch_c[r] += c
             if self.friction[e] > 0.0:
                 self.branch_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
-        for r in range(self.rows):
-            self.row_k[r] = self.branch_k[r]
-            self.row_c[r] = self.branch_c[r]
+
+    def spring_is_straight(self, e):
+        """Return whether the spring of element e is linear in its present branch."""
+        return self.straight[self.piece_now(e, _SPRING)]
+
+    def damper_is_straight(self, e):
+        """Return whether the damper of element e is linear in its present branch."""
+        if not self.straight[self.piece_now(e, _DAMPER)]:
+            return 0
+        if not self.modulated[e]:
+            return 1
+        p = self.piece_now(e, _MODULATION)
+        return self.straight[p] and self.piece[p * _PIECE + 3] == 0.0
+
+    def damping_and_slopes(self, e, d, w):
+        """Set `value` to D(w) m(d) of element e, `slope` to its derivative by d, `slope_of_rate` by w."""
+        self.law_and_slope(self.piece_now(e, _DAMPER), w)
+        force, c = self.value, self.slope
+        if not self.modulated[e]:
+            self.slope, self.slope_of_rate = 0.0, c
+            return
+        self.law_and_slope(self.piece_now(e, _MODULATION), d)
+        self.slope_of_rate = c * self.value
+        self.value *= force
+        self.slope *= force
 
     def unlimited_force(self, e, row, at):
         """Set force0, force1, force2 to S(d) + D(v) m(d) of element e and two time derivatives."""
@@ -257,23 +280,6 @@ class Elements(Laws):
         self.force0 = self.law(ps, d) + damping0
         self.force1 = k * v + damping1
         self.force2 = k * a + self.law_curvature(ps, d) * v * v + damping2
-
-    def is_affine(self):
-        """Return whether every force is linear in deflection and rate in the present branches."""
-        if self.always_affine:
-            return 1
-        for e in range(self.elements):
-            if self.branch[_KINDS * e + _CONTACT]:
-                continue
-            if not self.straight[self.piece_now(e, _SPRING)]:
-                return 0
-            if not self.straight[self.piece_now(e, _DAMPER)]:
-                return 0
-            if self.modulated[e]:
-                p = self.piece_now(e, _MODULATION)
-                if not self.straight[p] or self.piece[p * _PIECE + 3] != 0.0:
-                    return 0
-        return 1
 
     # -- branches ------------------------------------------------------------------------------------
 

@@ -9,12 +9,15 @@ cdef class Laws(Signals):
     cdef double[::1] piece
     cdef int[::1] first, count  # of the pieces of law k of element e, at index _LAWS e + k
     cdef int[::1] straight  # whether each piece is straight
+    cdef double value, slope  # of the law last asked for
     cdef double[::1] low, high  # range in which each piece is curved
 
     @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
     cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, s=double, c1=double, c2=double, c3=double, value=double, slope=double, u=double)
+    cdef void law_and_slope(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, slope=double)
     cdef double law_slope(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, curvature=double, scale=double, u=double)

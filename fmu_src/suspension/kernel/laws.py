@@ -73,6 +73,20 @@ class Laws(Signals):
             force += self.piece[at + 6] * tanh(s / self.piece[at + 7])
         return force
 
+    def law_and_slope(self, p, x):
+        """Set `value` to the force of piece p at x, `slope` to its slope (of tanh by 1 - tanh^2)."""
+        at = p * _PIECE
+        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
+        c1, c2, c3 = self.piece[at + 3], self.piece[at + 4], self.piece[at + 5]
+        value = self.piece[at + 2] + s * (c1 + s * (c2 + s * c3))
+        slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
+        if self.piece[at + 6] != 0.0:
+            u = tanh(s / self.piece[at + 7])
+            value += self.piece[at + 6] * u
+            slope += self.piece[at + 6] / self.piece[at + 7] * (1.0 - u * u)
+        self.value = value + slope * (x - self.piece[at + 1] - s)
+        self.slope = slope
+
     def law_slope(self, p, x):
         at = p * _PIECE
         if self.straight[p]:

@@ -1,6 +1,5 @@
 cimport cython
 from libc.math cimport fabs, pow, sqrt
-from .cruise cimport Cruise
 from .dense cimport Dense
 from .ledger cimport Ledger
 from .network cimport Network
@@ -20,10 +19,9 @@ cdef class March:
     cdef Switches switches
     cdef Watch watch
     cdef Dense dense, whole
-    cdef Cruise cruise
     cdef Ledger ledger
     cdef int n
-    cdef bint cruises, reads_switches, controlled, landing, energy, exact, in_step, entered
+    cdef bint reads_switches, controlled, landing, energy, exact, in_step, entered
     cdef double fixed_step, no_error, most_error
     # its state
     cdef readonly double time
@@ -63,10 +61,8 @@ cdef class March:
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)
     cdef bint _has_diverged(self) noexcept nogil
-    @cython.locals(i=int, h=double, end=double)
-    cdef bint _cruise(self, double until, bint stop) noexcept nogil
-    @cython.locals(i=int, k=int, _step=int)
-    cdef void _count_limited(self, double h, int steps) noexcept nogil
+    @cython.locals(i=int, k=int)
+    cdef void _count_limited(self, double h) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
     @cython.locals(factor=double)

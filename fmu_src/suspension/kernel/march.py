@@ -9,7 +9,6 @@ from __future__ import annotations
 import cython
 
 from .arrays import begin_apart, doubles, integers, vectors
-from .cruise import Cruise
 from .dense import Dense
 from .exact import not_straight
 from .ledger import Ledger
@@ -88,9 +87,6 @@ class March:
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
         self.whole = Dense(n, False, False)  # an attempt in which a switch is located
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
-        # the ledger must see each step
-        self.cruises = plain and step > 0.0 and landing and not energy and self.stepper.side_by_side
-        self.cruise = Cruise(self.stepper, self.switches) if self.cruises else None
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
@@ -193,10 +189,6 @@ class March:
             events = self.event_count - self.event_base
             if events > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
                 return _PAUSED
-            if self.cruises and not self.entered and self._cruise(until, stop):
-                if self._has_diverged():
-                    return _DIVERGED
-                continue
             self.since_pause += 1
             before = self.time
             status = self._step(until if stop else 1e300)
@@ -360,8 +352,10 @@ class March:
             self._pass_joint()
         if not self.landing:
             self._relocate(True)
-        if landed or to_end or not (self.landing and self.stepper.affine):
+        if landed or to_end or not self.landing:
             self._enter_branches()
+        elif self.stepper.balance.bends:
+            self.stepper.follow_tangents()
         if self._has_diverged():
             return _DIVERGED
         if self.energy and self.ledger.grows():
@@ -373,50 +367,13 @@ class March:
     def _has_diverged(self):
         return not self.stepper.reach < _FAR * max(self.scale, 1.0)
 
-    def _cruise(self, until, stop):
-        """Take fixed steps in a linear branch up to the next switch; return whether there were any."""
-        h = self._proposed_step()
-        if h != self.fixed_step or not self.cruise.enter(h):
-            return 0
-        end = self.net.next_joint()
-        if stop and until < end:
-            end = until
-        self.cruise.begin(self.time)
-        self.cruise.go(self.grid_start, self.grid_index, until, end, _PAUSE - self.since_pause)
-        if self.cruise.taken == 0:
-            return 0
-        for i in range(self.n):
-            self.dense.qa[i] = self.cruise.q0[i]
-            self.dense.va[i] = self.cruise.v0[i]
-            self.dense.aa[i] = self.cruise.a0[i]
-            self.stepper.qb[i] = self.cruise.q[i]
-            self.stepper.vb[i] = self.cruise.v[i]
-        self.stepper.shift_end(self.cruise.time, 0.0)  # finds the jerk there
-        for i in range(self.n):
-            self.dense.qb[i] = self.stepper.q[i] = self.cruise.q[i]
-            self.dense.vb[i] = self.stepper.v[i] = self.cruise.v[i]
-            self.dense.ab[i] = self.stepper.a[i] = self.cruise.a[i]
-            self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
-        self.stepper.reach = self.cruise.reach
-        self._count_limited(h, self.cruise.taken)
-        self.in_step = True
-        self.dense.start, self.dense.end = self.cruise.start, self.cruise.time
-        self.dense.known = 0
-        self.switches.start_known = 0
-        self.time = self.cruise.time
-        self.step_count += self.cruise.taken
-        self.since_pause += self.cruise.taken
-        self.stalled = 0
-        return 1
-
-    def _count_limited(self, h, steps):
-        """Add the time that elements are at their limit, step by step."""
+    def _count_limited(self, h):
+        """Add the time that elements are at their limit."""
         for k in range(self.contacts):
             i = self.contact_element[k]
             self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
             if self.step_limited[i]:
-                for _step in range(steps):
-                    self.limited_time[i] += h
+                self.limited_time[i] += h
 
     def _pass_joint(self):
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
@@ -457,7 +414,7 @@ class March:
             self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
             self.stepper.drift[i] = self.stepper.drift_end[i]
         self.stepper.reach = self.stepper.reach_at(self.stepper.q)
-        self._count_limited(h, 1)
+        self._count_limited(h)
         # an element that has just switched still departs while others switch at the same time
         if self.entered and self._passes(h):
             self.entered = 0
@@ -484,7 +441,9 @@ class March:
         """
         step = self.switches.at * h
         reads = (
-            self.reads_switches and self.stepper.affine and h * self.stepper.quickest < _READ_PHASE
+            self.reads_switches
+            and self.stepper.is_plain()
+            and h * self.stepper.quickest < _READ_PHASE
         )
         if reads:
             self._keep_attempt(h)

@@ -33,8 +33,9 @@ cdef class Network(Elements):
     cdef double _work_of_factor(self, int e, double d) noexcept nogil
     @cython.locals(i=int)
     cdef void _give_way(self, double[::1] v) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, r=int, bi=double, bb=double)
-    cdef void assemble(self, double[::1] stiffness, double[::1] damping) noexcept nogil
+    @cython.locals(n=int, i=int, j=int, r=int, bi=double, bb=double)
+    cdef void assemble(self, double[::1] k, double[::1] c, double[::1] stiffness,
+                       double[::1] damping) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, p=double)
     cdef void net_force(self, double[::1] out) noexcept nogil
     @cython.locals(n=int, r=int, i=int)

@@ -168,8 +168,8 @@ class Network(Elements):
 
     # -- forces and tangents in the present branches -------------------------------------------------
 
-    def assemble(self, stiffness, damping):
-        """Set K = sum b k b', B = sum b c b'."""
+    def assemble(self, k, c, stiffness, damping):
+        """Set K = sum b k b', B = sum b c b', with a stiffness and a damping for each row."""
         n = self.n
         for i in range(n * n):
             stiffness[i] = 0.0
@@ -178,11 +178,11 @@ class Network(Elements):
             for i in range(n):
                 bi = self.row_direction[r * n + i]
                 if bi != 0.0:
-                    for k in range(n):
-                        bb = bi * self.row_direction[r * n + k]
+                    for j in range(n):
+                        bb = bi * self.row_direction[r * n + j]
                         if bb != 0.0:
-                            stiffness[i * n + k] += bb * self.row_k[r]
-                            damping[i * n + k] += bb * self.row_c[r]
+                            stiffness[i * n + j] += bb * k[r]
+                            damping[i * n + j] += bb * c[r]
 
     def net_force(self, out):
         """Set `out` to p - sum b f, with `row_f` and the signals in `road`."""

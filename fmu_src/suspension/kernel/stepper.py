@@ -1,41 +1,28 @@
-"""One macro step of the incremental method (H83 chapter 15) with all branches fixed.
+"""One macro step with all branches fixed, by any of the methods, and its error.
 
-Within a step h the acceleration is linear in time (15.9), so
-
-    v1 = v0 + h/2 (a0 + a1),    q1 = q0 + h v0 + h^2/6 (2 a0 + a1)                  (15.12, 15.13)
-
-and the equation of motion at the end of the step gives the end acceleration
-
-    (M + h/2 B + h^2/6 K) a1 = p1 - B v* - K q*,
-
-where v*, q* are (15.12), (15.13) without a1. The matrix is h^2/6 times that of (15.17); with the
-increment of acceleration as the unknown, as H83 recommends, short steps lose no digits. This is
-Newmark's method with gamma = 1/2, beta = 1/6: second order, symmetric, stable while
-omega_max h < 2 sqrt 3.
-
-As the method is symmetric, its error expands in h^2. A macro step of 1, 2, 3 and 5 equal substeps,
-extrapolated (Aitken, Neville), therefore has order 8; the difference of the last two columns of the table
-is the error of the last but one. In a linear branch the last column is better by the square of the phase
-of the fast modes, once that is small, so that errors are proportional to the tolerance. An infinitely
-damped mode is multiplied by -1 in each substep and by the sum of w (-1)^n in a macro step, where w are
-the weights of the extrapolation: -0.59 here, but 6.2 if the last column had 4 substeps.
+In a linear branch the last column of the extrapolation (see `columns`) is better than the one before by
+the square of the phase of the fast modes, once that is small, so that errors are proportional to the
+tolerance. An infinitely damped mode is multiplied by -1 in each substep and by the sum of w (-1)^n in a
+macro step, where w are the weights of the extrapolation: -0.59 for 1, 2, 3 and 5 substeps, but 6.2 if
+the last column had 4.
 """
 
 from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import doubles, vectors
+from .balance import MOST_COORDINATES, Balance
+from .columns import Columns
 from .exact import Propagator
-from .iteration import Iteration
-from .lanes import Lanes
+from .increments import Increments
 
 if not cython.compiled:
     from math import fabs, isfinite, sqrt
 
-    from .linear import decompose, solve
+    from .linear import solve
 
-_DIVERGED, _NOT_POSITIVE = 2, 5  # keys of integrator.FAILURES
+_DIVERGED = 2  # key of integrator.FAILURES
 
 _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps add up
 # Phase per macro step, of the fastest mode, its decay and the road together, below which the last column
@@ -47,6 +34,7 @@ _LEAST_LENGTH = 1e-290  # m, instead of none
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
 _CAUTION = 4.0  # factor on errors with curved forces, where all columns may miss a knee
 _MOST = 5  # substeps in one macro step
+_NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
 # phase up to which it does not grow with at least this damping, by number of columns: see `bound`.
 # A single column takes no longer steps.
@@ -55,7 +43,7 @@ _DAMPED_PHASE = 6.0
 _LEAST_DAMPING = {1: 1e3, 2: 0.04, 3: 0.017, 4: 0.008}
 
 METHODS = {"extrapolated": 0, "equilibrium": 1, "mean": 2, "tangent": 3, "wilson": 4, "exact": 5}
-_TANGENT, _WILSON, _EXACT = 3, 4, 5
+_MEAN, _TANGENT, _WILSON, _EXACT = 2, 3, 4, 5
 # Substeps in each column of the extrapolation: orders 2, 4, 6, 8, stable for overdamped modes.
 SEQUENCES = {1: (1,), 2: (1, 3), 3: (1, 2, 4), 4: (1, 2, 3, 5)}
 
@@ -74,6 +62,10 @@ class Stepper:
 
     def __init__(self, network, method, columns, tolerance, theta):
         n = network.n
+        if n > MOST_COORDINATES:
+            raise ValueError(
+                f"a system of {n} coordinates: at most {MOST_COORDINATES} are possible"
+            )
         self.net, self.n = network, n
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
         self.q, self.v, self.a, self.j = vectors(4, n)  # now
@@ -94,50 +86,27 @@ class Stepper:
 
     def _allocate(self):
         n = self.n
-        self.stiffness, self.damping = vectors(2, n * n)
         self.stiffness_known = doubles([0.0] * n * n)  # the stiffness of the known fastest mode
-        self.factor = doubles([0.0] * (4 * n * n))
-        self.factor_step, self.factor_stamp = doubles([0.0] * 4), integers([-1] * 4)
-        self.constant, self.cq, self.cv, self.ca = vectors(4, n)
         self.softest, self.velocity_scale = doubles([1e300] * n), doubles([0.0] * n)
-        self.pq, self.pv = vectors(2, n)
-        self.table = doubles([0.0] * (4 * 2 * n))
-        # the times of all substeps of a macro step, each evaluated once
+        # the times of all substeps of a macro step, each with its loads once
         sequence = SEQUENCES[self.columns]
-        self.sequence = integers(sequence)
         fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
-        self.fractions = len(fractions)
-        self.fraction = doubles(fractions)
-        if self.method == _WILSON:
-            self.fraction[0] = self.theta
-        self.fraction_index = integers(
+        index = [
             fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_MOST)
-        )
-        self.signal_table = doubles([0.0] * (3 * max(self.net.signals, 1) * self.fractions))
-        self.iteration = Iteration(
-            self.net, (self.cq, self.cv, self.ca), self.signal_table, self.method == _TANGENT
-        )
-        self.load_table = doubles([0.0] * (n * self.fractions))
-        self.load_rate = doubles([0.0] * n)
-        self.loads_hold = 0  # whether the loads of the present branch are constant, and known
-        # linear branches of systems with up to eight coordinates use a faster method
-        self.side_by_side = self.method < _WILSON and n <= 8
-        self.lanes = (
-            Lanes(
-                (self.net.mass, self.net.flexibility),
-                sequence,
-                self.fraction_index,
-                self.load_table,
-                self.load_rate,
-                (self.stiffness, self.damping),
-                (self.q, self.v, self.a, self.j),
-                (self.qb, self.vb, self.ab, self.jb),
-            )
-            if self.side_by_side
-            else None
-        )
+        ]
+        if self.method == _WILSON:
+            fractions = [self.theta]
+        self.balance = Balance(self.net, fractions)
+        self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
+        self.columns_now = Columns(self.balance, sequence, index)
+        self.start_a = doubles([0.0] * n)
         self.middle_q, self.middle_v, self.middle_a = vectors(3, n)
         self.septic_q, self.septic_v, self.septic_a = vectors(3, n)
+        self.increments = (
+            Increments(self.net, self.method == _TANGENT)
+            if self.method in (_MEAN, _TANGENT)
+            else None
+        )
         self.propagator = (
             Propagator(
                 self.net,
@@ -179,30 +148,19 @@ class Stepper:
         for e in range(self.net.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
         self.stiffness_known[0] = -1e300  # none yet
-        if self.side_by_side:
-            self.lanes.enter_mass()
 
     def refresh(self, t):
         """Update tangents, acceleration, jerk, fastest mode after a change of branch or state."""
-        self.stamp += 1
-        self.affine = self.net.is_affine()
-        self.loads_hold = 0
-        self.net.all_signals(t)
-        if self.affine:
-            # p - sum b f = (constant + signals) - B v - K q
-            self.net.linearise()
-            self.net.constant_force(self.constant)
-        if self.in_lanes():
-            self.net.assemble(self.stiffness, self.damping)
-            self._begin_in_lanes()
-        else:
-            self.net.row_states(self.q, self.v)
-            self.net.row_forces()
-            self.net.assemble(self.stiffness, self.damping)
-            self.net.accelerate(self.a)
-            self.net.jerk(self.v, self.a, self.j)
+        self.balance.enter()
+        self.columns_now.forget()
+        self.balance.begin(t, self.q, self.v, self.a, self.j)
         if self.net.stuck:
             self.keep_multipliers()
+        self.follow_tangents()
+
+    def follow_tangents(self):
+        """Update what depends on the tangents, after a change of them."""
+        self.stamp += 1
         self._find_fastest()
         self._scale_velocities()
 
@@ -230,22 +188,11 @@ class Stepper:
             self.damping_known = 1
             omega = sqrt(self.omega_squared)
             longer = _DAMPED_PHASE / omega
-            if self.in_lanes() and self.net.is_damped(
+            if self.method < _WILSON and self.net.is_damped(
                 self.stiffness, self.damping, self.least_damping * longer, _SAFE_PHASE / longer
             ):
                 self.longest = longer
         return self.longest if h > self.longest else h
-
-    def _begin_in_lanes(self):
-        """Find loads, acceleration and jerk at the start of a linear branch."""
-        self._find_loads(self.fractions - 1, 1)
-        self.lanes.enter()
-        if self.net.still():
-            for k in range(self.fractions - 1):
-                for i in range(self.n):
-                    at = (self.fractions - 1) * self.n
-                    self.load_table[k * self.n + i] = self.load_table[at + i]
-            self.loads_hold = 1
 
     def _scale_velocities(self):
         """Find the factors that turn errors of velocity into errors of displacement.
@@ -267,132 +214,7 @@ class Stepper:
             self.multiplier[e] = self.net.multiplier[e]
             self.multiplier_rate[e] = self.net.multiplier_rate[e]
 
-    # -- one step of the incremental method --------------------------------------------------------
-
-    def _factor_step_matrix(self, column, h):
-        """Factorise M + h/2 B + h^2/6 K; the factors are reused while branch and step stay."""
-        if self.factor_step[column] == h and self.factor_stamp[column] == self.stamp:
-            return 0
-        size = self.n * self.n
-        at = column * size
-        for i in range(size):
-            self.factor[at + i] = (
-                self.net.mass[i] + h / 2.0 * self.damping[i] + h * h / 6.0 * self.stiffness[i]
-            )
-        self.factor_step[column] = h
-        self.factor_stamp[column] = self.stamp
-        return decompose(self.factor, at, self.n)
-
-    def _substep_affine(self, column, h, fraction):
-        """Step by (15.12), (15.13) to the linear equilibrium at the end, with one solve."""
-        n = self.n
-        at = fraction * n
-        for i in range(n):
-            self.pv[i] = self.cv[i] + h / 2.0 * self.ca[i]
-            self.pq[i] = self.cq[i] + h * self.cv[i] + h * h / 3.0 * self.ca[i]
-        for i in range(n):
-            f = self.load_table[at + i]
-            for k in range(n):
-                f -= self.damping[i * n + k] * self.pv[k] + self.stiffness[i * n + k] * self.pq[k]
-            self.ca[i] = f
-        solve(self.factor, column * n * n, n, self.ca)
-        if self.net.stuck:
-            self.iteration.take_signals(fraction)
-            if self.net.stick(
-                self.factor, column * n * n, self.ca, self.net.zero, 2, self.net.multiplier
-            ):
-                return _NOT_POSITIVE
-        for i in range(n):
-            self.cv[i] = self.pv[i] + h / 2.0 * self.ca[i]
-            self.cq[i] = self.pq[i] + h * h / 6.0 * self.ca[i]
-        return 0
-
     # -- the macro step ------------------------------------------------------------------------------
-
-    def _prepare_signals(self, h):
-        """Evaluate signals at the times of all substeps, and for linear branches the loads."""
-        if self.loads_hold:
-            return
-        for k in range(self.fractions):
-            if k > 0 and self.loads_hold:
-                self._repeat_signals(k)
-                continue
-            self.net.all_signals(self.time + self.fraction[k] * h)
-            if not self.in_lanes():
-                self._note_signals(k)
-            if self.affine:
-                self.loads_hold = self.net.still()
-                self._find_loads(k, k + 1 == self.fractions or self.loads_hold)
-
-    def _note_signals(self, k):
-        at = 3 * self.net.signals * k
-        for s in range(self.net.signals):
-            for order in range(3):
-                self.signal_table[at + 3 * s + order] = self.net.road[4 * s + order]
-
-    def _repeat_signals(self, k):
-        """Copy signals and loads at the first fraction to fraction k."""
-        width = 3 * self.net.signals
-        for i in range(width):
-            self.signal_table[k * width + i] = self.signal_table[i]
-        for i in range(self.n):
-            self.load_table[k * self.n + i] = self.load_table[i]
-
-    def _find_loads(self, k, rates):
-        """Find loads at fraction k, and their rates if `rates`, as at the end of a step."""
-        for i in range(self.n):
-            self.load_table[k * self.n + i] = self.constant[i]
-        self._add_loads(self.load_table, k * self.n, 0)
-        if rates:
-            for i in range(self.n):
-                self.load_rate[i] = 0.0
-            self._add_loads(self.load_rate, 0, 1)
-
-    def _add_loads(self, out, at, order):
-        """Add the forces of loads and roads, or their rates, with the signals in `road`."""
-        n = self.n
-        for m in range(self.net.loads):
-            p = self.net.road[4 * self.net.load_signal[m] + order]
-            if p != 0.0:
-                for i in range(n):
-                    out[at + i] += self.net.load_direction[m * n + i] * p
-        for r in range(self.net.rows):
-            s = self.net.row_signal[r]
-            if s >= 0:
-                f = (
-                    self.net.branch_k[r] * self.net.road[4 * s + order]
-                    + self.net.branch_c[r] * self.net.road[4 * s + order + 1]
-                )
-                if f != 0.0:
-                    for i in range(n):
-                        out[at + i] += self.net.row_direction[r * n + i] * f
-
-    def _column(self, column, h):
-        """Take a macro step in the equal substeps of a column, into the extrapolation table."""
-        n = self.n
-        m = self.sequence[column]
-        step = h / m
-        at = column * 2 * n
-        for i in range(n):
-            self.cq[i] = self.q[i]
-            self.cv[i] = self.v[i]
-            self.ca[i] = self.a[i]
-        if self.affine and self._factor_step_matrix(column, step) != 0:
-            return _NOT_POSITIVE
-        for k in range(m):
-            fraction = self.fraction_index[_MOST * column + k]
-            if self.affine:
-                status = self._substep_affine(column, step, fraction)
-            elif self.method >= 2 and not self.net.stuck:
-                status = self.iteration.add_increments(self.time, step, fraction)
-            else:
-                status = self.iteration.reach_equilibrium(step, fraction, self.reach)
-            if status != 0:
-                return status
-        for i in range(n):
-            self.table[at + i] = self.cq[i]
-            self.table[at + n + i] = self.cv[i]
-        return 0
 
     def attempt(self, t, h):
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
@@ -400,16 +222,43 @@ class Stepper:
         self.error_order = 2 * self.columns - 1
         if self.method == _EXACT:
             return self._propagate(t, h)
-        self._prepare_signals(h)
         if self.method == _WILSON:
             return self._reach_beyond(t, h)
-        if not self.in_lanes():
-            return self._one_by_one(t, h)
-        status = self.lanes.attempt(h)
+        if self.increments is not None and self.balance.bends and not self.net.stuck:
+            return self._add_increments(t, h)
+        self.balance.prepare(t, h)
+        self.columns_now.enough = self._enough(h)
+        status = self.columns_now.attempt(h, self.q, self.v, self.a, self.j)
+        if status != 0:
+            return status
+        if self.columns_now.extrapolate(self.qb, self.vb) != 0:
+            return _DIVERGED
+        self.balance.end(t + h, self.qb, self.vb, self.ab, self.jb)
         self._begin_errors()
         for i in range(self.n):
-            self._note_error(fabs(self.lanes.error_q[i]))
-            self._note_error(fabs(self.lanes.error_v[i]) * self.velocity_scale[i])
+            self._note_error(fabs(self.columns_now.error_q[i]))
+            self._note_error(fabs(self.columns_now.error_v[i]) * self.velocity_scale[i])
+        if self.balance.bends:
+            self.error *= _CAUTION
+            if self.controlled:
+                self._check_middle(h)
+        else:
+            self._expect_better(h)
+            if self.controlled and h * self.quickest > _STIFF_PHASE:
+                self._check_reading(h)
+        return 0
+
+    def _enough(self, h):
+        """Return the error of accelerations that does not matter in a step, m/s^2; 0 for a fixed one."""
+        if not self.controlled:
+            return 0.0
+        slowest = h
+        for i in range(self.n):
+            slowest = max(slowest, self.velocity_scale[i])
+        return _NEGLIGIBLE * _SHARE * self.tolerance * self.reach / (h * slowest)
+
+    def _expect_better(self, h):
+        """Take the last column for better than the one before by the square of the phase, if small."""
         phase = h * (self.quickest + self.road_rate) / _SLOW_PHASE
         if phase < 1.0:
             better = phase * phase
@@ -418,8 +267,14 @@ class Stepper:
             else:
                 better = 1.0 / _MOST_BETTER
             self.error *= better
-        if self.controlled and h * self.quickest > _STIFF_PHASE:
-            self._check_reading(h)
+
+    def _add_increments(self, t, h):
+        """Add the increments with tangents at the start of the step or their mean over it."""
+        for i in range(self.n):
+            self.qb[i], self.vb[i], self.ab[i] = self.q[i], self.v[i], self.a[i]
+        status = self.increments.add(t, h, self.qb, self.vb, self.ab)
+        if status == 0:
+            self.balance.end(t + h, self.qb, self.vb, self.ab, self.jb)
         return status
 
     def _check_reading(self, h):
@@ -431,9 +286,9 @@ class Stepper:
         for i in range(self.n):
             self._note_error(_SHARE * h * h * h / 768.0 * fabs(self.jb[i] - self.j[i]))
 
-    def in_lanes(self):
-        """Return whether the present branch is linear and uses the faster method."""
-        return self.affine and self.side_by_side and not self.net.stuck
+    def is_plain(self):
+        """Return whether all forces of the present branches are straight, and nothing sticks."""
+        return self.balance.bends == 0 and not self.net.stuck
 
     def shift_end(self, t, late):
         """Move the end of the attempt slightly, to t, along its Taylor series."""
@@ -441,91 +296,36 @@ class Stepper:
             a, j = self.ab[i], self.jb[i]
             self.qb[i] += late * (self.vb[i] + late * (a / 2.0 + late * j / 6.0))
             self.vb[i] += late * (a + late * j / 2.0)
-        if not self.in_lanes():
-            self._end_of_attempt(t)
-            return
-        self.loads_at_end(t)
-        self.lanes.finish()
+        self.balance.end(t, self.qb, self.vb, self.ab, self.jb)
 
     def stop_within(self, t, dense):
         """End the attempt at t, on the septic `dense` through its ends."""
         dense.read(t)
         for i in range(self.n):
             self.qb[i], self.vb[i] = dense.q[i], dense.v[i]
-        if not self.in_lanes():
-            self._end_of_attempt(t)
-            return
-        self.loads_at_end(t)
-        self.lanes.finish()
-
-    def loads_at_end(self, t):
-        """Find the loads of a linear branch at the end of a step, t."""
-        if not self.loads_hold:
-            self.net.all_signals(t)
-            self._find_loads(self.fractions - 1, 1)
-
-    def _one_by_one(self, t, h):
-        """Make the columns one after the other and extrapolate by Aitken and Neville.
-
-        T[j,m] = T[j,m-1] + (T[j,m-1] - T[j-1,m-1]) / ((n_j / n_(j-m))^2 - 1).
-        """
-        n = self.n
-        width = 2 * n
-        largest = 0.0
-        for column in range(self.columns):
-            status = self._column(column, h)
-            if status != 0:
-                return status
-            for m in range(1, column + 1):
-                ratio = self.sequence[column] / (1.0 * self.sequence[column - m])
-                weight = 1.0 / (ratio * ratio - 1.0)
-                # the row below is overwritten from the left: T[j-1,m-1] is at column - m
-                low = (column - m) * width
-                high = (column - m + 1) * width
-                for i in range(width):
-                    change = (self.table[high + i] - self.table[low + i]) * weight
-                    self.table[low + i] = self.table[high + i] + change
-                    if m == column and column + 1 == self.columns:
-                        scale = self.velocity_scale[i - n] if i >= n else 1.0
-                        largest = max(largest, _CAUTION * fabs(change) * scale)
-        for i in range(n):
-            self.qb[i] = self.table[i]
-            self.vb[i] = self.table[n + i]
-            if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
-                return _DIVERGED
-        self._begin_errors()
-        self._note_error(largest)
-        self._end_of_attempt(t + h)
-        if self.controlled:
-            self._check_middle(h)
-        return 0
+        self.balance.end(t, self.qb, self.vb, self.ab, self.jb)
 
     def _reach_beyond(self, t, h):
         """Take Wilson's step: equilibrium at theta h, and 1/theta of the change of acceleration."""
         n = self.n
-        beyond = self.theta * h
+        self.balance.prepare(t, h)
         for i in range(n):
-            self.cq[i] = self.q[i]
-            self.cv[i] = self.v[i]
-            self.ca[i] = self.a[i] + self.drift[i]
-        if not self.affine:
-            status = self.iteration.reach_equilibrium(beyond, 0, self.reach)
-        elif self._factor_step_matrix(0, beyond) != 0:
-            status = _NOT_POSITIVE
-        else:
-            status = self._substep_affine(0, beyond, 0)
+            self.start_a[i] = self.a[i] + self.drift[i]
+        self.columns_now.enough = 0.0
+        status = self.columns_now.attempt(self.theta * h, self.q, self.v, self.start_a, self.j)
         if status != 0:
             return status
         for i in range(n):
-            a0 = self.a[i] + self.drift[i]
-            a1 = self.ca[i] = a0 + (self.ca[i] - a0) / self.theta
+            a0 = self.start_a[i]
+            a1 = a0 + (self.columns_now.a[i] - a0) / self.theta
+            self.drift_end[i] = a1
             self.vb[i] = self.v[i] + h / 2.0 * (a0 + a1)
             self.qb[i] = self.q[i] + h * self.v[i] + h * h / 6.0 * (2.0 * a0 + a1)
             if not (isfinite(self.qb[i]) and isfinite(self.vb[i])):
                 return _DIVERGED
-        self._end_of_attempt(t + h)
+        self.balance.end(t + h, self.qb, self.vb, self.ab, self.jb)
         for i in range(n):
-            self.drift_end[i] = self.ca[i] - self.ab[i]
+            self.drift_end[i] -= self.ab[i]
         return 0
 
     def _propagate(self, t, h):
@@ -533,7 +333,7 @@ class Stepper:
         status = self.propagator.attempt(t, h)
         if status != 0:
             return status
-        self._end_of_attempt(t + h)
+        self.balance.end(t + h, self.qb, self.vb, self.ab, self.jb)
         self._begin_errors()
         self._read_middle(h)
         for i in range(self.n):
@@ -600,11 +400,3 @@ class Stepper:
         error = size / self.allowed
         if not error <= self.error:
             self.error = error
-
-    def _end_of_attempt(self, t):
-        self.net.all_signals(t)
-        self.net.rest(self.vb)
-        self.net.row_states(self.qb, self.vb)
-        self.net.row_forces()
-        self.net.accelerate(self.ab)
-        self.net.jerk(self.vb, self.ab, self.jb)

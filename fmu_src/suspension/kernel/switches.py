@@ -90,7 +90,7 @@ class Switches:
         self.at = 2.0
         if self.watched == 0:
             return 2.0
-        if not (self.roads_known and self.stepper.loads_hold):
+        if not (self.roads_known and self.stepper.balance.loads_hold):
             self._read_roads(t, h)
         for r in range(self.net.rows):
             if not self.start_known:
@@ -130,7 +130,7 @@ class Switches:
 
     def _read_end(self, t):
         """Read signals at the end of the attempt just made or shortened."""
-        if self.stepper.in_lanes() and not self.stepper.loads_hold:
+        if self.stepper.is_plain() and not self.stepper.balance.loads_hold:
             self._note_road(1)  # it leaves the signals evaluated there
         else:
             self._read_road(t, 1)
@@ -275,7 +275,7 @@ class Switches:
         """
         e, kind = self.element, self.kind
         at = 8 * self.net.element_row[e]
-        if not self.stepper.loads_hold:
+        if not self.stepper.balance.loads_hold:
             self._read_end(t)
         self._read_row(self.net.element_row[e], 1)
         bound = self.net.bound(e, kind, self.side)

@@ -1,0 +1,46 @@
+cimport cython
+from .network cimport Network
+
+cdef int _SPRING, _DAMPER, _CONTACT, _KINDS
+
+@cython.final
+cdef class Balance:
+    cdef Network net
+    cdef int n, instants, last, bends
+    cdef bint loads_hold
+    cdef double[::1] fraction, tangent_k, tangent_c
+    cdef double[::1] constant, loads, load_rate, under, carrier, force, force_k, force_c
+    cdef double[1024] stiffness, damping, flexibility
+    cdef double[32] q, v, a, j, f, fk, fb
+    cdef int[::1] bent_row, bent_first, bent_element, bent_law
+
+    @cython.locals(i=int)
+    cdef void enter(self) noexcept nogil
+    @cython.locals(r=int, e=int, first=int, count=int)
+    cdef void _list_bends(self) noexcept nogil
+    @cython.locals(i=int, e=int, force=double, k=double, c=double)
+    cdef inline void bend(self, int p, double d, double w) noexcept nogil
+    @cython.locals(k=int)
+    cdef void prepare(self, double t, double h) noexcept nogil
+    cdef void loads_at_end(self, double t) noexcept nogil
+    @cython.locals(i=int, p=int)
+    cdef void _repeat(self, int k, int other) noexcept nogil
+    @cython.locals(i=int, at=int, p=int, s=int)
+    cdef void _find_loads(self, int k, bint rates) noexcept nogil
+    @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, f=double)
+    cdef void _add_loads(self, double[::1] out, int at, int order) noexcept nogil
+    @cython.locals(k=int)
+    cdef void begin(self, double t, double[::1] q, double[::1] v, double[::1] a,
+                    double[::1] j) noexcept nogil
+    cdef void end(self, double t, double[::1] q, double[::1] v, double[::1] a,
+                  double[::1] j) noexcept nogil
+    cdef void _solve_rows(self, double[::1] q, double[::1] v, double[::1] a,
+                          double[::1] j) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _solve(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j) noexcept nogil
+    @cython.locals(i=int)
+    cdef inline void _solve_straight(self, int n) noexcept nogil
+
+@cython.locals(i=int, j=int)
+cdef void multiply(double *m, int at, double *x, int first, int n, double *out,
+                   int to) noexcept nogil

@@ -1,0 +1,243 @@
+"""The equation of motion in the present branches: straight forces as matrices, curved ones by row.
+
+While all pieces are straight, M q'' = p(t) - B q' - K q with constant K and B, where p holds loads,
+roads and all constant forces. A row with a curved spring or damper adds its own force,
+
+    M q'' = p(t) - B q' - K q - sum b f(b' q - u, b' q' - u'),
+
+and K and B then are those of the straight pieces alone.
+"""
+
+from __future__ import annotations
+
+from .arrays import doubles, integers, vectors
+
+_SPRING, _DAMPER, _CONTACT, _KINDS = 0, 1, 3, 5  # as in elements
+
+
+MOST_COORDINATES = 32  # for which there is room
+
+
+class Balance:
+    """The equation of motion between two switches, and its loads at the instants of a macro step.
+
+    Parameters
+    ----------
+    network : of the system
+    fractions : instants at which a step needs the loads, as fractions of it, ascending; the last is 1
+    """
+
+    def __init__(self, network, fractions):
+        n, rows = network.n, max(network.rows, 1)
+        self.net, self.n = network, n
+        self.instants = len(fractions)
+        self.fraction = doubles(fractions)
+        self.last = n * (self.instants - 1)
+        self.tangent_k, self.tangent_c = vectors(2, n * n)  # of all, at the state last asked for
+        self.constant, self.load_rate = vectors(2, n)
+        # literal sizes, as these are C arrays: the compiler knows that they do not overlap
+        self.stiffness, self.damping = [0.0] * 1024, [0.0] * 1024  # of the straight pieces
+        self.flexibility = [0.0] * 1024
+        self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.loads = doubles([0.0] * n * self.instants)
+        self.loads_hold = 0  # whether the loads of the present branches are constant, and known
+        self.bends = 0  # number of rows with a curved force
+        self.bent_row, self.bent_first = integers([0] * rows), integers([0] * (rows + 1))
+        self.bent_element, self.bent_law = (
+            integers([0] * 2 * network.elements),
+            integers([0] * 2 * network.elements),
+        )
+        self.under = doubles([0.0] * 2 * rows * self.instants)  # road of each bent row, its rate
+        self.carrier = doubles(
+            [0.0] * rows * self.instants
+        )  # acceleration of the road of sticking rows
+        self.force, self.force_k, self.force_c = vectors(3, rows)  # of each bent row
+
+    def enter(self):
+        """Read the present branches."""
+        self.loads_hold = 0
+        self.net.linearise()
+        self.net.constant_force(self.constant)
+        self.net.assemble(self.net.branch_k, self.net.branch_c, self.tangent_k, self.tangent_c)
+        for i in range(self.n * self.n):
+            self.stiffness[i], self.damping[i] = self.tangent_k[i], self.tangent_c[i]
+            self.flexibility[i] = self.net.flexibility[i]
+        self._list_bends()
+
+    def _list_bends(self):
+        """List the curved springs and dampers, row by row."""
+        self.bends = count = 0
+        if self.net.always_straight:
+            return
+        for r in range(self.net.rows):
+            first = count
+            for e in range(self.net.elements):
+                if self.net.element_row[e] != r or self.net.branch[_KINDS * e + _CONTACT]:
+                    continue
+                if not self.net.spring_is_straight(e):
+                    self.bent_element[count], self.bent_law[count] = e, _SPRING
+                    count += 1
+                if not self.net.damper_is_straight(e):
+                    self.bent_element[count], self.bent_law[count] = e, _DAMPER
+                    count += 1
+            if count > first:
+                self.bent_row[self.bends], self.bent_first[self.bends] = r, first
+                self.bends += 1
+        self.bent_first[self.bends] = count
+
+    def bend(self, p, d, w):
+        """Find the curved force of bent row p at deflection d and rate w, and its derivatives."""
+        force = 0.0
+        k = 0.0
+        c = 0.0
+        for i in range(self.bent_first[p], self.bent_first[p + 1]):
+            e = self.bent_element[i]
+            if self.bent_law[i] == _SPRING:
+                self.net.law_and_slope(self.net.piece_now(e, _SPRING), d)
+                force += self.net.value
+                k += self.net.slope
+            else:
+                self.net.damping_and_slopes(e, d, w)
+                force += self.net.value
+                k += self.net.slope
+                c += self.net.slope_of_rate
+        self.force[p], self.force_k[p], self.force_c[p] = force, k, c
+
+    # -- loads -------------------------------------------------------------------------------------
+
+    def prepare(self, t, h):
+        """Find the loads at all instants of a step from t to t + h."""
+        if self.loads_hold:
+            return
+        for k in range(self.instants):
+            if k > 0 and self.loads_hold:
+                self._repeat(0, k)
+                continue
+            self.net.all_signals(t + self.fraction[k] * h)
+            self.loads_hold = self.net.still()
+            self._find_loads(k, k + 1 == self.instants or self.loads_hold)
+
+    def loads_at_end(self, t):
+        """Find the loads at the end of a step, t, and their rates."""
+        if self.loads_hold:
+            return
+        self.net.all_signals(t)
+        self._find_loads(self.instants - 1, True)
+
+    def _repeat(self, k, other):
+        """Use the loads of one instant for another, too."""
+        for i in range(self.n):
+            self.loads[self.n * other + i] = self.loads[self.n * k + i]
+        for p in range(2 * self.bends):
+            self.under[2 * self.net.rows * other + p] = self.under[2 * self.net.rows * k + p]
+        for p in range(self.net.stuck):
+            self.carrier[self.net.rows * other + p] = self.carrier[self.net.rows * k + p]
+
+    def _find_loads(self, k, rates):
+        """Find the loads at instant k, and their rates if `rates`, with the signals in `road`."""
+        for i in range(self.n):
+            self.loads[self.n * k + i] = self.constant[i]
+        self._add_loads(self.loads, self.n * k, 0)
+        if rates:
+            for i in range(self.n):
+                self.load_rate[i] = 0.0
+            self._add_loads(self.load_rate, 0, 1)
+        at = 2 * self.net.rows * k
+        for p in range(self.bends):
+            s = self.net.row_signal[self.bent_row[p]]
+            if s >= 0:
+                self.under[at + 2 * p] = self.net.road[4 * s]
+                self.under[at + 2 * p + 1] = self.net.road[4 * s + 1]
+            else:
+                self.under[at + 2 * p] = self.under[at + 2 * p + 1] = 0.0
+        for p in range(self.net.stuck):
+            s = self.net.row_signal[self.net.element_row[self.net.stuck_element[p]]]
+            self.carrier[self.net.rows * k + p] = self.net.road[4 * s + 2] if s >= 0 else 0.0
+
+    def _add_loads(self, out, at, order):
+        """Add the forces of loads and roads, or their rates, with the signals in `road`."""
+        n = self.n
+        for m in range(self.net.loads):
+            p = self.net.road[4 * self.net.load_signal[m] + order]
+            if p != 0.0:
+                for i in range(n):
+                    out[at + i] += self.net.load_direction[m * n + i] * p
+        for r in range(self.net.rows):
+            s = self.net.row_signal[r]
+            if s >= 0:
+                f = (
+                    self.net.branch_k[r] * self.net.road[4 * s + order]
+                    + self.net.branch_c[r] * self.net.road[4 * s + order + 1]
+                )
+                if f != 0.0:
+                    for i in range(n):
+                        out[at + i] += self.net.row_direction[r * n + i] * f
+
+    # -- accelerations -----------------------------------------------------------------------------
+
+    def begin(self, t, q, v, a, j):
+        """Find acceleration and jerk at the start of a step, t, and the loads if they are constant."""
+        self.net.all_signals(t)
+        if self.bends or self.net.stuck:
+            self._solve_rows(q, v, a, j)
+            return
+        self._find_loads(self.instants - 1, True)
+        if self.net.still():
+            for k in range(self.instants - 1):
+                self._repeat(self.instants - 1, k)
+            self.loads_hold = 1
+        self._solve(q, v, a, j)
+
+    def end(self, t, q, v, a, j):
+        """Find acceleration and jerk at the end of a step, t; rows that stick then have no rate."""
+        if self.bends or self.net.stuck:
+            self.net.all_signals(t)
+            self.net.rest(v)
+            self._solve_rows(q, v, a, j)
+            return
+        self.loads_at_end(t)
+        self._solve(q, v, a, j)
+
+    def _solve_rows(self, q, v, a, j):
+        """Find them with curved forces or sticking rows, and all tangents."""
+        self.net.row_states(q, v)
+        self.net.row_forces()
+        self.net.assemble(self.net.row_k, self.net.row_c, self.tangent_k, self.tangent_c)
+        self.net.accelerate(a)
+        self.net.jerk(v, a, j)
+
+    def _solve(self, q, v, a, j):
+        """Find them with straight forces, from the loads at the end of a step."""
+        for i in range(self.n):
+            self.q[i], self.v[i] = q[i], v[i]
+        # with a constant in place of n the compiler unrolls the loops
+        if self.n == 2:
+            self._solve_straight(2)
+        elif self.n == 4:
+            self._solve_straight(4)
+        else:
+            self._solve_straight(self.n)
+        for i in range(self.n):
+            a[i], j[i] = self.a[i], self.j[i]
+
+    def _solve_straight(self, n):
+        multiply(self.damping, 0, self.v, 0, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.q, 0, n, self.fk, 0)
+        for i in range(n):
+            self.f[i] = self.loads[self.last + i] - (self.fb[i] + self.fk[i])
+        multiply(self.flexibility, 0, self.f, 0, n, self.a, 0)
+        multiply(self.damping, 0, self.a, 0, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.v, 0, n, self.fk, 0)
+        for i in range(n):
+            self.f[i] = self.load_rate[i] - (self.fb[i] + self.fk[i])
+        multiply(self.flexibility, 0, self.f, 0, n, self.j, 0)
+
+
+def multiply(m, at, x, first, n, out, to):
+    """Set out[to:] = m x[first:]; the symmetric matrix starts at `at`."""
+    for i in range(n):
+        out[to + i] = m[at + i] * x[first]
+    for j in range(1, n):
+        for i in range(n):
+            out[to + i] += m[at + n * j + i] * x[first + j]

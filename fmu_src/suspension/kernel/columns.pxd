@@ -1,0 +1,62 @@
+cimport cython
+from libc.math cimport fabs, isfinite
+from .balance cimport Balance, multiply
+from .network cimport Network
+
+cdef int _SUBSTEPS, _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _ITERATIONS
+cdef double _EPSILON, _SMALL, _LEAST_SHARE, _AHEAD, _DEPENDENT
+
+@cython.final
+cdef class Columns:
+    cdef Balance balance
+    cdef Network net
+    cdef int n, columns
+    cdef int[::1] substeps, instant
+    cdef double step, enough, bend
+    cdef double[::1] weight, check, rest
+    cdef double[4] s, half, third, sixth
+    cdef double[4096] inverse
+    cdef double[128] q, v, a
+    cdef double[32] f, fk, fb, error_q, error_v
+    cdef double[::1] yield_of, coupling, carried
+    cdef double[::1] d, w, x0, x, dx, matrix, x1, x2, x3
+
+    cdef void forget(self) noexcept nogil
+    @cython.locals(n=int, c=int, i=int)
+    cdef int attempt(self, double h, double[::1] q, double[::1] v, double[::1] a,
+                     double[::1] j) noexcept nogil
+    @cython.locals(c=int, k=int, first=int, status=int)
+    cdef inline int _advance(self, int n, bint rows) noexcept nogil
+    @cython.locals(n=int, c=int, status=int)
+    cdef int _prepare(self, double h) noexcept nogil
+    @cython.locals(c=int, i=int, m=int, k=int, row=int, at=int, s=double, half=double, sixth=double,
+                   pivot=double)
+    cdef inline int _invert(self, int n, double h) noexcept nogil
+    @cython.locals(i=int, m=int, x=double)
+    cdef void _spread(self, int n, int c, int r) noexcept nogil
+    @cython.locals(i=int, x=double)
+    cdef double _along(self, int n, int r) noexcept nogil
+    @cython.locals(i=int, m=int, p=int, o=int, r=int, at=int, x=double, size=double)
+    cdef int _hold(self, int n, int c) noexcept nogil
+    @cython.locals(i=int, p=int, o=int, bends=int, rows=int)
+    cdef void _couple(self, int n, int c) noexcept nogil
+    @cython.locals(i=int, m=int, at=int, instant=int, status=int)
+    cdef inline int _substep(self, int n, bint rows, int c, int k) noexcept nogil
+    @cython.locals(i=int, p=int, u=double)
+    cdef int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil
+    @cython.locals(i=int, p=int, r=int, c=int, at=int, x=double, rate=double)
+    cdef void _begin_rows(self, int n, double[::1] a, double[::1] j) noexcept nogil
+    @cython.locals(bends=int, rows=int, p=int, o=int, _iteration=int, before=double,
+                   lack_before=double, share=double, lack=double, rounding=double, rest=double,
+                   size=double, x=double, limit=double)
+    cdef int _bend(self, int n, int c, int k, int instant) noexcept nogil
+    @cython.locals(i=int, p=int, r=int, at=int, past=int, d=double, w=double, x=double, b=double)
+    cdef inline void _expect(self, int n, int c, int k, int instant) noexcept nogil
+    @cython.locals(bends=int, rows=int, p=int, o=int, k=int, sixth=double, half=double, slope=double,
+                   pivot=double, ratio=double)
+    cdef inline int _correct(self, int c) noexcept nogil
+    @cython.locals(i=int, p=int, at=int, slope=double, force=double, earlier=double)
+    cdef inline void _take_rows(self, int n, int c, int k) noexcept nogil
+    @cython.locals(n=int, i=int, c=int, last=int, q1=double, v1=double, dq=double, dv=double,
+                   eq=double, ev=double, x=double)
+    cdef int extrapolate(self, double[::1] q, double[::1] v) noexcept nogil

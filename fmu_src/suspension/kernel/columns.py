@@ -1,0 +1,451 @@
+"""The macro step: equal steps of the incremental method, columns of them side by side, extrapolated.
+
+Within a step s the acceleration is linear in time (H83 eq. 15.9), so
+
+    v1 = v* + s/2 a1,  v* = v0 + s/2 a0;    q1 = q* + s^2/6 a1,  q* = q0 + s v0 + s^2/3 a0
+                                                                               (15.12, 15.13)
+and the equation of motion at its end gives
+
+    a1 = W (p1 - B v* - K q* - sum b f(d1, w1)),    W = (M + s/2 B + s^2/6 K)^-1,
+
+where f are the forces of rows with curved springs or dampers, and K and B those of all straight ones;
+W is kept while branch and step stay the same. What is left to iterate are the accelerations of the
+curved rows alone, x = b' a1,
+
+    x = b' W (p1 - B v* - K q*) - sum (b' W b) f(d* + s^2/6 x, w* + s/2 x),
+
+by Newton's method: one unknown for each curved row, none if all forces are straight. Rows on which dry
+friction sticks have b' a1 = u'': W becomes its projection on that condition.
+
+As the method is symmetric, its error expands in s^2. A macro step made by columns of 1, 2, 3 and 5
+such steps, extrapolated (Aitken, Neville), has order 8. The columns are independent: one step of each
+is taken in turn, so that the processor can overlap them. All matrices are symmetric and are read by
+columns, which suits vector instructions.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, integers, vectors
+
+if not cython.compiled:
+    from math import fabs, isfinite
+
+    from .balance import multiply
+
+_SUBSTEPS = 5  # in the longest column
+_DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
+
+_ITERATIONS = 60
+_EPSILON = 4e-16  # relative error of a sum of forces
+_SMALL = 1e-10  # relative size of corrections that may stop decreasing
+_LEAST_SHARE = 1e-3  # of a correction
+_DEPENDENT = 1e-12  # share of a condition that those before it leave, if it follows from them
+_AHEAD = 10.0  # times the correction expected next
+
+
+def extrapolation_weights(sequence):
+    """Return the weights w of macro steps with n substeps: sum w = 1, sum w / n^(2k) = 0."""
+    weights = []
+    for n in sequence:
+        w = 1.0
+        for m in sequence:
+            if m != n:
+                w *= n * n / (n * n - m * m)
+        weights.append(w)
+    return weights
+
+
+class Columns:
+    """Macro steps in the present branches.
+
+    Parameters
+    ----------
+    balance : equation of motion of the branches
+    sequence : substeps in each column of the extrapolation, one to four columns, ascending
+    fraction_index : index of the loads at the end of each substep, 5 for each column
+    """
+
+    def __init__(self, balance, sequence, fraction_index):
+        self.balance = balance
+        self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
+        n, rows, columns = self.n, max(self.net.rows, 1), self.columns
+        self.substeps, self.instant = integers(sequence), integers(fraction_index)
+        weights = extrapolation_weights(sequence)
+        lower = [0.0, *extrapolation_weights(sequence[1:])]
+        self.weight = doubles(weights)
+        self.check = doubles(w - x for w, x in zip(weights, lower, strict=True))
+        self.step = -1.0  # that of the matrices; -1 if there are none
+        self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        # literal sizes, as these are C arrays: the compiler knows that they do not overlap
+        self.inverse = [0.0] * 4096
+        self.q, self.v, self.a = [0.0] * 128, [0.0] * 128, [0.0] * 128
+        self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
+        self.rest = doubles([0.0] * rows)  # lack of equilibrium of each curved row, per mass
+        # for each column and curved row: W b, and with each other curved row b' W b
+        self.yield_of = doubles([0.0] * (columns * rows * n))
+        self.coupling = doubles([0.0] * (columns * rows * rows))
+        # for each column and sticking row: the acceleration of all by one of its road
+        self.carried = doubles([0.0] * (columns * rows * n))
+        # of curved rows: d*, w*, x without them, x, its last correction; the equations for it
+        self.d, self.w, self.x0, self.x, self.dx = vectors(5, rows)
+        self.matrix = doubles([0.0] * (rows * rows))
+        # x at the ends of the last three substeps of each column
+        self.x1, self.x2, self.x3 = vectors(3, columns * rows)
+        self.enough = 0.0  # error of x that does not matter
+        self.bend = -1.0  # correction over the square of the one before; -1 if unknown
+
+    def forget(self):
+        """Forget the matrices, after a change of branch."""
+        self.step = -1.0
+
+    def attempt(self, h, q, v, a, j):
+        """Take a macro step h from a state: find the end of each column.
+
+        Returns
+        -------
+        0, or the key in `integrator.FAILURES` of the reason why it failed.
+        """
+        if h != self.step and self._prepare(h) != 0:
+            return _NOT_POSITIVE
+        n = self.n
+        for c in range(self.columns):
+            for i in range(n):
+                self.q[n * c + i] = q[i]
+                self.v[n * c + i] = v[i]
+                self.a[n * c + i] = a[i]
+        if self.balance.bends:
+            self._begin_rows(n, a, j)
+        # with constants as arguments the compiler unrolls loops and drops branches
+        if self.balance.bends or self.net.stuck:
+            return self._advance(2, True) if n == 2 else self._advance(n, True)
+        if n == 2:
+            return self._advance(2, False)
+        if n == 1:
+            return self._advance(1, False)
+        if n == 4:
+            return self._advance(4, False)
+        return self._advance(n, False)
+
+    def _advance(self, n, rows):
+        """Step all columns over the whole macro step; the shorter ones finish first."""
+        first = 0
+        for k in range(self.substeps[self.columns - 1]):
+            while k == self.substeps[first]:
+                first += 1
+            for c in range(first, self.columns):
+                status = self._substep(n, rows, c, k)
+                if status != 0:
+                    return status
+        return 0
+
+    # -- matrices ----------------------------------------------------------------------------------
+
+    def _prepare(self, h):
+        """Find W of all columns, and what curved and sticking rows need of it."""
+        n = self.n
+        if self.n == 2:
+            status = self._invert(2, h)
+        elif self.n == 4:
+            status = self._invert(4, h)
+        else:
+            status = self._invert(n, h)
+        if status != 0:
+            return 1
+        for c in range(self.columns):
+            if self.net.stuck and self._hold(n, c) != 0:
+                return 1
+            if self.balance.bends:
+                self._couple(n, c)
+        self.step = h
+        return 0
+
+    def _invert(self, n, h):
+        """Find (M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns, by Gauss and Jordan."""
+        self.step = -1.0
+        for c in range(self.columns):
+            s = h / self.substeps[c]
+            self.s[c] = s
+            self.half[c] = half = 0.5 * s
+            self.third[c] = s * s / 3.0
+            self.sixth[c] = sixth = s * s / 6.0
+            for i in range(n * n):
+                self.inverse[n * n * c + i] = (
+                    self.net.mass[i]
+                    + half * self.balance.damping[i]
+                    + sixth * self.balance.stiffness[i]
+                )
+        for k in range(n):
+            for c in range(self.columns):
+                row = n * n * c + n * k
+                if not self.inverse[row + k] > 0.0:
+                    return 1
+                pivot = 1.0 / self.inverse[row + k]
+                self.inverse[row + k] = 1.0
+                for i in range(n):
+                    self.inverse[row + i] *= pivot
+                for i in range(n):
+                    if i != k:
+                        at = n * n * c + n * i
+                        pivot = self.inverse[at + k]
+                        self.inverse[at + k] = 0.0
+                        for m in range(n):
+                            self.inverse[at + m] -= pivot * self.inverse[row + m]
+        return 0
+
+    def _spread(self, n, c, r):
+        """Set `f` to W b of row r."""
+        for i in range(n):
+            x = 0.0
+            for m in range(n):
+                x += self.inverse[n * n * c + n * m + i] * self.net.row_direction[n * r + m]
+            self.f[i] = x
+
+    def _along(self, n, r):
+        """Return b' f of row r."""
+        x = 0.0
+        for i in range(n):
+            x += self.net.row_direction[n * r + i] * self.f[i]
+        return x
+
+    def _hold(self, n, c):
+        """Project W on b' a = 0 for the rows that stick; return 1 if their conditions contradict.
+
+        For each in turn, W <- W - W b b' W / b' W b; the accelerations by those before change likewise.
+        """
+        for p in range(self.net.stuck):
+            r = self.net.element_row[self.net.stuck_element[p]]
+            self._spread(n, c, r)
+            self.x0[p] = self._along(n, r)
+        for p in range(self.net.stuck):
+            r = self.net.element_row[self.net.stuck_element[p]]
+            self._spread(n, c, r)
+            size = self._along(n, r)
+            if not size > _DEPENDENT * self.x0[p]:
+                return 1
+            for i in range(n):
+                self.fk[i] = self.f[i] / size
+            for i in range(n):
+                for m in range(n):
+                    self.inverse[n * n * c + n * m + i] -= self.fk[i] * self.f[m]
+            for o in range(p):
+                at = n * (self.net.rows * c + o)
+                x = 0.0
+                for i in range(n):
+                    x += self.net.row_direction[n * r + i] * self.carried[at + i]
+                for i in range(n):
+                    self.carried[at + i] -= x * self.fk[i]
+            for i in range(n):
+                self.carried[n * (self.net.rows * c + p) + i] = self.fk[i]
+        return 0
+
+    def _couple(self, n, c):
+        """Find W b and b' W b of the curved rows."""
+        bends, rows = self.balance.bends, self.net.rows
+        for p in range(bends):
+            self._spread(n, c, self.balance.bent_row[p])
+            for i in range(n):
+                self.yield_of[n * (rows * c + p) + i] = self.f[i]
+            for o in range(bends):
+                self.coupling[rows * (rows * c + p) + o] = self._along(n, self.balance.bent_row[o])
+
+    # -- one substep -------------------------------------------------------------------------------
+
+    def _substep(self, n, rows, c, k):
+        """Take substep k of a column by (15.12), (15.13), to the equilibrium at its end."""
+        at = n * c
+        instant = self.instant[_SUBSTEPS * c + k]
+        for i in range(at, at + n):
+            self.q[i] = self.q[i] + self.s[c] * self.v[i] + self.third[c] * self.a[i]
+            self.v[i] += self.half[c] * self.a[i]
+        multiply(self.balance.damping, 0, self.v, at, n, self.fb, 0)
+        multiply(self.balance.stiffness, 0, self.q, at, n, self.fk, 0)
+        for i in range(n):
+            self.f[i] = self.balance.loads[n * instant + i] - (self.fb[i] + self.fk[i])
+        multiply(self.inverse, n * n * c, self.f, 0, n, self.a, at)
+        status = self._solve_rows(n, c, k, instant) if rows else 0
+        for i in range(at, at + n):
+            self.v[i] += self.half[c] * self.a[i]
+            self.q[i] += self.sixth[c] * self.a[i]
+        return status
+
+    def _solve_rows(self, n, c, k, instant):
+        """Correct the accelerations for rows that stick or are curved."""
+        for p in range(self.net.stuck):
+            u = self.balance.carrier[self.net.rows * instant + p]
+            for i in range(n):
+                self.a[n * c + i] += self.carried[n * (self.net.rows * c + p) + i] * u
+        return self._bend(n, c, k, instant) if self.balance.bends else 0
+
+    def _begin_rows(self, n, a, j):
+        """Set the past of every column so that the first substep expects a0 + s j0."""
+        self.bend = -1.0
+        for p in range(self.balance.bends):
+            r = self.balance.bent_row[p]
+            x = 0.0
+            rate = 0.0
+            for i in range(n):
+                x += self.net.row_direction[n * r + i] * a[i]
+                rate += self.net.row_direction[n * r + i] * j[i]
+            for c in range(self.columns):
+                at = self.net.rows * c + p
+                self.x1[at] = x
+                self.x2[at] = x - self.s[c] * rate
+                self.x3[at] = x - 2.0 * self.s[c] * rate
+
+    def _bend(self, n, c, k, instant):
+        """Find the accelerations of the curved rows by Newton's method, and with them all others.
+
+        It ends where the next correction is expected to be below `enough`, or below rounding. If the
+        lack of equilibrium grows, as past the saturation of a damper, it goes only half as far.
+        """
+        bends, rows = self.balance.bends, self.net.rows
+        self._expect(n, c, k, instant)
+        before = lack_before = 1e300
+        share = 1.0
+        for _iteration in range(_ITERATIONS):
+            lack = 0.0
+            rounding = 0.0
+            for p in range(bends):
+                self.balance.bend(
+                    p,
+                    self.d[p] + self.sixth[c] * self.x[p],
+                    self.w[p] + self.half[c] * self.x[p],
+                )
+            for p in range(bends):
+                rest = self.x0[p] - self.x[p]
+                size = fabs(self.x0[p])
+                for o in range(bends):
+                    x = self.coupling[rows * (rows * c + p) + o] * self.balance.force[o]
+                    rest -= x
+                    size += fabs(x)
+                self.rest[p] = rest
+                lack = max(lack, fabs(rest))
+                rounding = max(rounding, _EPSILON * size)
+            if not isfinite(lack):
+                return _DIVERGED
+            if (
+                lack > lack_before
+                and before > _SMALL / _EPSILON * rounding
+                and share > _LEAST_SHARE
+            ):
+                share *= 0.5
+                for p in range(bends):
+                    self.x[p] -= share * self.dx[p]
+                continue
+            share = 1.0
+            if self._correct(c) != 0:
+                return _NOT_POSITIVE
+            size = 0.0
+            for p in range(bends):
+                self.x[p] += self.dx[p]
+                size = max(size, fabs(self.dx[p]))
+            limit = max(self.enough, rounding)
+            if before < 1e300:
+                self.bend = max(self.bend, size / before / before)
+            if (
+                size <= limit
+                or (self.bend >= 0.0 and _AHEAD * self.bend * size * size <= limit)
+                or (size <= _SMALL / _EPSILON * rounding and size >= 0.5 * before)
+            ):
+                self._take_rows(n, c, k)
+                return 0
+            before = size
+            lack_before = lack
+        return _NOT_CONVERGED
+
+    def _expect(self, n, c, k, instant):
+        """Find d*, w* and x without curved forces, and expect x as a parabola through the last three."""
+        at = 2 * self.net.rows * instant
+        for p in range(self.balance.bends):
+            r = self.balance.bent_row[p]
+            d = 0.0
+            w = 0.0
+            x = 0.0
+            for i in range(n):
+                b = self.net.row_direction[n * r + i]
+                d += b * self.q[n * c + i]
+                w += b * self.v[n * c + i]
+                x += b * self.a[n * c + i]
+            self.d[p] = d - self.balance.under[at + 2 * p]
+            self.w[p] = w - self.balance.under[at + 2 * p + 1]
+            self.x0[p] = x
+            past = self.net.rows * c + p
+            self.x[p] = 3.0 * (self.x1[past] - self.x2[past]) + self.x3[past]
+
+    def _correct(self, c):
+        """Solve (1 + b' W b f') dx = rest for the corrections, by Gauss; 1 if it is not possible."""
+        bends, rows = self.balance.bends, self.net.rows
+        sixth, half = self.sixth[c], self.half[c]
+        if bends == 1:
+            slope = sixth * self.balance.force_k[0] + half * self.balance.force_c[0]
+            pivot = 1.0 + self.coupling[rows * rows * c] * slope
+            if not pivot > 0.0:
+                return 1
+            self.dx[0] = self.rest[0] / pivot
+            return 0
+        for p in range(bends):
+            self.dx[p] = self.rest[p]
+            for o in range(bends):
+                slope = sixth * self.balance.force_k[o] + half * self.balance.force_c[o]
+                self.matrix[rows * p + o] = self.coupling[rows * (rows * c + p) + o] * slope
+            self.matrix[rows * p + p] += 1.0
+        for k in range(bends):
+            if not self.matrix[rows * k + k] > 0.0:
+                return 1
+            for p in range(k + 1, bends):
+                ratio = self.matrix[rows * p + k] / self.matrix[rows * k + k]
+                for o in range(k + 1, bends):
+                    self.matrix[rows * p + o] -= ratio * self.matrix[rows * k + o]
+                self.dx[p] -= ratio * self.dx[k]
+        for k in range(bends - 1, -1, -1):
+            for o in range(k + 1, bends):
+                self.dx[k] -= self.matrix[rows * k + o] * self.dx[o]
+            self.dx[k] /= self.matrix[rows * k + k]
+        return 0
+
+    def _take_rows(self, n, c, k):
+        """Add what the forces of the curved rows do, and note their accelerations."""
+        for p in range(self.balance.bends):
+            slope = self.sixth[c] * self.balance.force_k[p] + self.half[c] * self.balance.force_c[p]
+            force = self.balance.force[p] + slope * self.dx[p]
+            at = self.net.rows * c + p
+            for i in range(n):
+                self.a[n * c + i] -= self.yield_of[n * at + i] * force
+            # before the second substep, the parabola has the rate at the start
+            earlier = self.x2[at] if k > 0 else self.x[p] - 2.0 * (self.x1[at] - self.x2[at])
+            self.x3[at], self.x2[at], self.x1[at] = earlier, self.x1[at], self.x[p]
+
+    # -- the end -----------------------------------------------------------------------------------
+
+    def extrapolate(self, q, v):
+        """Find the end of the macro step: that of the last column plus small corrections.
+
+        `error_q` and `error_v` become the differences of the last two columns of the table. Return 1 if
+        the end is not finite.
+        """
+        n = self.n
+        last = n * (self.columns - 1)
+        for i in range(n):
+            q1 = self.q[last + i]
+            v1 = self.v[last + i]
+            dq = 0.0
+            dv = 0.0
+            eq = 0.0
+            ev = 0.0
+            for c in range(self.columns - 1):
+                x = self.q[n * c + i] - q1
+                dq += self.weight[c] * x
+                eq += self.check[c] * x
+                x = self.v[n * c + i] - v1
+                dv += self.weight[c] * x
+                ev += self.check[c] * x
+            q[i] = q1 + dq
+            v[i] = v1 + dv
+            if not (isfinite(q[i]) and isfinite(v[i])):
+                return 1
+            self.error_q[i] = eq
+            self.error_v[i] = ev
+        return 0
