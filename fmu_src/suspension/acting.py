@@ -49,6 +49,7 @@ _WITH_EDGES = ("plank", "pothole")
 _POINTS = ("table", "spline")
 _MOVING = tuple(shape for shape in ROAD_SHAPES if shape not in ("input", "flat"))
 _NO_TABLE_OF_DAMPER = Without(("damper.table",))
+_OF_SOME_DAMPER = (Given(("damper.table", "damper.rebound_rate", "damper.bump_rate")),)
 _BLOW_OFF = (_NO_TABLE_OF_DAMPER, Without(("damper.saturation_force",)))
 
 CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
@@ -64,11 +65,12 @@ CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
     "damper.limit_slope": (*_BLOW_OFF, Given(("damper.rebound_limit", "damper.bump_limit"))),
     "damper.saturation_force": (_NO_TABLE_OF_DAMPER,),
     "damper.interpolation": (Given(("damper.table",)),),
-    "damper.deflection_table": (
-        Given(("damper.table", "damper.rebound_rate", "damper.bump_rate")),
-    ),
-    "bump_stop.gap": (Given(("bump_stop.stiffness",)),),
-    "rebound_stop.gap": (Given(("rebound_stop.stiffness",)),),
+    "damper.deflection_table": _OF_SOME_DAMPER,
+    "damper.scale": _OF_SOME_DAMPER,
+    "bump_stop.stiffness": (Without(("bump_stop.table",)),),
+    "bump_stop.gap": (Given(("bump_stop.stiffness", "bump_stop.table")),),
+    "rebound_stop.stiffness": (Without(("rebound_stop.table",)),),
+    "rebound_stop.gap": (Given(("rebound_stop.stiffness", "rebound_stop.table")),),
     "tyre.stiffness": (Without(("tyre.table",)),),
     "tyre.interpolation": (Given(("tyre.table",)),),
     "lift_off": (Given(("gravity",)),),

@@ -149,6 +149,18 @@ class Characteristic:
             )
         )
 
+    def scaled(self, factor: float) -> Characteristic:
+        """Return the law with all forces multiplied by a factor."""
+        return Characteristic(
+            tuple(
+                piece._replace(
+                    coefficients=tuple(factor * c for c in piece.coefficients),
+                    saturation=factor * piece.saturation,
+                )
+                for piece in self.pieces
+            )
+        )
+
     def resting(self) -> Characteristic:
         """The same law through the origin, where rounding alone keeps it from there.
 

@@ -49,6 +49,7 @@ SUSPENSION = tunable(  # between body and wheel (or road)
                "and N, rebound positive, through 0:0; replaces rates and limits"),
     parameter("damper.interpolation", "linear", "how the points of damper.table are joined: by "
               "straight lines, or smoothly without overshoot", choices=INTERPOLATIONS),
+    parameter("damper.scale", 1.0, "factor on the damper force", "1", minimum=0.0),
     parameter("damper.deflection_table", "", "factor on the damper force as 'deflection:factor, "
               "...' in m, extension positive, constant beyond the ends; empty: 1 everywhere"),
     parameter("friction", 0.0, "dry friction of the suspension, as in a leaf spring: this force "
@@ -57,10 +58,14 @@ SUSPENSION = tunable(  # between body and wheel (or road)
                "the bump stop is reached", "m", display="mm", minimum=0.0),
     parameter("bump_stop.stiffness", 0.0, "stiffness of the bump stop, 0 = none",
                "N/m", display="N/mm", minimum=0.0),
+    parameter("bump_stop.table", "", "progressive bump stop as 'compression:force, ...' in m and N, "
+               "both from first contact, from 0:0, rising; replaces stiffness"),
     parameter("rebound_stop.gap", 0.08, "extension from static equilibrium at which "
                "the rebound stop is reached", "m", display="mm", minimum=0.0),
     parameter("rebound_stop.stiffness", 0.0, "stiffness of the rebound stop, 0 = none",
                "N/m", display="N/mm", minimum=0.0),
+    parameter("rebound_stop.table", "", "progressive rebound stop as 'extension:force, ...' in m and "
+               "N, both from first contact, from 0:0, rising; replaces stiffness"),
 )  # fmt: skip
 
 WHEEL = (
@@ -168,3 +173,14 @@ def body_force(where: str = "") -> Variable:
     """Return the input for an external force on the body."""
     return Variable("body_force", f"external force on the body{where}, upwards positive", "input",
                     0.0, "N", "kN", nominal=1e3)  # fmt: skip
+
+
+PAYLOAD = parameter(
+    "payload", 0.0, "mass added to the body over the axle. The body sinks under it, and all motion and "
+    "forces are from the loaded equilibrium; springs, tables and gaps of the stops stay given from the "
+    "unloaded one, the design position", "kg", minimum=0.0,
+)  # fmt: skip
+ACTUATOR_FORCE = Variable(
+    "actuator_force", "force of an actuator between body and wheel (or road), positive pushes the body "
+    "up and the wheel down", "input", 0.0, "N", "kN", nominal=1e3,
+)  # fmt: skip

@@ -64,10 +64,10 @@ def one_dof(p: Mapping[str, Value]) -> System:
     road, forces = road_from(p), _body_forces(p)
     return System(
         coordinates=("body",),
-        mass=((number(p, "sprung_mass"),),),
+        mass=((_body_mass(p),),),
         elements=suspension_elements(p, (1.0,), road="road"),
-        signals={"road": road, **forces},
-        loads=tuple(Load((1.0,), name) for name in forces),
+        signals={"road": road, **forces, "actuator_force": roads.LEVEL},
+        loads=tuple(Load((1.0,), name) for name in (*forces, "actuator_force")),
         scales=(road.scale or _SMALL,),
         axles=(Axle("", (1.0,), "road"),),
     )
@@ -82,23 +82,31 @@ def quarter_car(p: Mapping[str, Value]) -> System:
     ----------
     p : checked parameters of `QuarterCar`
     """
-    body, wheel, load = number(p, "sprung_mass"), number(p, "unsprung_mass"), _load(p)
+    body, wheel, load = _body_mass(p), number(p, "unsprung_mass"), _load(p)
     road, forces = road_from(p), _body_forces(p)
     scale = road.scale or load / tyre_stiffness(p) or _SMALL
     return System(
         coordinates=("body", "wheel"),
         mass=((body, 0.0), (0.0, wheel)),
         elements=(*suspension_elements(p, (1.0, -1.0)), _tyre_of_quarter_car(p)),
-        signals={"road": road, **forces},
-        loads=tuple(Load((1.0, 0.0), name) for name in forces),
+        signals={"road": road, **forces, "actuator_force": roads.LEVEL},
+        loads=(
+            *(Load((1.0, 0.0), name) for name in forces),
+            Load((1.0, -1.0), "actuator_force"),
+        ),
         scales=(scale, scale),
         axles=(Axle("", (1.0, -1.0), "road", "tyre", load),),
     )
 
 
+def _body_mass(p: Mapping[str, Value]) -> float:
+    """Return the mass of the body on one wheel with its payload, kg."""
+    return number(p, "sprung_mass") + number(p, "payload")
+
+
 def _load(p: Mapping[str, Value]) -> float:
     """Return the weight on the tyre of a quarter car, N."""
-    return (number(p, "sprung_mass") + number(p, "unsprung_mass")) * number(p, "gravity")
+    return (_body_mass(p) + number(p, "unsprung_mass")) * number(p, "gravity")
 
 
 def _tyre_of_quarter_car(p: Mapping[str, Value]) -> Element:
@@ -130,7 +138,7 @@ class _Body:
 
     Parameters
     ----------
-    masses : M1, M2, M3, kg
+    masses : M1, M2, M3, kg; the payload of an axle lies over it
     shares : b / L and a / L, the axles' shares of its weight; also the coefficients of the centre of
         gravity's displacement, and of a force there, in the two coordinates
     wheelbase : L, m
@@ -159,10 +167,18 @@ class _Body:
                 f"take one of the order of {sqrt(front) * sqrt(rear):g} m"
             )
         return cls(
-            masses,
+            (
+                over_front + number(p, "front.payload"),
+                over_rear + number(p, "rear.payload"),
+                coupling,
+            ),
             (rear / wheelbase, front / wheelbase),
             wheelbase,
-            {**_roads(p), **_body_forces(p)},
+            {
+                **_roads(p),
+                **_body_forces(p),
+                **{f"{axle}_actuator_force": roads.LEVEL for axle in ("front", "rear")},
+            },
         )
 
     def motions(self, wheels: int) -> tuple[Motion, ...]:
@@ -184,10 +200,14 @@ def _roads(p: Mapping[str, Value]) -> dict[str, Signal]:
 
 
 def _loads(p: Mapping[str, Value]) -> tuple[float, float]:
-    """Return the tyre loads of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind."""
+    """Return the tyre loads of a half car, N: (b M / L + m1) g in front, (a M / L + m2) g behind.
+
+    The payload of an axle is added.
+    """
     a, b, body = number(p, "cg_to_front"), number(p, "cg_to_rear"), number(p, "sprung_mass")
     front, rear = (
-        (share / (a + b) * body + number(p, f"{axle}.unsprung_mass")) * number(p, "gravity")
+        (share / (a + b) * body + number(p, f"{axle}.unsprung_mass") + number(p, f"{axle}.payload"))
+        * number(p, "gravity")
         for axle, share in (("front", b), ("rear", a))
     )
     return front, rear
@@ -221,7 +241,11 @@ def half_car_rigid_tyres(p: Mapping[str, Value]) -> System:
             *suspension_elements(p, over_rear, "rear", "rear_road"),
         ),
         signals=body.signals,
-        loads=tuple(Load(body.shares, name) for name in _body_forces(p)),
+        loads=(
+            *(Load(body.shares, name) for name in _body_forces(p)),
+            Load(over_front, "front_actuator_force"),
+            Load(over_rear, "rear_actuator_force"),
+        ),
         scales=2 * (body.signals["front_road"].scale or _SMALL,),
         axles=(
             Axle("front_", over_front, "front_road"),
@@ -270,7 +294,11 @@ def half_car(p: Mapping[str, Value]) -> System:
             rear_tyre,
         ),
         signals=body.signals,
-        loads=tuple(Load((*body.shares, 0.0, 0.0), name) for name in _body_forces(p)),
+        loads=(
+            *(Load((*body.shares, 0.0, 0.0), name) for name in _body_forces(p)),
+            Load(front_strut, "front_actuator_force"),
+            Load(rear_strut, "rear_actuator_force"),
+        ),
         scales=4 * (scale,),
         axles=(
             Axle("front_", front_strut, "front_road", "front_tyre", front_load),

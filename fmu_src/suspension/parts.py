@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from functools import lru_cache, reduce
 from itertools import pairwise
 from math import inf, isfinite
+from operator import add
 
 from . import characteristics, roads
 from .characteristics import Characteristic
 from .signals import Signal, passing_time
 from .systems import ALWAYS, Element
-from .units import nearest
+from .units import KGF, nearest
 from .variable import ParameterError, Value, number
 
 
@@ -69,7 +71,8 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
     if abs(rest) > 1e-9 * max(abs(piece.coefficients[0]) for piece in law.pieces):
         raise ParameterError(
             f"{name}: gives {rest:g} N at 0; forces are measured from static equilibrium, "
-            "so the table must pass through 0:0"
+            "so the table must pass through 0:0; take a constant force, such as that of a gas damper, "
+            "away (offset, in a table from a file)"
         )
     return law
 
@@ -142,8 +145,65 @@ def suspension_elements(
     axle : prefix of the names of its parameters (`front.`) and elements (`front_`), or empty
     road : name of the signal under them if they stand directly on the road
     """
-    found = (make(p, direction, axle, road) for make in _SUSPENSION)
-    return tuple(element for element in found if element is not None)
+    made = (make(p, direction, axle, road) for make in _SUSPENSION)
+    found = tuple(element for element in made if element is not None)
+    sink = _sink(p, axle, found)
+    return found if sink == 0.0 else tuple(_sunk(element, sink) for element in found)
+
+
+def _sink(p: Mapping[str, Value], axle: str, elements: Iterable[Element]) -> float:
+    """Return how far the payload compresses the suspension of an axle at rest, m."""
+    of, _ = _prefixes(axle)
+    payload = number(p, f"{of}payload")
+    if payload == 0.0:
+        return 0.0
+    springs = reduce(add, (element.spring for element in elements), characteristics.linear(0.0))
+    sink = -springs.argument(-payload * gravity(p))
+    if not abs(sink) < inf:
+        raise ParameterError(f"{of}payload = {payload:g}: no spring or stop carries it")
+    return sink
+
+
+def _sunk(element: Element, sink: float) -> Element:
+    """Return an element of a suspension measured from its rest under the payload."""
+    spring = element.spring.moved(-sink, element.spring.force(-sink)).resting()
+    modulation = element.modulation.moved(-sink, 0.0)
+    return replace(element, spring=spring, modulation=modulation)
+
+
+def gravity(p: Mapping[str, Value]) -> float:
+    """Return the gravitational acceleration, m/s2: that of the earth for models without tyres."""
+    return number(p, "gravity") if "gravity" in p else KGF
+
+
+def payload_words(p: Mapping[str, Value], axle: str = "") -> str:
+    """Return how far the body sinks under the payload of an axle, and the gaps left; "" without one.
+
+    Parameters
+    ----------
+    p : all parameters of a model
+    axle : as for `suspension_elements`
+    """
+    of, _ = _prefixes(axle)
+    if not p.get(f"{of}payload"):
+        return ""
+    made = (make(p, (1.0,), axle, "") for make in _SUSPENSION)
+    sink = _sink(p, axle, [element for element in made if element is not None])
+    weight = number(p, f"{of}payload") * gravity(p)
+    on_tyre = -_unloaded_tyre(p, of).argument(-weight) if f"{of}tyre.damping" in p else 0.0
+    gaps = [
+        f"{name.replace('_', ' ')} {1e3 * (number(p, f'{of}{name}.gap') + sign * sink):.4g} mm away"
+        for name, sign in (("bump_stop", -1.0), ("rebound_stop", 1.0))
+        if p[f"{of}{name}.stiffness"] or p[f"{of}{name}.table"]
+    ]
+    total = sink + on_tyre
+    return "; ".join(
+        [
+            f"{axle} payload of {number(p, f'{of}payload'):g} kg".strip()
+            + f" lowers the body by {1e3 * total:.4g} mm, {1e3 * sink:.4g} mm of it in the suspension",
+            *gaps,
+        ]
+    )
 
 
 def _spring_element(
@@ -160,22 +220,47 @@ def _damper_element(
     of, prefix = _prefixes(axle)
     table = f"{of}damper.deflection_table"
     modulation, damper = _modulation(table, str(p[table])), _damper(p, of)
+    damper = damper.scaled(number(p, f"{of}damper.scale"))
     if damper.is_zero:
         return None
     return Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
 
 
-def _stop_element(name: str, make: Callable[[float, float], Characteristic]) -> _Make:
-    """Return the function that makes an end stop from its gap and stiffness."""
+def _stop_element(name: str, make: Callable[[float, float], Characteristic], side: float) -> _Make:
+    """Return the function that makes an end stop from its gap, and its stiffness or table.
+
+    Parameters
+    ----------
+    side : the sign of the deflection at which it acts
+    """
 
     def stop_element(
         p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
     ) -> Element | None:
         of, prefix = _prefixes(axle)
-        stop = make(number(p, f"{of}{name}.gap"), number(p, f"{of}{name}.stiffness"))
+        gap, text = number(p, f"{of}{name}.gap"), str(p[f"{of}{name}.table"])
+        stop = (
+            _progressive(f"{of}{name}.table", text, gap, side)
+            if text
+            else make(gap, number(p, f"{of}{name}.stiffness"))
+        )
         return None if stop.is_zero else Element(f"{prefix}{name}", direction, stop, road=road)
 
     return stop_element
+
+
+def _progressive(name: str, text: str, gap: float, side: float) -> Characteristic:
+    """Return an end stop given by a table from first contact on."""
+    pressed = points(name, text)
+    if pressed[0] != (0.0, 0.0) or any(b[1] <= a[1] for a, b in pairwise(pressed)):
+        raise ParameterError(f"{name} = {text!r}: must begin with 0:0, and its forces must rise")
+    curve = [(side * (gap + x), side * force) for x, force in pressed]
+    with blaming(name):
+        slopes = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(pressed)]
+        characteristics.table(pressed)  # refuses what does not ascend
+    if side > 0.0:
+        return characteristics.polyline(curve, 0.0, slopes[-1])
+    return characteristics.polyline(curve[::-1], slopes[-1], 0.0)
 
 
 def _friction_element(
@@ -192,8 +277,8 @@ _Make = Callable[[Mapping[str, Value], tuple[float, ...], str, str], Element | N
 _SUSPENSION: tuple[_Make, ...] = (
     _spring_element,
     _damper_element,
-    _stop_element("bump_stop", characteristics.bump_stop),
-    _stop_element("rebound_stop", characteristics.rebound_stop),
+    _stop_element("bump_stop", characteristics.bump_stop, -1.0),
+    _stop_element("rebound_stop", characteristics.rebound_stop, 1.0),
     _friction_element,
 )
 
@@ -229,6 +314,15 @@ def _tyre_damper(p: Mapping[str, Value], of: str) -> Characteristic:
 
 
 def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
+    """Return the tyre of one axle, measured from static equilibrium under the payload."""
+    law, payload = _unloaded_tyre(p, of), number(p, f"{of}payload")
+    if payload == 0.0 or not law.corners:
+        return law
+    weight = payload * gravity(p)
+    return law.moved(law.argument(-weight), -weight).resting()
+
+
+def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:
     part = f"{of}tyre"
     table = _table(p, part)
     if table is None:

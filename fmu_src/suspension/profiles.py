@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 from cmath import exp
 from collections.abc import Sequence
 from functools import lru_cache
 from itertools import pairwise
 from math import ceil, cos, inf, isfinite, pi, sqrt
-from os import PathLike
-from pathlib import Path
 from random import Random
 from typing import Literal
 
 from .signals import Segment, Signal, passing_time, straight_lines
-from .units import UNITS, UnitError, nearest, to_si
 
 Points = Sequence[tuple[float, float]]
 
@@ -128,93 +124,6 @@ def _instants(kind: str, points: Points, speed: float, start: float) -> list[tup
 
 def _largest(points: Points) -> float:
     return max(abs(value) for _, value in points)
-
-
-def read_points(
-    path: str | PathLike[str],
-    position: str,
-    value: str,
-    position_unit: str,
-    value_unit: str,
-    delimiter: str = ",",
-) -> list[tuple[float, float]]:
-    """Read two columns of a CSV file with a heading, in SI units: points for `table` or `spline`.
-
-    Parameters
-    ----------
-    path : of the file, UTF-8
-    position, value : headings of the two columns
-    position_unit : of the first, a length, time or speed (`m`, `mm`, `s`, `m/s`, ...)
-    value_unit : of the second, a length, force or number (`m`, `mm`, `N`, `kN`, `1`, ...)
-    delimiter : separator of the columns
-
-    Returns
-    -------
-    (m or s, m or N) pairs, positions ascending
-
-    Raises
-    ------
-    ValueError : a missing column, an unknown unit, a cell that is not a finite number, positions that
-        do not ascend, or no rows; the message names file and line.
-    OSError : the file cannot be read.
-    """
-    scales = (_size(position_unit, ("m", "s", "m/s")), _size(value_unit, ("m", "N", "1")))
-    name = Path(path).name
-    points: list[tuple[float, float]] = []
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        try:
-            rows = csv.reader(file, delimiter=delimiter)
-            heading = [cell.strip() for cell in next(rows, [])]
-            places = [_column(name, heading, column) for column in (position, value)]
-            for row in rows:
-                if not any(cell.strip() for cell in row):
-                    continue
-                where = f"{name}, line {rows.line_num}"
-                x, y = (
-                    _number(where, heading[place], row[place] if place < len(row) else "") * scale
-                    for place, scale in zip(places, scales, strict=True)
-                )
-                if points and not points[-1][0] < x:
-                    raise ValueError(f"{where}: {position!r} must ascend from row to row")
-                points.append((x, y))
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{name} is not a CSV file in UTF-8: {error}") from None
-    if not points:
-        raise ValueError(f"{name} has no rows below its heading")
-    return points
-
-
-def _size(unit: str, kinds: tuple[str, ...]) -> float:
-    """Return the size of a unit in the SI unit of its kind."""
-    for kind in kinds:
-        try:
-            return to_si(f"1 {unit}", kind)
-        except UnitError:
-            continue
-    allowed = ", ".join(name for kind in kinds for name in (kind, *UNITS[kind].display))
-    raise ValueError(f"unit {unit!r} does not fit here; allowed: {allowed}")
-
-
-def _column(file: str, heading: Sequence[str], name: str) -> int:
-    found = [place for place, cell in enumerate(heading) if cell == name]
-    if len(found) == 1:
-        return found[0]
-    if found:
-        raise ValueError(f"{file}: {len(found)} columns are called {name!r}")
-    columns = ", ".join(map(repr, heading)) or "none"
-    raise ValueError(f"{file} has no column {name!r}{nearest(name, heading)} (columns: {columns})")
-
-
-def _number(where: str, column: str, cell: str) -> float:
-    try:
-        number = float(cell)
-    except ValueError:
-        number = inf
-    if not isfinite(number):
-        raise ValueError(
-            f"{where}: {column!r} must be a finite number such as -1.5, {cell!r} found"
-        )
-    return number
 
 
 def class_roughness(road_class: str) -> float:

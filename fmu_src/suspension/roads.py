@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, pi
 
+from .measured import read_points
 from .profiles import (
     REFERENCE_FREQUENCY,
     class_roughness,
     random_profile,
-    read_points,
     spline,
     table,
 )

@@ -34,9 +34,9 @@ class Unit:
 
 UNITS: dict[str, Unit] = {
     "1": Unit({}, {"%": 1e-2}),
-    "m": Unit({"m": 1}, {"mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254}),
-    "m/s": Unit({"m": 1, "s": -1}, {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6}),
-    "m/s2": Unit({"m": 1, "s": -2}, {"cm/s2": 1e-2}),
+    "m": Unit({"m": 1}, {"mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}),
+    "m/s": Unit({"m": 1, "s": -1}, {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "mph": 0.44704}),
+    "m/s2": Unit({"m": 1, "s": -2}, {"cm/s2": 1e-2, "g": KGF, "mg": 1e-3 * KGF}),
     "rad": Unit({"rad": 1}, {"deg": pi / 180.0, "mrad": 1e-3}),
     "rad/s": Unit({"rad": 1, "s": -1}, {"deg/s": pi / 180.0}),
     "rad/s2": Unit({"rad": 1, "s": -2}, {"deg/s2": pi / 180.0}),
@@ -44,8 +44,11 @@ UNITS: dict[str, Unit] = {
     "Hz": Unit({"s": -1}, {"kHz": 1e3, "1/min": 1 / 60.0}),
     "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
     "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
-    "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF}),
-    "N/m": Unit({"kg": 1, "s": -2}, {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF}),
+    "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF, "lbf": 4.4482216152605}),
+    "N/m": Unit(
+        {"kg": 1, "s": -2},
+        {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF, "lbf/in": 175.12683524647636},
+    ),
     "N/m3": Unit({"kg": 1, "m": -2, "s": -2}, {"N/mm3": 1e9, "kgf/cm3": 1e6 * KGF}),
     "N.s/m": Unit({"kg": 1, "s": -1}, {"kN.s/m": 1e3, "N.s/mm": 1e3, "kgf.s/cm": 100 * KGF}),
     "J": Unit({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e3}),

@@ -11,11 +11,13 @@ from dataclasses import replace
 from functools import cache
 
 from .declared import (
+    ACTUATOR_FORCE,
     BODY_FORCE_TABLE,
     CONTACT_RULE,
     GRAVITY,
     LIFT_OFF,
     METHODS,
+    PAYLOAD,
     ROAD_INPUTS,
     ROAD_SHAPES,
     SOLVER_PARAMETERS,
@@ -76,6 +78,7 @@ _ROAD = road("road under the wheel; 'input' uses the inputs road_elevation and r
 
 _ONE_DOF = (
     _SPRUNG_MASS,
+    PAYLOAD,
     *SUSPENSION,
     *_ROAD,
     *initial({"body": "the body"}),
@@ -83,12 +86,14 @@ _ONE_DOF = (
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
     body_force(),
+    ACTUATOR_FORCE,
     *_ON_ROAD,
     *SOLVER_OUTPUTS,
 )
 
 _QUARTER_CAR = (
     _SPRUNG_MASS,
+    PAYLOAD,
     *WHEEL,
     *SUSPENSION,
     LIFT_OFF,
@@ -100,6 +105,7 @@ _QUARTER_CAR = (
     *SOLVER_PARAMETERS,
     *ROAD_INPUTS,
     body_force(),
+    ACTUATOR_FORCE,
     *_ON_WHEEL,
     *SOLVER_OUTPUTS,
 )
@@ -142,17 +148,18 @@ _HALF_CAR_ROAD = road(
     "the front wheel",
 )
 
-_RIGID_BODY_MOTION = (*motion("body", "the body's centre of gravity"), *PITCH)
+_RIGID_BODY_MOTION = (*motion("body", "the unloaded body's centre of gravity"), *PITCH)
 
 _HALF_CAR_RIGID_TYRES = (
     *_RIGID_BODY,
-    *_both_axles(SUSPENSION),
+    *_both_axles((PAYLOAD, *SUSPENSION)),
     *_HALF_CAR_ROAD,
     *initial(_BODY_OVER_AXLES),
     BODY_FORCE_TABLE,
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
     body_force(" at its centre of gravity"),
+    *_both_axles((ACTUATOR_FORCE,)),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_ROAD),
     *SOLVER_OUTPUTS,
@@ -160,7 +167,7 @@ _HALF_CAR_RIGID_TYRES = (
 
 _HALF_CAR = (
     *_RIGID_BODY,
-    *_both_axles((*WHEEL, *SUSPENSION)),
+    *_both_axles((PAYLOAD, *WHEEL, *SUSPENSION)),
     LIFT_OFF,
     CONTACT_RULE,
     GRAVITY,
@@ -172,6 +179,7 @@ _HALF_CAR = (
     *SOLVER_PARAMETERS,
     *_both_axles(ROAD_INPUTS),
     body_force(" at its centre of gravity"),
+    *_both_axles((ACTUATOR_FORCE,)),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_WHEEL),
     *SOLVER_OUTPUTS,

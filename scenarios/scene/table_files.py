@@ -11,18 +11,20 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.roads import read_points
+from phaseplane.suspension.measured import Wanted, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
 from ..errors import InputError, one_line, shown
 
-KEYS = ("file", "columns", "units", "delimiter")
+KEYS = ("file", "columns", "units", "delimiter", "decimal", "offset")
 # The SI units of the two columns of a table.
 _UNITS = {
     "road.table": ("m", "m"),
     "force.table": ("s", "N"),
     "body_force.table": ("s", "N"),
     "spring.table": ("m", "N"),
+    "bump_stop.table": ("m", "N"),
+    "rebound_stop.table": ("m", "N"),
     "damper.table": ("m/s", "N"),
     "damper.deflection_table": ("m", "1"),
     "tyre.table": ("m", "N"),
@@ -66,7 +68,8 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     Parameters
     ----------
     name : name of the parameter, such as `road.table` or `front.spring.table`
-    said : `file`, `columns` (two names), `units` (two; default SI), `delimiter` (default comma)
+    said : `file`, `columns` (two names), `units` (two; default those of the row below the heading, or SI),
+        `delimiter` (default comma), `decimal` (default point), `offset` (two, added)
     folder : the folder that the file's path is relative to
     """
     for key in said:
@@ -80,8 +83,12 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     file, columns = said.get("file"), said.get("columns", [])
     if not isinstance(file, str) or not file:
         raise InputError(f"file = {shown(file)}: must be the path of a CSV file")
-    units = said.get("units", list(kinds))
-    for key, pair in (("columns", columns), ("units", units)):
+    pairs = {
+        "columns": columns,
+        "units": said.get("units", ["", ""]),
+        "offset": [str(x) for x in said.get("offset", ["0", "0"])],
+    }
+    for key, pair in pairs.items():
         if not (
             isinstance(pair, list) and len(pair) == 2 and all(isinstance(x, str) for x in pair)
         ):
@@ -89,14 +96,19 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     delimiter = said.get("delimiter", ",")
     if not isinstance(delimiter, str) or len(delimiter) != 1:
         raise InputError(f"delimiter = {shown(delimiter)}: must be one character")
-    for unit, kind in zip(units, kinds, strict=True):
+    wanted = []
+    for column, unit, offset, kind in zip(*pairs.values(), kinds, strict=True):
         try:
             to_si(f"1 {unit}", kind)
+            wanted.append(Wanted(column, (kind,), unit, to_si(offset, kind)))
         except UnitError as error:
             raise InputError(f"units: {error}") from None
     try:
-        points = read_points(
-            folder / file, columns[0], columns[1], units[0], units[1], delimiter=delimiter
+        points = zip(
+            *read_columns(
+                folder / file, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
+            ),
+            strict=True,
         )
     except OSError as error:
         raise InputError(f"cannot read {folder / file}: {error.strerror or error}") from None

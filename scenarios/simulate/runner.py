@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension import engine, extent
+from phaseplane.suspension.parts import payload_words
 
 from .. import simulate
 from ..errors import InputError, RunError, one_line
@@ -212,6 +213,8 @@ def _remarks(scene: Scene) -> Iterator[str]:
     """Yield remarks on a run in which nothing failed."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
+        told = (payload_words(scene.all_parameters, axle) for axle in ("", "front", "rear"))
+        yield from filter(None, told)
 
 
 def _against_reference(scene: Scene, columns: Columns) -> Iterator[dict[str, Any]]:

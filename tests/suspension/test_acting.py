@@ -33,6 +33,8 @@ TABLES = {  # and another one for each
     ),
     "damper.table": ("-1:-300, -0.1:-100, 0:0, 0.1:150, 1:900", "-1:-400, 0:0, 0.2:150, 1:900"),
     "damper.deflection_table": ("-0.05:0.5, 0:1, 0.05:1.5", "-0.05:0.6, 0:1, 0.02:1.2"),
+    "bump_stop.table": ("0:0, 0.005:100, 0.02:1200", "0:0, 0.02:400"),
+    "rebound_stop.table": ("0:0, 0.005:100, 0.02:1200", "0:0, 0.02:400"),
     "tyre.table": ("-0.1:-30000, -0.01:-900, 0:0, 0.1:25000", "-0.1:-30000, 0:0, 0.1:25000"),
     "road.table": ("0:0, 0.5:0.03, 1:0, 3:-0.02, 4:0", "0:0, 0.5:0.02, 1:0"),
     "road.sequence": ("bump 0.05 1, gap 1, plank 0.03 0.5", "bump 0.04 1, gap 1, plank 0.03 0.5"),
@@ -52,6 +54,10 @@ SETTINGS: dict[str, dict[str, Value]] = {
     "tables": {
         "spring.table": SPRING, "damper.table": DAMPER, "tyre.table": TYRE, **STOPS, **BLOW_OFF,
         "spring.cubic": 2e6, "damper.saturation_force": 100.0,
+    },
+    "progressive stops": {
+        "bump_stop.table": "0:0, 0.005:100, 0.02:1200", **STOPS,
+        "rebound_stop.table": "0:0, 0.005:100, 0.02:1200",
     },
     "saturation": {
         "spring.cubic": 2e6, "spring.preload": 900.0, "damper.saturation_force": 200.0, **BLOW_OFF,

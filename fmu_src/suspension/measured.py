@@ -1,0 +1,203 @@
+"""Columns of CSV files as measuring programs write them: units, decimal comma, comments."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+from os import PathLike
+from pathlib import Path
+
+from .units import UNITS, UnitError, nearest, to_si
+
+_COMMENT = "#"
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A column to read.
+
+    Parameters
+    ----------
+    heading : its heading in the file
+    kinds : the SI units of which it may be one
+    unit : its unit in the file; "" for that of the row below the heading, or else SI
+    offset : added to the values, in SI
+    """
+
+    heading: str
+    kinds: tuple[str, ...]
+    unit: str = ""
+    offset: float = 0.0
+
+
+def read_columns(
+    path: str | PathLike[str],
+    wanted: Sequence[Wanted],
+    *,
+    delimiter: str = ",",
+    decimal: str = ".",
+    ascending: bool = True,
+) -> list[list[float]]:
+    """Read columns of a CSV file with a heading, in SI units.
+
+    Lines that begin with # are skipped. The row below the heading may give the units.
+
+    Parameters
+    ----------
+    path : of the file, UTF-8
+    wanted : the columns
+    delimiter : separator of the columns
+    decimal : "." or ","; whichever separates no columns
+    ascending : whether the first column must ascend from row to row
+
+    Raises
+    ------
+    ValueError : a missing column, an unknown unit, a cell that is not a finite number, a first column
+        that does not ascend, or no rows; the message names file and line.
+    OSError : the file cannot be read.
+    """
+    name = Path(path).name
+    if decimal not in (".", ",") or decimal == delimiter:
+        raise ValueError(
+            f"decimal = {decimal!r}: must be '.' or ',', and not the delimiter {delimiter!r}"
+        )
+    columns: list[list[float]] = [[] for _ in wanted]
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        try:
+            rows = _numbered(csv.reader(file, delimiter=delimiter))
+            _, heading = next(rows, (0, []))
+            places = [_column(name, heading, column.heading) for column in wanted]
+            scales: list[float] = []
+            for line, row in rows:
+                cells = [row[place] if place < len(row) else "" for place in places]
+                units = [_bare(cell) for cell in cells]
+                if not scales:
+                    above = all(map(_is_unit, units))
+                    scales = [
+                        _size(column.unit or (unit if above else column.kinds[0]), column.kinds)
+                        for column, unit in zip(wanted, units, strict=True)
+                    ]
+                    if above:
+                        continue
+                values = [
+                    _number(f"{name}, line {line}", column.heading, cell, decimal) * scale
+                    + column.offset
+                    for column, cell, scale in zip(wanted, cells, scales, strict=True)
+                ]
+                if ascending and columns[0] and not columns[0][-1] < values[0]:
+                    raise ValueError(
+                        f"{name}, line {line}: {wanted[0].heading!r} must ascend from row to row"
+                    )
+                for column, value in zip(columns, values, strict=True):
+                    column.append(value)
+        except (UnicodeDecodeError, csv.Error) as error:
+            raise ValueError(f"{name} is not a CSV file in UTF-8: {error}") from None
+    if not columns[0]:
+        raise ValueError(f"{name} has no rows below its heading")
+    return columns
+
+
+def read_points(
+    path: str | PathLike[str],
+    position: str,
+    value: str,
+    position_unit: str = "",
+    value_unit: str = "",
+    delimiter: str = ",",
+    decimal: str = ".",
+    offsets: tuple[float, float] = (0.0, 0.0),
+) -> list[tuple[float, float]]:
+    """Read two columns of a CSV file in SI units: points for a `table` or `spline`.
+
+    Parameters
+    ----------
+    path : of the file, UTF-8
+    position, value : headings of the two columns
+    position_unit : of the first, a length, time or speed (`m`, `mm`, `s`, `m/s`, ...)
+    value_unit : of the second, a length, force or number (`m`, `mm`, `N`, `kN`, `1`, ...)
+    delimiter, decimal : as for `read_columns`
+    offsets : added to positions and values, in SI
+
+    Returns
+    -------
+    (m, s or m/s; m, N or 1) pairs, positions ascending
+
+    Raises
+    ------
+    ValueError, OSError : as `read_columns`.
+    """
+    wanted = (
+        Wanted(position, ("m", "s", "m/s"), position_unit, offsets[0]),
+        Wanted(value, ("m", "N", "1"), value_unit, offsets[1]),
+    )
+    positions, values = read_columns(path, wanted, delimiter=delimiter, decimal=decimal)
+    return list(zip(positions, values, strict=True))
+
+
+def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
+    """Return the headings of a CSV file.
+
+    Raises
+    ------
+    OSError : the file cannot be read.
+    """
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        return next(_numbered(csv.reader(file, delimiter=delimiter)), (0, []))[1]
+
+
+def _numbered(rows: Iterator[list[str]]) -> Iterator[tuple[int, list[str]]]:
+    """Yield the rows that are neither empty nor comments, stripped, with the number of their line."""
+    for line, row in enumerate(rows, 1):
+        cells = [cell.strip() for cell in row]
+        if any(cells) and not cells[0].startswith(_COMMENT):
+            yield line, cells
+
+
+def _bare(cell: str) -> str:
+    """Return a unit without brackets."""
+    return cell.strip("[]()")
+
+
+_DISPLAYED: Mapping[str, float] = {name: 1.0 for unit in UNITS.values() for name in unit.display}
+
+
+def _is_unit(text: str) -> bool:
+    return (text in UNITS and text != "1") or text in _DISPLAYED or text == "-"
+
+
+def _size(unit: str, kinds: tuple[str, ...]) -> float:
+    """Return the size of a unit in the SI unit of its kind."""
+    if unit == "-":
+        return 1.0
+    for kind in kinds:
+        try:
+            return to_si(f"1 {unit}", kind)
+        except UnitError:
+            continue
+    allowed = ", ".join(name for kind in kinds for name in (kind, *UNITS[kind].display))
+    raise ValueError(f"unit {unit!r} does not fit here; allowed: {allowed}")
+
+
+def _column(file: str, heading: Sequence[str], name: str) -> int:
+    found = [place for place, cell in enumerate(heading) if cell == name]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise ValueError(f"{file}: {len(found)} columns are called {name!r}")
+    columns = ", ".join(map(repr, heading)) or "none"
+    raise ValueError(f"{file} has no column {name!r}{nearest(name, heading)} (columns: {columns})")
+
+
+def _number(where: str, column: str, cell: str, decimal: str) -> float:
+    try:
+        number = float(cell.replace(",", ".") if decimal == "," else cell)
+    except ValueError:
+        number = inf
+    if not isfinite(number):
+        hint = "; is the decimal sign a comma?" if "," in cell and decimal == "." else ""
+        raise ValueError(
+            f"{where}: {column!r} must be a finite number such as -1.5, {cell!r} found{hint}"
+        )
+    return number
