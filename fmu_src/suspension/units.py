@@ -47,7 +47,7 @@ UNITS: dict[str, Unit] = {
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF, "lbf": 4.4482216152605}),
     "N/m": Unit(
         {"kg": 1, "s": -2},
-        {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF, "lbf/in": 175.12683524647636},
+        {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF, "lbf/in": 4.4482216152605 / 0.0254},
     ),
     "N/m3": Unit({"kg": 1, "m": -2, "s": -2}, {"N/mm3": 1e9, "kgf/cm3": 1e6 * KGF}),
     "N.s/m": Unit({"kg": 1, "s": -1}, {"kN.s/m": 1e3, "N.s/mm": 1e3, "kgf.s/cm": 100 * KGF}),

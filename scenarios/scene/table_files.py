@@ -68,8 +68,8 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     Parameters
     ----------
     name : name of the parameter, such as `road.table` or `front.spring.table`
-    said : `file`, `columns` (two names), `units` (two; default those of the row below the heading, or SI),
-        `delimiter` (default comma), `decimal` (default point), `offset` (two, added)
+    said : `file`, `columns` (two names), `units` (two; those of the row below the heading, or SI, if
+        left out), `delimiter` (a comma), `decimal` (a point), `offset` (two, which are added)
     folder : the folder that the file's path is relative to
     """
     for key in said:
