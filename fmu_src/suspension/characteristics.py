@@ -151,15 +151,13 @@ class Characteristic:
 
     def scaled(self, factor: float) -> Characteristic:
         """Return the law with all forces multiplied by a factor."""
-        return Characteristic(
-            tuple(
-                piece._replace(
-                    coefficients=tuple(factor * c for c in piece.coefficients),
-                    saturation=factor * piece.saturation,
-                )
-                for piece in self.pieces
+        pieces = []
+        for piece in self.pieces:
+            c0, c1, c2, c3 = (factor * c for c in piece.coefficients)
+            pieces.append(
+                piece._replace(coefficients=(c0, c1, c2, c3), saturation=factor * piece.saturation)
             )
-        )
+        return Characteristic(tuple(pieces))
 
     def resting(self) -> Characteristic:
         """The same law through the origin, where rounding alone keeps it from there.
