@@ -22,7 +22,7 @@ from typing import Any
 import cases
 from measuring import medians
 from phaseplane.scenarios.studies import own
-from phaseplane.scenarios.studies.telling import machine, versions
+from phaseplane.scenarios.studies.telling import compared_versions, machine
 from phaseplane.suspension import engine
 from phaseplane.suspension.engine import Integrator
 
@@ -214,7 +214,7 @@ def main() -> None:
     data = {
         "date": datetime.now(UTC).date().isoformat(),
         "machine": on,
-        "versions": versions(),
+        "versions": compared_versions(),
         "rounds": given.rounds,
         "ratios": [{**asdict(r), "value": r.value, "holds": r.holds} for r in ratios],
     }

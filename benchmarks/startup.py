@@ -21,7 +21,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from phaseplane.scenarios.studies.telling import machine, versions
+from phaseplane.scenarios.studies.telling import compared_versions, machine
 
 HERE = Path(__file__).parent
 PHASEPLANE = "from phaseplane.scenarios.cli import main; main()"
@@ -132,7 +132,7 @@ def main() -> None:
         data = {
             "date": datetime.now(UTC).date().isoformat(),
             "machine": machine(),
-            "versions": versions(),
+            "versions": compared_versions(),
             "rounds": given.rounds,
             "ratios": ratios,
         }

@@ -20,7 +20,7 @@ from statistics import median
 from time import perf_counter
 
 import cases
-from phaseplane.scenarios.studies.telling import machine, versions
+from phaseplane.scenarios.studies.telling import compared_versions, machine
 from phaseplane.scenarios.sweeps.job import run_sweep
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.suspension.batch import run_many
@@ -126,7 +126,7 @@ def main() -> None:
     if not given.only_print:
         data = {
             "machine": machine(),
-            "versions": versions(),
+            "versions": compared_versions(),
             "ways": found,
             "sweep_over_batch": ratios,
         }

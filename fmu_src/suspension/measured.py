@@ -187,7 +187,9 @@ def _column(file: str, heading: Sequence[str], name: str) -> int:
     if found:
         raise ValueError(f"{file}: {len(found)} columns are called {name!r}")
     columns = ", ".join(map(repr, heading)) or "none"
-    raise ValueError(f"{file} has no column {name!r}{nearest(name, heading)} (columns: {columns})")
+    raise ValueError(
+        f"{file} has no column {name!r}; its columns are {columns}{nearest(name, heading)}"
+    )
 
 
 def _number(where: str, column: str, cell: str, decimal: str) -> float:

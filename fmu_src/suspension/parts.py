@@ -439,9 +439,9 @@ def _sequence(p: Mapping[str, Value]) -> Signal:
         name, *words = item.split() or [""]
         if name != "gap" and name not in _IN_SEQUENCE:
             raise ParameterError(
-                f"road.sequence = {text!r}: {item.strip()!r} is unknown{nearest(name, _IN_SEQUENCE)}; "
+                f"road.sequence = {text!r}: {item.strip()!r} is unknown; "
                 f"write {', '.join(_IN_SEQUENCE)} or gap with numbers in m, such as "
-                "'bump 0.05 1, gap 3, plank 0.03 0.5'"
+                f"'bump 0.05 1, gap 3, plank 0.03 0.5'{nearest(name, _IN_SEQUENCE)}"
             )
         try:
             numbers = [float(word) for word in words]

@@ -87,6 +87,6 @@ def to_si(quantity: str, unit: str) -> float:
 
 
 def nearest(name: str, names: object) -> str:
-    """Return a hint with the closest known name, or an empty text."""
+    """Return a hint with the closest known name to end a message with, or an empty text."""
     close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]
     return f"; did you mean {close[0]!r}?" if close else ""

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import zipfile
 from collections.abc import Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
@@ -21,13 +20,17 @@ from xml.etree import ElementTree
 from phaseplane.suspension.variables import Value, refuse_unknown
 
 from . import systems
-from .archives import digest, digest_of, write_all, zipped
-from .content import SCRIPTS, SLAVES, production, suspension_sources
+from .archives import digest_of, write_all, zipped
+from .content import SCRIPTS, SLAVES, hashed, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
 from .model_description import completed
 from .reference import reference_files, session_of
 from .slaves.vehicle_slave import START_VALUES
+from .versions import installed
 from .wrapper import ended_once
+
+_PYTHONFMU = "resources/pythonfmu/__init__.py"
+_BUILDER = b"from .builder import FmuBuilder\n"
 
 
 def build(
@@ -99,10 +102,6 @@ def _system(model: str, parameters: Mapping[str, Value], roads: dict[str, bytes]
 # -- what goes in ----------------------------------------------------------------------------------
 
 
-def _hashed(name: str, *parts: bytes) -> str:
-    return f"{name}_{digest(*parts)[:12]}"
-
-
 def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
     """Return the source with imports of this project's modules renamed."""
     for old, new in names.items():
@@ -114,20 +113,18 @@ def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
 def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, list[Path]]:
     """Write the FMU's contents to the stage; return its script, and the paths packed beside it."""
     package = suspension_sources()
-    sources = [part for path, text in package.items() if not path.endswith((".so", ".pyd"))
-               for part in (path.encode(), text)]  # fmt: skip
-    names = {"phaseplane.suspension": _hashed("suspension", *sources)}
+    names = {"phaseplane.suspension": suspension_name(package)}
     for path, content in package.items():
         target = stage / names["phaseplane.suspension"] / path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
     base = _renamed_imports((SLAVES / "vehicle_slave.py").read_bytes(), names)
-    names["phaseplane.vehicle_fmus.slaves.vehicle_slave"] = _hashed("vehicle_slave", base)
+    names["phaseplane.vehicle_fmus.slaves.vehicle_slave"] = hashed("vehicle_slave", base)
     base_file = stage / f"{names['phaseplane.vehicle_fmus.slaves.vehicle_slave']}.py"
     base_file.write_bytes(base)
     slave = SLAVES / SCRIPTS[model]
     content = _renamed_imports(slave.read_bytes(), names)
-    script = stage / f"{_hashed(slave.stem, content)}.py"
+    script = stage / f"{hashed(slave.stem, content)}.py"
     script.write_bytes(content)
     start_values = stage / START_VALUES
     start_values.write_text(json.dumps(dict(sorted(start.items())), indent=1) + "\n", "utf-8")
@@ -155,6 +152,7 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
         with zipfile.ZipFile(raw) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}
     members |= {n: _mended(members[n]) for n in members if n.startswith("binaries/linux")}
+    members[_PYTHONFMU] = _without_builder(members[_PYTHONFMU])
     about = production()
     members |= {
         "model.png": (DOCUMENTATION / f"{model}.png").read_bytes(),
@@ -172,13 +170,29 @@ def _packed(model: str, start: dict[str, Value]) -> bytes:
     return zipped(members)
 
 
+def _without_builder(package: bytes) -> bytes:
+    """Return pythonfmu's `__init__` such that it imports its builder, which no FMU needs, on demand.
+
+    The builder takes longer to import than all else of pythonfmu. A package that does not import it in
+    this way is returned unchanged.
+    """
+    on_demand = (
+        b"\n\ndef __getattr__(name):\n"
+        b"    if name == 'FmuBuilder':\n"
+        b"        from .builder import FmuBuilder\n"
+        b"        return FmuBuilder\n"
+        b"    raise AttributeError(name)\n"
+    )
+    return package.replace(_BUILDER, b"") + on_demand if _BUILDER in package else package
+
+
 def _mended(library: bytes) -> bytes:
     """Return pythonfmu's library for Linux, mended; refuse an unknown one, which might abort hosts."""
     try:
         return ended_once(library)
     except ValueError as error:
         raise RuntimeError(
-            f"the Linux library of pythonfmu {version('pythonfmu')} might abort hosts when they exit: "
+            f"the Linux library of pythonfmu {installed('pythonfmu')} might abort hosts when they exit: "
             f"{error}; pack with pythonfmu 0.7.0"
         ) from error
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from functools import cache
 from pathlib import Path
 
 from phaseplane.suspension.kernel_name import KERNEL, kernel_name
 
-from .archives import digest_of
+from .archives import digest, digest_of
+from .versions import installed
 
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
@@ -37,30 +39,48 @@ def content_key(model: str) -> str:
     return digest_of({**files, **suspension_sources(), **about})[:24]
 
 
+def suspension_name(package: Mapping[str, bytes]) -> str:
+    """Return the name in an FMU of the package with these contents, from `suspension_sources`."""
+    sources = [
+        part
+        for path, text in package.items()
+        if not path.endswith((".so", ".pyd"))
+        for part in (path.encode(), text)
+    ]
+    return hashed("suspension", *sources)
+
+
+def hashed(name: str, *parts: bytes) -> str:
+    """Return the name in an FMU of a module with this content."""
+    return f"{name}_{digest(*parts)[:12]}"
+
+
 def suspension_sources() -> dict[str, bytes]:
     """Return the package by path: sources, declarations for Cython, and the compiled kernel if any."""
-    kernel = SUSPENSION / "kernel"
+    return _sources(SUSPENSION)
+
+
+@cache
+def _sources(package: Path) -> dict[str, bytes]:
+    kernel = package / "kernel"
     binaries = kernel / kernel_name(kernel)
     paths = [
-        *(path for path in SUSPENSION.glob("*.py") if path.name not in NOT_CARRIED),
+        *(path for path in package.glob("*.py") if path.name not in NOT_CARRIED),
         *kernel.glob("*.py"),
         *kernel.glob("*.pxd"),  # the kernel's name depends on these too
         *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),
     ]
-    return {path.relative_to(SUSPENSION).as_posix(): path.read_bytes() for path in sorted(paths)}
+    return {path.relative_to(package).as_posix(): path.read_bytes() for path in sorted(paths)}
 
 
 def production() -> dict[str, str]:
     """Return the attributes of the model description that record version, tool and date."""
-    try:
-        own = version("phaseplane")
-    except PackageNotFoundError:  # run from its sources
-        own = ""
+    own = installed("phaseplane")
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
     made = datetime.fromtimestamp(int(epoch), UTC).isoformat()[:19] + "Z" if epoch else ""
     return {
         "guid": "",
         "version": own,
-        "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {version('pythonfmu')}",
+        "generationTool": f"{f'phaseplane {own}'.strip()} with PythonFMU {installed('pythonfmu')}",
         "generationDateAndTime": made,  # not the clock, with which every build would differ
     }

@@ -86,8 +86,21 @@ class Motion(NamedTuple):
     complaint: str = ""
 
 
-def motion(system: Switching, start: tuple[float, float], times: Sequence[float]) -> Motion:
-    """Return the motion from a state (x, x') at the first of ascending times, to ten digits."""
+def motion(
+    system: Switching,
+    start: tuple[float, float],
+    times: Sequence[float],
+    going_on: Callable[[float], bool] = lambda _time: True,
+) -> Motion:
+    """Return the motion from a state (x, x') at the first of ascending times, to ten digits.
+
+    Parameters
+    ----------
+    system : the equation
+    start : x and x' at the first time
+    times : s, ascending
+    going_on : called after every step with the time reached, s; whether to go on
+    """
     found = Motion([], [], [], [], [])
     end = times[-1]
     due = 0
@@ -104,6 +117,8 @@ def motion(system: Switching, start: tuple[float, float], times: Sequence[float]
                 found.velocities.append(v)
                 found.accelerations.append(_acceleration(system, mode, times[due], x, v))
                 due += 1
+            if not going_on(step.end):
+                break
     except MotionError as error:
         if not found.times:
             x, v = start

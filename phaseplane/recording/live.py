@@ -18,7 +18,7 @@ from pathlib import Path
 from queue import Empty, Queue
 from tempfile import TemporaryFile
 from types import TracebackType
-from typing import IO, Any
+from typing import IO, Protocol
 
 import numpy as np
 
@@ -29,6 +29,14 @@ from .server import listens
 _INTERVAL = 0.1  # s of wall time between two batches
 _MOST_ROWS = 250  # in a batch
 _PATIENCE = 20.0  # longest wait for a viewer before and after a run, s
+
+
+class RowsSoFar(Protocol):
+    """The rows of a run that is under way."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, rows: slice, /) -> Sequence[Sequence[float]]: ...
 
 
 class Live:
@@ -66,7 +74,7 @@ class Live:
         self._over = threading.Event()
         self._answers: Queue[bytes] = Queue()
         self._pending = False  # whether the drawer is still drawing the last rows
-        self._source: Callable[[], tuple[Sequence[str], Sequence[tuple[Any, ...]]]] | None = None
+        self._source: Callable[[], tuple[Sequence[str], RowsSoFar]] | None = None
         self._taken = 0
         if url and not listens(url):
             self.problem = f"no viewer listens at {url}"
@@ -90,13 +98,13 @@ class Live:
 
     # -- while the run goes on ---------------------------------------------------------------------
 
-    def watch(self, names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> None:
+    def watch(self, names: Sequence[str], rows: RowsSoFar) -> None:
         """Announce the rows computed so far, without waiting.
 
         Parameters
         ----------
         names : of the columns, including `time`
-        rows : all rows so far; the run appends to this sequence
+        rows : all rows so far; the run adds to them
         """
         if self._source is None and not self.problem:
             self._source = lambda: (names, rows)
@@ -112,7 +120,7 @@ class Live:
         assert self._source is not None
         names, rows = self._source()
         new = rows[self._taken : len(rows)]
-        if not new:
+        if not len(new):
             return
         self._taken += len(new)
         chosen = np.unique(np.linspace(0, len(new) - 1, _MOST_ROWS).round().astype(int))

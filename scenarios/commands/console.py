@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import gc
 import os
 import signal
@@ -98,6 +99,7 @@ class Commands(click.Group):
         if not standalone_mode:
             return run()
         gc.set_threshold(_GARBAGE)
+        atexit.register(gc.freeze)  # the interpreter would look for cycles in all that is left
         for stream in (sys.stdout, sys.stderr):
             with suppress(AttributeError, ValueError):
                 stream.reconfigure(errors="replace")  # type: ignore[union-attr]

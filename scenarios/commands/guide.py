@@ -7,10 +7,10 @@ from textwrap import fill
 from typing import Any
 
 from phaseplane.suspension.variables import MODELS, Variable
-from pydantic import BaseModel
 
 from ..measures import catalogue
 from ..scene.expectations import During, Reference
+from ..scene.fields import schema_of
 from ..scene.fmus import fmu_named
 from ..scene.names import SWEEPS
 from ..scene.sections import Construction, Show
@@ -23,7 +23,7 @@ _TOP = {
     "fmu": ("", f"{', '.join(MODELS)}, or the path of an .fmu file"),
     "duration": ("s", "time to simulate"),
 }
-_SECTIONS: dict[str, tuple[str, type[BaseModel]]] = {
+_SECTIONS: dict[str, tuple[str, type]] = {
     "show": ("what to compute, read and write, and nothing else", Show),
     "construction": ("settings of the graphical construction", Construction),
     "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
@@ -51,8 +51,7 @@ def sweep_guide() -> str:
 
 def sweep_schema() -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of a sweep file."""
-    schema = SweepFile.model_json_schema()
-    return {"$schema": _DIALECT, **schema, "title": "A sweep over a scene"}
+    return {"$schema": _DIALECT, "title": "A sweep over a scene", **schema_of(SweepFile)}
 
 
 def json_schema(model: str | None) -> dict[str, Any]:
@@ -68,7 +67,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     """
     fmu = fmu_named(model or "QuarterCar")
     known = catalogue(fmu.outputs())
-    sections = {name: kind.model_json_schema() for name, (_, kind) in _SECTIONS.items()}
+    sections = {name: schema_of(kind) for name, (_, kind) in _SECTIONS.items()}
     bounds = {"type": ["integer", "object"], "properties": {"min": {}, "max": {}}}
     properties: dict[str, Any] = {
         key: {"description": about, "type": ["number", "string"] if unit == "s" else "string"}
@@ -126,16 +125,12 @@ def _of_sweeps() -> Iterator[str]:
     yield from (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8").splitlines()
 
 
-def _keys(kind: type[BaseModel]) -> Iterator[str]:
+def _keys(kind: type) -> Iterator[str]:
     """Explain the keys of a table, from its definition."""
-    for key, said in kind.model_json_schema()["properties"].items():
-        kinds = [said, *said.get("anyOf", ())]
-        unit = next((kind["unit"] for kind in kinds if "unit" in kind), "")
-        allowed = said.get("enum") or said.get("items", {}).get("enum")
-        words = said.get("description", "")
-        if allowed:
-            words += f": {', '.join(allowed)}"
-        yield _key(key, unit, words + _default(said.get("default")))
+    for key, said in schema_of(kind)["properties"].items():
+        allowed = said.get("enum") or said.get("items", {}).get("enum") or ()
+        words = f"{said['description']}{': ' if allowed else ''}{_text(allowed)}"
+        yield _key(key, said.get("unit", ""), words + _default(said.get("default")))
 
 
 def _of_model(name: str) -> Iterator[str]:

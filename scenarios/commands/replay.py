@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -158,7 +159,7 @@ def replay_construction(
         scene = load_scene(_scene_or_folder(what), overrides, expect=False)
         if over is None:
             scene.check_construction()
-        settings = scene.construction.model_dump()
+        settings = asdict(scene.construction)
         model, parameters = scene.fmu.model, scene.all_parameters
         columns = read_table(over)[0] if over is not None else {}
         try:
@@ -212,6 +213,6 @@ def _scene_or_folder(what: str) -> str:
     try:
         find_scene(what)
     except SceneError as error:
-        more = ", or of a results folder" if str(error).endswith("file") else ""
-        raise SceneError(f"{error}{more}") from None
+        file = "the path of a .toml file"
+        raise SceneError(str(error).replace(file, f"{file} or of a results folder")) from None
     return what

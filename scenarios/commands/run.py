@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from signal import SIGTERM
@@ -167,7 +168,7 @@ def run_scene(
                 drawing = constructed(
                     scene.fmu.model,
                     scene.all_parameters,
-                    scene.construction.model_dump(),
+                    asdict(scene.construction),
                     scene.construction_time,
                 )
             drawing_time = perf_counter() - started

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -119,7 +120,7 @@ class Run(Table):
 
     def _drawing(self) -> Drawing:
         scene = self.scene
-        settings = scene.construction.model_dump()
+        settings = asdict(scene.construction)
         return constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
 
     def report(self) -> str:

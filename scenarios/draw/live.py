@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,13 +16,12 @@ from ..errors import InputError, RunError, one_line
 from .recording_content import content, known, of_results
 
 if TYPE_CHECKING:
-    from fmpy.simulation import Recorder
-
     from phaseplane.constructions.primitives import Drawing
     from phaseplane.recording import Content, Live, Server
 
     from ..results.folder import Results
     from ..scene.schema import Scene
+    from ..simulate.stepping import Rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +32,9 @@ class LiveRun:
     drawing: Drawing | None
     live: Live
 
-    def watch(self, recorder: Recorder) -> None:
-        """Show the rows that FMPy has recorded so far."""
-        self.live.watch([known(name) for name, *_ in recorder.cols], recorder.rows)
+    def watch(self, rows: Rows) -> None:
+        """Show the rows so far."""
+        self.live.watch([known(name) for name in rows.names], rows)
 
     def complete(self, results: Results) -> tuple[list[str], list[str]]:
         """Show the whole run.
@@ -44,7 +43,7 @@ class LiveRun:
         -------
         Problems (the file could not be written) and warnings (the run could not be shown), a line each.
         """
-        self.live.complete(of_results(results, self.drawing, self.scene.show.model_dump()))
+        self.live.complete(of_results(results, self.drawing, asdict(self.scene.show)))
         if not self.live.problem:
             return [], []
         why = one_line(self.live.problem)
@@ -76,7 +75,7 @@ def shown_live(
         columns={name: np.zeros(0) for name in ("time", *scene.columns)},
         units={name: outputs[name].unit for name in scene.columns},
         duration=scene.duration,
-        shown=scene.show.model_dump(),
+        shown=asdict(scene.show),
         live=True,
     )
     try:

@@ -6,6 +6,7 @@ Drawing libraries are imported only when they are needed.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -50,7 +51,7 @@ def pictures_of(
         if name == "time_histories" or drawing is not None
     }
     if scene.show.recording:
-        shown = scene.show.model_dump()
+        shown = asdict(scene.show)
         pictures[RECORDING] = lambda path: record(of_results(results, drawing, shown), path)
     return pictures
 

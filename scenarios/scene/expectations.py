@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import nearest, to_si
 from phaseplane.suspension.variables import Variable
-from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 
 from ..errors import shown
 from ..measures import COUNT, Reading
 from ..results.comparison import compared
-from .fields import Factor, Instant, Strict, choices, one_of, tuple_from, unit_words
+from .fields import (
+    FACTOR,
+    FLAG,
+    INSTANT,
+    NUMBER_OR_TEXT,
+    TEXT,
+    entry,
+    names_of,
+    one_of,
+    unit_words,
+)
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,7 +35,8 @@ _TOLERANCE = 1e-6
 _COMMON = "set common = true to compare only the rows, times and columns that both have"
 
 
-class Bounds(Strict):
+@dataclass(frozen=True, slots=True)
+class Bounds:
     """Bounds on a measure, in SI; at least one of the two."""
 
     min: float | None = None
@@ -40,40 +51,36 @@ class Bounds(Strict):
         return (self.min is None or value >= self.min) and (self.max is None or value <= self.max)
 
 
-class During(Strict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class During:
     """Bounds on an output within an interval of time, always or sometime.
 
     Models of this package are checked between the rows too, as for measures.
     """
 
-    model_config = ConfigDict(**{**Strict.model_config, "populate_by_name": True})
+    output: str = entry(TEXT, "name of the output")
+    start: float = entry(
+        INSTANT, "start of the interval; the start of the run if left out", 0.0, name="from"
+    )
+    end: float | None = entry(
+        INSTANT, "end of the interval; the end of the run if left out", None, name="to"
+    )
+    min: float | str | None = entry(
+        NUMBER_OR_TEXT, "lower bound, a number in SI or a text with a unit", None
+    )
+    max: float | str | None = entry(NUMBER_OR_TEXT, "upper bound, as min", None)
+    equals: bool | None = entry(FLAG, "true or false, for boolean outputs", None, name="is")
+    when: str = entry(
+        one_of(("always", "sometime")),
+        "whether it must hold at every instant of the interval or at some instant",
+        "always",
+    )
 
-    output: str
-    """name of the output"""
-    start: Annotated[Instant, Field(alias="from")] = 0.0
-    """start of the interval; the start of the run if left out"""
-    end: Annotated[Instant | None, Field(alias="to")] = None
-    """end of the interval; the end of the run if left out"""
-    min: float | str | None = None
-    """lower bound, a number in SI or a text with a unit"""
-    max: float | str | None = None
-    """upper bound, as min"""
-    equals: Annotated[bool | None, Field(alias="is")] = None
-    """true or false, for boolean outputs"""
-    when: Annotated[
-        Literal["always", "sometime"],
-        BeforeValidator(one_of(("always", "sometime"))),
-        choices(("always", "sometime")),
-    ] = "always"
-    """whether it must hold at every instant of the interval or at some instant"""
-
-    @model_validator(mode="after")
-    def _whole(self) -> During:
+    def __post_init__(self) -> None:
         if (self.min is None and self.max is None) == (self.equals is None):
             raise ValueError("needs min and/or max, or is = true or false")
         if self.end is not None and self.end < self.start:
             raise ValueError("to is before from")
-        return self
 
     def bounds(self, outputs: Mapping[str, Variable]) -> Bounds:
         """Return the bounds in SI.
@@ -106,25 +113,33 @@ class During(Strict):
         until = "the end" if self.end is None else f"{self.end:g} s"
         return {
             "measure": f"{self.output} {self.when} from {self.start:g} s to {until}",
-            **bounds.model_dump(),
+            **asdict(bounds),
             "value": float(column[deciding[0]]) if deciding else None,
             "time": float(time[deciding[0]]) if deciding else None,
             "holds": holds,
         }
 
 
-class Reference(Strict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
     """A table of results that the run must agree with."""
 
-    file: str
-    """CSV, Parquet, HDF5 or MAT file with a column time (s) and outputs by name, in SI"""
-    tolerance: Factor = _TOLERANCE
-    """largest difference, relative to the column's peak"""
-    columns: Annotated[tuple[str, ...], BeforeValidator(tuple_from)] | None = None
-    """names of the columns to compare; all if left out"""
-    common: bool = False
-    """whether to compare only the rows, times and columns that file and run share; otherwise those \
-that only one of them has count as differences"""
+    file: str = entry(
+        TEXT,
+        "CSV, Parquet, HDF5 or MAT file with a column time (s) and outputs by name, in SI",
+    )
+    tolerance: float = entry(
+        FACTOR, "largest difference, relative to the column's peak", _TOLERANCE
+    )
+    columns: tuple[str, ...] | None = entry(
+        names_of("columns"), "names of the columns to compare; all if left out", None
+    )
+    common: bool = entry(
+        FLAG,
+        "whether to compare only the rows, times and columns that file and run share; otherwise "
+        "those that only one of them has count as differences",
+        False,
+    )
 
     def judged(self, file: str, reference: Columns, columns: Columns) -> dict[str, Any]:
         """Return whether the worst column is within tolerance, and rows and columns are the same.
@@ -169,19 +184,21 @@ def bounds_from(raw: object, unit: str) -> Bounds:
             else f"must be min and/or max{unit_words(unit)}"
         )
     bounds = {}
-    for key, value in raw.items():
+    for name, value in raw.items():
+        if name not in ("min", "max"):
+            raise ValueError(f"{shown(name)} is unknown; must be min and/or max")
         number = to_si(value, unit if unit != COUNT else "1") if isinstance(value, str) else value
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"{key} must be a number{unit_words(unit)}")
+            raise ValueError(f"{name} must be a number{unit_words(unit)}")
         try:
-            bounds[key] = float(number)
+            bounds[name] = float(number)
         except OverflowError:
-            bounds[key] = inf
-        if not isfinite(bounds[key]):
-            raise ValueError(f"{key} must be finite")
+            bounds[name] = inf
+        if not isfinite(bounds[name]):
+            raise ValueError(f"{name} must be finite")
     if bounds.get("min", -inf) > bounds.get("max", inf):
         raise ValueError("min is above max")
-    return Bounds.model_validate(bounds)
+    return Bounds(**bounds)
 
 
 def judged_measures(
@@ -191,7 +208,7 @@ def judged_measures(
     for name, bounds in expected.items():
         yield {
             "measure": name,
-            **bounds.model_dump(),
+            **asdict(bounds),
             "value": readings[name].value,
             "time": readings[name].time,
             "holds": bounds.hold(readings[name].value),

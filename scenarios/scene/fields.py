@@ -1,43 +1,204 @@
-"""The types of the values in a scene, with messages that say what is allowed."""
+"""Tables of scene and sweep files: how each key is read, what it means, and its JSON Schema.
+
+A table is a frozen dataclass whose fields are made by `entry`. Messages say what was given and what is
+allowed.
+"""
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable, Sequence
-from inspect import cleandoc, getsource
-from itertools import pairwise
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import MISSING, Field, dataclass
+from inspect import getdoc
 from math import inf, isfinite
-from textwrap import dedent
-from typing import Annotated, Any
+from typing import Any, TypeVar
 
 from phaseplane.suspension.units import nearest, to_si
-from pydantic import BaseModel, BeforeValidator, ConfigDict, WithJsonSchema
+
+from ..errors import shown
+
+Reader = Callable[[Any], Any]
+_Table = TypeVar("_Table")
 
 
-def _described(schema: dict[str, Any], table: type[BaseModel]) -> None:
-    """Add the docstrings of a table's keys to its JSON Schema, as their descriptions."""
-    (definition,) = ast.parse(dedent(getsource(table))).body
-    for key, text in pairwise(getattr(definition, "body", ())):
-        match key, text:
-            case ast.AnnAssign(ast.Name(name)), ast.Expr(ast.Constant(str() as about)):
-                said = schema["properties"][table.model_fields[name].alias or name]
-                said.setdefault("description", cleandoc(about))
+class RefusedError(ValueError):
+    """A key of a file that is unknown, missing, or has a value that is not allowed.
+
+    Parameters
+    ----------
+    key : dotted, from the top of the file
+    message : what is wrong, and with what
+    briefly : the same to follow the name of an option that set the key
+    """
+
+    def __init__(self, key: str, message: str, briefly: str = "") -> None:
+        super().__init__(message)
+        self.key = key
+        self.briefly = briefly or f": {message.removeprefix(f'{key}: ')}"
+
+    @classmethod
+    def value(cls, key: str, value: object, why: str) -> RefusedError:
+        """Return the refusal of a key's value."""
+        given = shown(value)
+        return cls(key, f"{key} = {given}: {why}" if key else why, f" {given}: {why}")
 
 
-class Strict(BaseModel):
-    """A table of a scene: unknown keys and values of other types are rejected."""
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A type of value.
 
-    model_config = ConfigDict(
-        extra="forbid",
-        frozen=True,
-        strict=True,
-        arbitrary_types_allowed=True,
-        json_schema_extra=_described,
-    )
+    Parameters
+    ----------
+    read : returns a value from a file as it is stored, or raises ValueError saying what is allowed
+    schema : its JSON Schema
+    """
+
+    read: Reader
+    schema: Mapping[str, Any]
 
 
-def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
-    """Return a validator of a positive number (or zero) in SI, or a text with a unit."""
+def entry(kind: Kind, about: str, default: Any = MISSING, *, name: str = "") -> Any:
+    """Return a field of a table.
+
+    Parameters
+    ----------
+    kind : type of its values
+    about : its meaning
+    default : its value if left out; required if there is none
+    name : its key in files, if that is not the name of the field
+    """
+    metadata = {"kind": kind, "about": about, "name": name}
+    return dataclasses.field(default=default, metadata=metadata)
+
+
+def keys_of(table: type) -> dict[str, Field[Any]]:
+    """Return the fields of a table by their keys in files."""
+    return {field.metadata["name"] or field.name: field for field in dataclasses.fields(table)}
+
+
+def read_table(kind: type[_Table], content: object, where: str = "") -> _Table:
+    """Read a table.
+
+    Parameters
+    ----------
+    kind : its class
+    content : as parsed from the file
+    where : its dotted key; "" at the top of a file
+
+    Raises
+    ------
+    RefusedError : if it is no table, or has a key that is unknown, missing, or not allowed.
+    """
+    if not isinstance(content, Mapping):
+        raise RefusedError.value(where, content, "must be a table")
+    known, prefix = keys_of(kind), f"{where}." if where else ""
+    for name in content:
+        if name not in known:
+            allowed = f"allowed in [{where}]" if where else "allowed"
+            raise RefusedError(
+                f"{prefix}{name}",
+                f"unknown key {shown(f'{prefix}{name}')}; {allowed}: {', '.join(known)}"
+                f"{nearest(str(name), known)}",
+            )
+    read = {}
+    for name, field in known.items():
+        if name in content:
+            read[field.name] = _read(field, f"{prefix}{name}", content[name])
+        elif field.default is MISSING:
+            required = (n for n, one in known.items() if one.default is MISSING)
+            has = f"[{where}]" if where else "the file"
+            raise RefusedError(
+                f"{prefix}{name}",
+                f"{shown(f'{prefix}{name}')} is missing; {has} needs {', '.join(required)}",
+            )
+    try:
+        return kind(**read)
+    except RefusedError:
+        raise
+    except ValueError as error:
+        raise RefusedError.value(where, content, str(error)) from None
+
+
+def _read(field: Field[Any], name: str, value: object) -> Any:
+    if value is None and field.default is None:  # as stored with results
+        return None
+    try:
+        return field.metadata["kind"].read(value)
+    except RefusedError:
+        raise
+    except ValueError as error:
+        raise RefusedError.value(name, value, str(error)) from None
+
+
+def schema_of(table: type) -> dict[str, Any]:
+    """Return the JSON Schema of a table."""
+    known = keys_of(table)
+    required = [name for name, field in known.items() if field.default is MISSING]
+    return {
+        "type": "object",
+        "description": getdoc(table),
+        "properties": {name: dict(_described(field)) for name, field in known.items()},
+        "additionalProperties": False,
+        **({"required": required} if required else {}),
+    }
+
+
+def _described(field: Field[Any]) -> Iterator[tuple[str, Any]]:
+    yield "description", field.metadata["about"]
+    yield from field.metadata["kind"].schema.items()
+    if field.default is not MISSING and field.default is not None:
+        yield "default", field.default
+
+
+# -- types of values -------------------------------------------------------------------------------
+
+
+def _instance_of(kinds: type | tuple[type, ...], words: str, *, true: bool = False) -> Reader:
+    """Return a reader of values of some types; booleans count as numbers only if `true`."""
+
+    def read(value: object) -> object:
+        if not isinstance(value, kinds) or (isinstance(value, bool) and not true):
+            raise ValueError(f"must be {words}")
+        return value
+
+    return read
+
+
+TEXT = Kind(_instance_of(str, "a text (a string)"), {"type": "string"})
+FLAG = Kind(_instance_of(bool, "true or false", true=True), {"type": "boolean"})
+
+
+def _finite(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise ValueError("must be a finite number")
+    return float(value)
+
+
+NUMBER = Kind(_finite, {"type": "number"})
+NUMBER_OR_TEXT = Kind(
+    _instance_of((int, float, str), "a number in SI or a text with a unit"),
+    {"type": ["number", "string"]},
+)
+
+
+def whole(least: int, most: int | None = None) -> Kind:
+    """Return the type of whole numbers within bounds."""
+    above = "" if most is None else f" and less than or equal to {most}"
+    words = f"must be a whole number greater than or equal to {least}{above}"
+    bounds = {"minimum": least} | ({} if most is None else {"maximum": most})
+
+    def read(value: object) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            raise ValueError(words)
+        if most is not None and value > most:
+            raise ValueError(words)
+        return value
+
+    return Kind(read, {"type": "integer", **bounds})
+
+
+def quantity(unit: str, *, zero: bool = False) -> Kind:
+    """Return the type of a positive number (or zero) in SI, or a text with a unit."""
 
     def read(value: object) -> float:
         if isinstance(value, str):
@@ -53,7 +214,8 @@ def quantity(unit: str, *, zero: bool = False) -> BeforeValidator:
             raise ValueError(f"must be {least} 0{unit_words(unit)} and finite")
         return number
 
-    return BeforeValidator(read)
+    plain = {"type": "number"}
+    return Kind(read, plain if unit == "1" else {"type": ["number", "string"], "unit": unit})
 
 
 def unit_words(unit: str) -> str:
@@ -61,8 +223,8 @@ def unit_words(unit: str) -> str:
     return "" if unit == "1" else f" in {unit}"
 
 
-def one_of(choices: Sequence[str]) -> Callable[[object], str]:
-    """Return a validator of one of the given texts."""
+def one_of(choices: Sequence[str]) -> Kind:
+    """Return the type of one of the given texts."""
 
     def read(value: object) -> str:
         if value not in choices:
@@ -70,76 +232,67 @@ def one_of(choices: Sequence[str]) -> Callable[[object], str]:
             raise ValueError(f"must be one of {', '.join(choices)}{near}")
         return str(value)
 
-    return read
+    return Kind(read, {"type": "string", "enum": list(choices)})
 
 
-def list_of(choices: Sequence[str]) -> Callable[[object], tuple[str, ...]]:
-    """Return a validator of a list of the given texts, without repeats."""
-    one = one_of(choices)
+def list_of(kind: Kind, words: str) -> Kind:
+    """Return the type of a list of values, stored without repeats.
 
-    def read(value: object) -> tuple[str, ...]:
+    Parameters
+    ----------
+    kind : type of its values
+    words : what it must be, in a message
+    """
+
+    def read(value: object) -> tuple[Any, ...]:
         if not isinstance(value, list | tuple):
-            raise ValueError(f"must be a list of {', '.join(choices)}")
-        return tuple(dict.fromkeys(one(item) for item in value))
+            raise ValueError(f"must be {words}")
+        return tuple(dict.fromkeys(kind.read(item) for item in value))
 
-    return read
-
-
-def tuple_from(value: object) -> object:
-    """Return a list as a tuple."""
-    if isinstance(value, list | tuple):
-        return tuple(value)
-    raise ValueError("must be a list")
+    return Kind(read, {"type": "array", "items": dict(kind.schema)})
 
 
-def choices(allowed: Sequence[str], *, many: bool = False) -> WithJsonSchema:
-    """Return the JSON Schema of one of the given texts, or of a list of them."""
-    one = {"type": "string", "enum": list(allowed)}
-    return WithJsonSchema({"type": "array", "items": one} if many else one)
+def choices_of(choices: Sequence[str]) -> Kind:
+    """Return the type of a list of the given texts."""
+    return list_of(one_of(choices), f"a list of {', '.join(choices)}")
 
 
-def pair(value: object) -> tuple[object, object]:
-    """Return a list of two values as a pair."""
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValueError("must be a list of two numbers, one for each plane")
-    return value[0], value[1]
+def names_of(what: str) -> Kind:
+    """Return the type of a list of names."""
+    words = f"a list of {what}"
+    return list_of(Kind(_instance_of(str, words), TEXT.schema), words)
 
 
-def starts_from(value: object) -> tuple[tuple[float, float], ...]:
-    """Return a list of states [x, x'] as pairs of numbers."""
-    items = value if isinstance(value, list | tuple) else [None]
-    found = []
-    for item in items:
-        numbers = [
-            float(n)
-            for n in (item if isinstance(item, list | tuple) else ())
-            if isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n)
-        ]
-        if len(numbers) != 2:
-            raise ValueError("must be a list of states [x, x'], such as [[1.0, 0.0], [0.0, 2.0]]")
-        found.append((numbers[0], numbers[1]))
-    return tuple(found)
+def pair_of(kind: Kind, words: str) -> Kind:
+    """Return the type of a list of two values."""
+
+    def read(value: object) -> tuple[Any, Any]:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise ValueError(f"must be {words}")
+        try:
+            first, second = (kind.read(one) for one in value)
+        except ValueError as error:
+            raise ValueError(f"must be {words}; {error}") from None
+        return first, second
+
+    schema = {"type": "array", "items": dict(kind.schema), "minItems": 2, "maxItems": 2}
+    return Kind(read, schema)
 
 
-def pairs_of_names(value: object) -> tuple[tuple[str, str], ...]:
-    """Return a list of pairs of names; a pair may also be one text with a comma."""
-    pairs = [
-        [part.strip() for part in item.split(",")] if isinstance(item, str) else item
-        for item in (value if isinstance(value, list | tuple) else [None])
-    ]
-    for item in pairs:
-        named = isinstance(item, list | tuple) and all(isinstance(n, str) and n for n in item)
-        if not named or len(item) != 2:  # type: ignore[arg-type]
-            raise ValueError('must be a list of pairs of outputs such as "deflection, rate"')
-    return tuple((a, b) for a, b in pairs)  # type: ignore[misc]
+def _pair_of_names(value: object) -> tuple[str, str]:
+    parts = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
+    match parts:
+        case [str(a), str(b)] | (str(a), str(b)) if a and b:
+            return a, b
+    raise ValueError('must be a list of pairs of outputs such as "deflection, rate"')
 
 
-def _as_quantity(unit: str) -> WithJsonSchema:
-    """Return the JSON Schema of a number in SI, or a text with a unit."""
-    return WithJsonSchema({"type": ["number", "string"], "unit": unit})
-
-
-Seconds = Annotated[float, quantity("s"), _as_quantity("s")]
-Instant = Annotated[float, quantity("s", zero=True), _as_quantity("s")]
-Metres = Annotated[float, quantity("m"), _as_quantity("m")]
-Factor = Annotated[float, quantity("1"), WithJsonSchema({"type": "number"})]
+PAIRS_OF_NAMES = list_of(
+    Kind(
+        _pair_of_names,
+        {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 2, "maxItems": 2},
+    ),
+    'a list of pairs of outputs such as "deflection, rate"',
+)
+SECONDS, INSTANT = quantity("s"), quantity("s", zero=True)
+METRES, FACTOR = quantity("m"), quantity("1")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from phaseplane.suspension import extent
 from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variables import MODELS, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
@@ -75,6 +76,32 @@ class Fmu:
             for v in self.variables
             if v.causality == "output" and not isinstance(v.start, str)
         }
+
+    def with_defaults(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
+        """Return all parameters, those not given at their defaults; see `road_length`."""
+        given = {name: v.start for name, v in self.parameters().items()} | dict(parameters)
+        return given | self.road_length(parameters, duration)
+
+    def road_length(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
+        """Return the length of a random road, which is as long as the run, if it is not given, else {}.
+
+        Parameters
+        ----------
+        parameters : the parameters given
+        duration : duration of the run, s
+        """
+        declared = self.parameters()
+        named = extent.LENGTH in parameters or not (
+            self.is_ours and extent.LENGTH in declared
+            and declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
+        )  # fmt: skip
+        if named:
+            return {}
+        given = {
+            name: v.start for name, v in declared.items() if name.startswith(("road.", "speed"))
+        }
+        length = extent.length_for(given | dict(parameters), duration)
+        return {} if length is None else {extent.LENGTH: length}
 
 
 def find_fmu(reference: str, folder: Path | None = None, parameters: object = None) -> Fmu:

@@ -183,8 +183,8 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
     if reference.endswith(".toml") or "/" in reference:
         raise SceneError(one_line(f"no scene file {reference}; give the path of a .toml file"))
     hint = meant(reference, "scene") or (
-        f"{nearest(reference, case_names())}; 'phaseplane list' shows them all; or give the path of a "
-        ".toml file"
+        "; 'phaseplane list' shows them all; or give the path of a .toml file"
+        + nearest(reference, case_names())
     )
     raise SceneError(one_line(f"no scene {shown(reference)}{hint}"))
 
@@ -247,6 +247,11 @@ def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     """
     layers.top += 1
     for setting in read_settings(overrides):
+        if setting.value == {}:
+            raise SceneError(
+                f"{setting.origin} {setting.key}={{}}: an empty table sets nothing; give at least one "
+                "key" + ("; --no-expect skips the expectations" if setting.key == "expect" else "")
+            )
         inner = dict(flattened({setting.key: setting.value}, f"{setting.origin} {setting.key}"))
         layers.put(inner, setting.origin, Path())
 
@@ -268,8 +273,8 @@ def _chain_from(
             if top not in KEYS or (dot and top not in SECTIONS):
                 raise SceneError(
                     one_line(
-                        f"{name}: unknown key {shown(key)}{nearest(key, KEYS)}; "
-                        f"allowed: {', '.join(KEYS)}"
+                        f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
+                        + nearest(key, KEYS)
                     )
                 )
         base = layer.pop("extends", None)

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.acting import Idle, idle
-from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import MODELS
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
 
-from ..errors import SceneError, one_line, shown
+from ..errors import SceneError, one_line
 from .equation import EQUATION
-from .expectations import During, Reference
+from .fields import RefusedError, keys_of, read_table
 from .layers import (
     SET,
     Layers,
@@ -26,10 +24,10 @@ from .layers import (
     read_layers,
     read_settings,
 )
+from .names import meant
+from .reading import read_scene
 from .schema import Scene
-from .sections import Construction, Show
-
-_EXPECTED_APART = ("during", "reference")  # in the file they are in [expect]
+from .sections import Construction
 
 
 def load_scene(
@@ -56,22 +54,12 @@ def load_scene(
         layers.expect_nothing()
     overlay(layers, overrides)
     reference = name if path is None else str(reference)  # in messages
-    content = {**layers.tables(), "name": name, "file": path, "unchecked": layers.unchecked}
-    expected = content.get("expect")
-    if isinstance(expected, dict):
-        content["expect"] = {k: v for k, v in expected.items() if k not in _EXPECTED_APART}
-        content |= {k: expected[k] for k in _EXPECTED_APART if k in expected}
-        content["reference_folder"] = layers.folders.get("expect.reference.file", Path())
     try:
-        context = {
-            "folder": layers.folders.get("fmu"),
-            "folders": layers.folders,
-            "parameters": content.get("parameters"),
-        }
-        scene = Scene.model_validate(content, context=context)
-    except ValidationError as error:
-        raise SceneError(_told(error.errors(include_url=False)[0], layers, reference)) from None
-    return scene.model_copy(update={"idle": tuple(_idle(scene, layers))})
+        scene = read_scene(name, layers.tables(), layers.folders)
+    except RefusedError as error:
+        hint = meant(name, "scene") if path is None and error.key == "duration" else ""
+        raise SceneError(f"{_told(error, layers, reference)}{hint}") from None
+    return replace(scene, file=path, unchecked=layers.unchecked, idle=tuple(_idle(scene, layers)))
 
 
 def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | None]:
@@ -117,70 +105,27 @@ def construction_settings(
             raise SceneError(
                 one_line(
                     f"{setting.origin} {setting.key.removeprefix('parameters.')}: for results "
-                    f"only construction.* can be set: {', '.join(Construction.model_fields)}"
+                    f"only construction.* can be set: {', '.join(keys_of(Construction))}"
                 )
             )
     overlay(layers, settings)
     try:
-        return Construction.model_validate(layers.tables()["construction"]).model_dump()
-    except ValidationError as error:
-        told = error.errors(include_url=False)[0]
-        told["loc"] = ("construction", *told["loc"])
-        raise SceneError(_told(told, layers, "results")) from None
+        return asdict(read_table(Construction, layers.tables()["construction"], "construction"))
+    except RefusedError as error:
+        raise SceneError(_told(error, layers, "results")) from None
 
 
-def _told(error: ErrorDetails, layers: Layers, reference: str) -> str:
-    """Return a validation error as one line."""
-    parts = [str(part) for part in error["loc"] if not isinstance(part, int)]
-    if parts[:1] and parts[0] in _EXPECTED_APART:
-        parts.insert(0, "expect")
-    key = ".".join(parts)
-    if error["type"] == "told":
-        key = str(error["ctx"]["key"])
-        places = [place for place in (".".join([*parts[:1], key]).strip("."), key) if place]
-        origin = next((layers.origins[p] for p in places if p in layers.origins), "")
-        where = origin or layers.origin(places[0], reference)
-        message = error["msg"]
-        if _is_option(where):
-            message = message.removeprefix(f"{key}: ")
-        return one_line(f"{where}: {message}{_unexpected(parts, where, layers)}")
-    where = layers.origin(key, reference)
-    if error["type"] == "missing":
-        return one_line(f"{where}: {shown(key)} is missing; a scene needs fmu and duration")
-    if error["type"] == "extra_forbidden":
-        names = _fields(parts[:-1])
-        return one_line(
-            f"{where}: unknown key {shown(key)}{nearest(parts[-1], names)}; "
-            f"allowed in [{'.'.join(parts[:-1])}]: {', '.join(names)}"
-        )
-    message = error["msg"].removeprefix("Value error, ")
-    if error["type"] == "model_type":
-        message = "must be a table"
-    elif message.startswith("Input should be"):
-        message = f"must be{message.removeprefix('Input should be')}"
-    if _is_option(where):
-        return one_line(f"{where} {shown(error['input'])}: {message}")
-    return one_line(f"{where}: {key} = {shown(error['input'])}: {message}")
+def _told(refused: RefusedError, layers: Layers, reference: str) -> str:
+    """Return a refusal as one line, with where the key was given."""
+    where = layers.origin(refused.key, reference)
+    briefly = where.startswith("--") and where != SET  # whose user need not know the key
+    said = f"{where}{refused.briefly}" if briefly else f"{where}: {refused}"
+    return one_line(f"{said}{_unexpected(refused.key, where, layers)}")
 
 
-def _is_option(origin: str) -> bool:
-    """Whether a key was set by an option other than `--set`, whose user need not know the key."""
-    return origin.startswith("--") and origin != SET
-
-
-def _unexpected(parts: Sequence[str], where: str, layers: Layers) -> str:
+def _unexpected(key: str, where: str, layers: Layers) -> str:
     """Return what to do about an expectation of the file that does not fit the overrides."""
     changed = any(origin.startswith("--") for origin in layers.origins.values())
-    if parts[:1] == ["expect"] and changed and not where.startswith("--"):
+    if key.startswith("expect.") and changed and not where.startswith("--"):
         return "; --no-expect skips the expectations of the scene"
     return ""
-
-
-def _fields(sections: Sequence[str]) -> list[str]:
-    """Return the keys of a section of the scene."""
-    models: dict[str, type[BaseModel]] = {
-        "show": Show, "construction": Construction, "expect.during": During,
-        "expect.reference": Reference,
-    }  # fmt: skip
-    model = models.get(".".join(sections))
-    return [field.alias or name for name, field in model.model_fields.items()] if model else []

@@ -75,7 +75,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     for key in said:
         if key not in KEYS:
             raise InputError(
-                f"unknown key {shown(key)}{nearest(key, KEYS)}; allowed: {', '.join(KEYS)}"
+                f"unknown key {shown(key)}; allowed: {', '.join(KEYS)}{nearest(key, KEYS)}"
             )
     kinds = next((units for end, units in _UNITS.items() if f".{name}".endswith(f".{end}")), None)
     if kinds is None:

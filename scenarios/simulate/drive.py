@@ -10,11 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 if TYPE_CHECKING:
-    from fmpy.simulation import Recorder
+    from .stepping import Rows
 
 Columns = dict[str, npt.NDArray[np.float64]]
 Progress = Callable[[float], None]
-Watch = Callable[["Recorder"], None]
+Watch = Callable[["Rows"], None]
 INTERRUPTED = "interrupted"
 """The reason of a run that was stopped by a signal."""
 

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
+import pickle
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter, sleep
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from fmpy import extract, read_model_description, simulate_fmu
+from fmpy import __version__ as fmpy_version
+from fmpy import extract, read_model_description
 from fmpy.simulation import instantiate_fmu
+from phaseplane.vehicle_fmus.archives import write_all
 from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 
 from ..errors import InputError, RunError, one_line
 from ..scene.fmus import Fmu
 from .drive import INTERRUPTED, Columns, Drive, Progress, Watch
 from .fmu_cache import is_plain, kept
+from .sharing import share_modules
+from .stepping import Rows, initialise, most_rows, step_through
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-    from fmpy.simulation import Recorder
+    from fmpy.model_description import ModelDescription
 
     from ..scene.schema import Scene
 
@@ -73,7 +77,7 @@ class OpenFmu:
             if fmu.path is not None:
                 extract(fmu.path, self._unpacked)
                 mend_unpacked(unpacked)  # FMUs by others may crash this process without it
-            self._description = read_model_description(self._unpacked, validate=False)
+            self._description = _description_of(unpacked, lasting=fmu.path is None)
         except Exception as error:
             raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
 
@@ -121,50 +125,41 @@ class OpenFmu:
         RunError : if the FMU could not be instantiated or initialised.
         """
         instance = self._ready()
-        seen: list[Recorder] = []  # of FMPy, so that rows survive an exception
-        reached = 0.0
-
-        def step_finished(time: float, recorder: Recorder) -> bool:
-            nonlocal reached
-            seen[:] = [recorder]
-            if progress is not None:
-                progress(time / scene.duration)
-            if watch is not None:
-                watch(recorder)
-            if realtime:
-                _wait_until(started + time, interrupted)
-            advanced, reached = time > reached, time
-            return advanced and not interrupted()
-
+        duration, interval = scene.duration, scene.communication_step
+        rows = Rows(instance, self._description, outputs, most_rows(duration, interval))
         failure, usable = "", True
         started = perf_counter()
+
+        def going_on(time: float) -> bool:
+            if progress is not None:
+                progress(time / duration)
+            if watch is not None:
+                watch(rows)
+            if realtime:
+                _wait_until(started + time, interrupted)
+            return not interrupted()
+
         try:
-            table = simulate_fmu(
-                self._unpacked,
-                validate=False,
-                start_time=0.0,
-                stop_time=scene.duration,
-                output_interval=scene.communication_step,
-                start_values=scene.start_values,
-                output=outputs,
-                step_finished=step_finished,
-                model_description=self._description,
-                fmu_instance=instance,
-                terminate=False,
-            )
+            initialise(instance, self._description, scene.start_values, duration)
+            step_through(
+                instance, rows,
+                duration=duration,
+                interval=interval,
+                last_step_shorter=self._description.coSimulation.canHandleVariableCommunicationStepSize,
+                going_on=going_on,
+            )  # fmt: skip
         except Exception as error:
             failure = self._log.complaint() or one_line(error)
             usable = getattr(error, "status", 0) != _FATAL
-            if not seen:
+            if not len(rows):
                 raise RunError(f"{scene.fmu.model} did not start: {failure}") from error
-            table = seen[0].result()
         finally:
             run_time = perf_counter() - started
             if not usable:
                 self.close(usable=False)
         uncompiled = any("uncompiled" in message for _, _, message in self._log.lines)
         failure = failure or (INTERRUPTED if interrupted() else self._log.complaint())
-        return Drive(_columns(table, failure), run_time, failure, uncompiled)
+        return Drive(_columns(rows.columns(), failure), run_time, failure, uncompiled)
 
 
 @contextmanager
@@ -176,6 +171,7 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
     InputError : if no FMU can run from the temporary folder.
     RunError : if the FMU could not be packed or unpacked.
     """
+    share_modules()
     with tempfile.TemporaryDirectory(prefix="phaseplane-") as folder:
         _check_path(folder)
         unpacked, build_time = Path(folder, "unpacked"), None
@@ -186,6 +182,26 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
             yield open_fmu, build_time
         finally:
             open_fmu.close()
+
+
+def _description_of(unpacked: Path, *, lasting: bool) -> ModelDescription:
+    """Return the model description of an unpacked FMU.
+
+    What FMPy has read of a `lasting` FMU is stored beside it, and read from there by later runs.
+
+    Raises
+    ------
+    Exception : if FMPy cannot read it.
+    """
+    stored = unpacked.parent / f"{unpacked.name}-{fmpy_version}.pickle"
+    if lasting:
+        with suppress(Exception):  # not there, or damaged
+            return cast("ModelDescription", pickle.loads(stored.read_bytes()))
+    description = read_model_description(str(unpacked), validate=False)
+    if lasting:
+        with suppress(OSError):
+            write_all({stored: pickle.dumps(description)})
+    return description
 
 
 def _check_path(folder: str) -> None:
@@ -203,15 +219,14 @@ def _wait_until(instant: float, interrupted: Callable[[], int]) -> None:
         sleep(min(left, _LONGEST_SLEEP))
 
 
-def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
-    """Return the columns of FMPy's table up to the last row that is finite with `ok` true.
+def _columns(columns: Columns, complaint: str) -> Columns:
+    """Return the columns up to the last row that is finite with `ok` true.
 
     Raises
     ------
     RunError : if there is no such row.
     """
-    columns = {name: np.asarray(table[name]) for name in table.dtype.names or ()}
-    well = columns.get("ok", np.ones(len(table), bool)).astype(bool)
+    well = columns.get("ok", np.ones(len(columns["time"]), bool)).astype(bool)
     for column in columns.values():
         well &= np.isfinite(column)
     rows = len(well) if well.all() else int(well.argmin())
@@ -219,4 +234,4 @@ def _columns(table: npt.NDArray[np.void], complaint: str) -> Columns:
         unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
         why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
         raise RunError(f"no run: {why}")
-    return {name: column[:rows].copy() for name, column in columns.items()}
+    return {name: column[:rows] for name, column in columns.items()}

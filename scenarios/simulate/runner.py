@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +56,7 @@ def run(
     ----------
     scene : the scene to run
     progress : called after every communication step with the fraction of the duration done, 0 to 1
-    watch : called after every communication step with FMPy's recorder, which has all rows
+    watch : called after every communication step with all rows so far
     realtime : whether to run in real time
 
     Raises
@@ -65,7 +66,7 @@ def run(
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
     if scene.fmu.model == EQUATION:
-        return _solved(scene)
+        return _solved(scene, progress)
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
     with deferred_interrupt(), simulate.driver.opened(scene.fmu) as (fmu, build_time):
         return run_with(fmu, scene, build_time, progress=progress, watch=watch, realtime=realtime)
@@ -130,20 +131,31 @@ def _results(
     )
 
 
-def _solved(scene: Scene) -> Results:
-    """Solve an equation in this process, at the points that the measures need."""
+def _solved(scene: Scene, progress: Progress | None = None) -> Results:
+    """Solve an equation in this process, at the points that the measures need.
+
+    Raises
+    ------
+    Interrupted : on Ctrl-C or SIGTERM.
+    """
     known, interval = catalogue(scene.fmu.outputs()), scene.show.output_interval
     measures = [known[name] for name in scene.measures]
     parts = refinement(scene.duration, interval)
     time = instants(scene.duration, interval, parts)
-    columns, seconds, complaint = simulate.solving.solve(scene.all_parameters, time)
+    with deferred_interrupt() as interrupted:
+        columns, seconds, complaint = simulate.solving.solve(
+            scene.all_parameters, time, progress=progress, interrupted=interrupted
+        )
     own = solved_by(
         lambda places: simulate.solving.solve(scene.all_parameters, places)[0],
         columns, measures, {one.output for one in scene.during},
     )  # fmt: skip
     at = own.rows(parts)
     rows = {name: column[at] for name, column in columns.items()}
-    return _results(scene, Drive(rows, seconds, complaint, False), None, own)
+    results = _results(scene, Drive(rows, seconds, complaint, False), None, own)
+    if interrupted():
+        raise Interrupted(results, interrupted())
+    return results
 
 
 def _read_in(scene: Scene) -> list[str]:
@@ -177,7 +189,7 @@ def _summary(
         "duration": scene.duration,
         "output_interval": scene.communication_step,
         "parameters": scene.all_parameters,
-        "construction": scene.construction.model_dump(),
+        "construction": asdict(scene.construction),
         "stopped": stopped,
         "remarks": [*_remarks(scene), *found.remarks],
         "measured": {"interval": found.interval, "agreement": found.agreement},

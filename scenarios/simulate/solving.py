@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from time import perf_counter
 
 import numpy as np
@@ -12,12 +12,24 @@ from phaseplane.suspension.variables import Value
 from phaseplane.equations import motion
 
 from ..scene.equation import formula_of
+from .drive import INTERRUPTED, Progress
 
 
 def solve(
-    parameters: Mapping[str, Value], times: npt.NDArray[np.float64]
+    parameters: Mapping[str, Value],
+    times: npt.NDArray[np.float64],
+    *,
+    progress: Progress | None = None,
+    interrupted: Callable[[], int] = lambda: 0,
 ) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
     """Return the motion at the given times, to ten digits, followed through the switches of f.
+
+    Parameters
+    ----------
+    parameters : of the equation
+    times : s, ascending
+    progress : called after every step with the fraction done, 0 to 1
+    interrupted : asked after every step whether to stop there
 
     Returns
     -------
@@ -25,11 +37,21 @@ def solve(
     """
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     started = perf_counter()
-    found = motion(formula_of(parameters).switching, start, times.tolist())
+
+    def going_on(time: float) -> bool:
+        if progress is not None:
+            progress((time - times[0]) / (times[-1] - times[0]))
+        return not interrupted()
+
+    found = motion(formula_of(parameters).switching, start, times.tolist(), going_on)
     columns = {
         "time": np.array(found.times),
         "displacement": np.array(found.displacements),
         "velocity": np.array(found.velocities),
         "acceleration": np.array(found.accelerations),
     }
-    return columns, perf_counter() - started, found.complaint
+    return (
+        columns,
+        perf_counter() - started,
+        found.complaint or (INTERRUPTED if interrupted() else ""),
+    )

@@ -1,18 +1,15 @@
-"""The versions of the packages that take part in a run."""
+"""The versions of the packages that take part in a run or a study."""
 
 from __future__ import annotations
 
 import platform
-from contextlib import suppress
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+
+from phaseplane.vehicle_fmus.versions import installed
+
+_OF_A_RUN = ("phaseplane", "fmpy", "pythonfmu", "numpy")
 
 
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions of Python and of each package that takes part in a run, by name."""
-    found = {"python": platform.python_version()}
-    for name in ("phaseplane", "fmpy", "pythonfmu", "numpy"):
-        with suppress(PackageNotFoundError):  # run from source
-            found[name] = version(name)
-    return found
+def versions(*more: str) -> dict[str, str]:
+    """Return the versions of Python, of the packages that take part in a run, and of others, by name."""
+    found = {name: installed(name) for name in (*_OF_A_RUN, *more)}
+    return {"python": platform.python_version(), **{n: v for n, v in found.items() if v}}

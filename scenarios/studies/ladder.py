@@ -139,10 +139,10 @@ def _outputs_compared(scene: Scene) -> tuple[str, ...]:
         name
         for name, output in scene.fmu.outputs().items()
         if type(output.start) is float
-        and (name in wanted if isinstance(wanted, list) else name.endswith(_COMPARED))
+        and (name in wanted if isinstance(wanted, tuple) else name.endswith(_COMPARED))
         # the centre of gravity follows from the axles
         and (
-            isinstance(wanted, list)
+            isinstance(wanted, tuple)
             or scene.fmu.model == "QuarterCar"
             or name[:4] in ("fron", "rear")
         )

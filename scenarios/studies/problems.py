@@ -308,8 +308,8 @@ def find_problem(name: str) -> Problem:
     if not name.endswith(".toml") and "/" not in name and name not in case_names():
         raise InputError(
             one_line(
-                f"no problem or scene {shown(name)}{nearest(name, (*PROBLEMS, *case_names()))}; "
-                f"problems are {', '.join(PROBLEMS)}; 'phaseplane list' shows the scenes"
+                f"no problem or scene {shown(name)}; problems are {', '.join(PROBLEMS)}; 'phaseplane "
+                f"list' shows the scenes{nearest(name, (*PROBLEMS, *case_names()))}"
             )
         )
     scene = load_scene(name)

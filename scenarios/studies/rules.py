@@ -94,7 +94,7 @@ def measure_rules(scene: Scene) -> list[RuleResult]:
 
 def _displacements(scene: Scene) -> list[str]:
     """Return the displacements of the planes and of the bodies."""
-    planes = planes_of(scene.fmu.model, scene.all_parameters, scene.construction.model_dump())
+    planes = planes_of(scene.fmu.model, scene.all_parameters, asdict(scene.construction))
     shown = [plane.name for plane in planes.planes]
     bodies = [name for name in scene.fmu.outputs() if name.endswith("body_displacement")]
     axles = any(name.startswith("front_") for name in bodies)
@@ -116,7 +116,7 @@ def _measured(name: str, order: int, scene: Scene, run: Callable[[float], _Motio
 
 
 def _drawn(scene: Scene, rule: str, names: Sequence[str], step: float) -> _Motion:
-    settings = {**scene.construction.model_dump(), "rule": rule, "step": step, "shortcut": False}
+    settings = {**asdict(scene.construction), "rule": rule, "step": step, "shortcut": False}
     started = process_time()
     drawing = constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
     seconds = process_time() - started

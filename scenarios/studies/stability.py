@@ -20,7 +20,7 @@ from phaseplane.suspension.systems import Element, System
 
 from .extremes import CASES, Happened, run_case
 from .problems import Problem
-from .telling import machine, versions
+from .telling import compared_versions, machine
 
 Progress = Callable[[float], None]
 Matrix = npt.NDArray[np.float64]
@@ -279,7 +279,7 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
     return {
         "study": "numerical stability",
         "machine": machine(),
-        "versions": versions(),
+        "versions": compared_versions(),
         "limits_of_omega_h": {name: phase or None for name, _, phase in METHODS},
         "spectral_radius": {
             "omega_h": made.phases.tolist(),

@@ -7,7 +7,6 @@ import platform
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +14,12 @@ from phaseplane.suspension import engine
 
 from phaseplane import figures
 
+from ..simulate.versions import versions
 from .accuracy import Point
 from .problems import Problem
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors at which run times are compared
 _FAMILIES = ("incremental", "FMU", "construction", "peer")
-_DISTRIBUTIONS = (
-    "phaseplane", "numpy", "scipy", "fmpy", "numba", "numbalsoda", "scikit-sundae", "heyoka",
-)  # fmt: skip
 # the time and the size of a failure
 _NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: error of .*)$")
 
@@ -45,15 +42,9 @@ def machine() -> dict[str, Any]:
     }
 
 
-def versions() -> dict[str, str]:
+def compared_versions() -> dict[str, str]:
     """Return the versions of Python and of the packages compared."""
-    found = {"python": platform.python_version()}
-    for name in _DISTRIBUTIONS:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue
-    return found
+    return versions("scipy", "numba", "numbalsoda", "scikit-sundae", "heyoka")
 
 
 def as_data(problems: Sequence[Problem], points: Sequence[Point], repeats: int) -> dict[str, Any]:
@@ -61,7 +52,7 @@ def as_data(problems: Sequence[Problem], points: Sequence[Point], repeats: int) 
     return {
         "study": "error against run time",
         "machine": machine(),
-        "versions": versions(),
+        "versions": compared_versions(),
         "repeats": repeats,
         "problems": [
             {

@@ -10,18 +10,28 @@ from hashlib import sha256
 from itertools import product
 from math import log2, prod
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 from phaseplane.suspension import extent
 from phaseplane.suspension.acting import Idle, decided_by, idle
 from phaseplane.suspension.units import UnitError, nearest, to_si
 from phaseplane.suspension.variable import number
 from phaseplane.suspension.variables import Value, Variable
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from ..errors import InputError, SceneError, one_line, shown
 from ..measures import catalogue
-from ..scene.fields import Strict, choices, one_of, tuple_from
+from ..scene.fields import (
+    NUMBER_OR_TEXT,
+    TEXT,
+    Kind,
+    RefusedError,
+    entry,
+    names_of,
+    one_of,
+    read_table,
+    schema_of,
+    whole,
+)
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SWEEPS, meant
@@ -34,25 +44,24 @@ _NOT_VARIED = {
     "extends": "only a scene's file can name its base",
     "expect": "a sweep checks no expectations",
 }
-_MEANT = {  # our messages by the type of pydantic's error
-    "dict_type": "must be a table",
-    "model_type": "must be a list of values, or { from = ..., to = ..., count = ... }",
-    "string_type": "must be a text",
-}
 _MOST_RUNS = 1_000_000
 _QUANTITY = re.compile(r"^\s*[-+]?[\d.]+(?:[eE][-+]?\d+)?")  # the number before a unit
 _TIMES = ("duration", "show.output_interval", "construction.step", "construction.duration")
 
 
-class Range(Strict):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Range:
     """A range of values."""
 
-    start: Annotated[float | str, Field(alias="from")]
-    """the first value, or the lower end, a number in SI or a text with a unit"""
-    end: Annotated[float | str, Field(alias="to")]
-    """the last value, or the upper end"""
-    count: Annotated[int, Field(ge=2)] | None = None
-    """number of evenly spaced values; for a grid or a list"""
+    start: float | str = entry(
+        NUMBER_OR_TEXT,
+        "the first value, or the lower end, a number in SI or a text with a unit",
+        name="from",
+    )
+    end: float | str = entry(NUMBER_OR_TEXT, "the last value, or the upper end", name="to")
+    count: int | None = entry(
+        whole(2), "number of evenly spaced values; for a grid or a list", None
+    )
 
     def ends(self, unit: str) -> tuple[float, float]:
         """Return both ends in SI.
@@ -67,35 +76,55 @@ class Range(Strict):
         return first, last
 
 
-class SweepFile(Strict):
+def _varied(content: object) -> dict[str, Range | tuple[Any, ...]]:
+    """Return what is varied: for each key a range or the values."""
+    if not isinstance(content, dict):
+        raise ValueError("must be a table")
+    varied: dict[str, Range | tuple[Any, ...]] = {}
+    for name, values in _flattened(content).items():
+        if isinstance(values, dict):
+            varied[name] = read_table(Range, values, f"vary.{name}")
+        elif isinstance(values, list):
+            varied[name] = tuple(values)
+        else:
+            raise RefusedError.value(
+                f"vary.{name}",
+                values,
+                "must be a list of values, or { from = ..., to = ..., count = ... }",
+            )
+    return varied
+
+
+_VARIED = Kind(
+    _varied,
+    {"type": "object", "additionalProperties": {"anyOf": [schema_of(Range), {"type": "array"}]}},
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SweepFile:
     """A sweep file."""
 
-    scene: str
-    """the case or scene file to vary"""
-    title: str = ""
-    """name of the sweep in reports and pictures"""
-    method: Annotated[str, BeforeValidator(one_of(METHODS)), choices(METHODS)] = "grid"
-    """every combination, value by value, or a random sample of the ranges"""
-    runs: Annotated[int, Field(ge=1, le=_MOST_RUNS)] | None = None
-    """number of runs; for latin_hypercube and sobol"""
-    seed: Annotated[int, Field(ge=0)] = 1
-    """seed of the random sample"""
-    measures: Annotated[tuple[str, ...], BeforeValidator(tuple_from)]
-    """names of the measures to take of each run"""
-    vary: dict[str, Range | tuple[Any, ...]]
-    """values of a parameter or scene key: a list, or { from = ..., to = ..., count = ... }"""
+    scene: str = entry(TEXT, "the case or scene file to vary")
+    title: str = entry(TEXT, "name of the sweep in reports and pictures", "")
+    method: str = entry(
+        one_of(METHODS),
+        "every combination, value by value, or a random sample of the ranges",
+        "grid",
+    )
+    runs: int | None = entry(
+        whole(1, _MOST_RUNS), "number of runs; for latin_hypercube and sobol", None
+    )
+    seed: int = entry(whole(0), "seed of the random sample", 1)
+    measures: tuple[str, ...] = entry(
+        names_of("measures"), "names of the measures to take of each run"
+    )
+    vary: Mapping[str, Range | tuple[Any, ...]] = entry(
+        _VARIED,
+        "values of a parameter or scene key: a list, or { from = ..., to = ..., count = ... }",
+    )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _lists(cls, content: Any) -> Any:
-        if isinstance(content, dict) and isinstance(content.get("vary"), dict):
-            varied = _flattened(content["vary"])
-            lists = {k: tuple(v) if isinstance(v, list) else v for k, v in varied.items()}
-            return {**content, "vary": lists}
-        return content
-
-    @model_validator(mode="after")
-    def _fits(self) -> SweepFile:
+    def __post_init__(self) -> None:
         sampled = self.method in ("latin_hypercube", "sobol")
         if not self.vary or not self.measures:
             raise ValueError("a sweep needs at least one key in vary and one measure")
@@ -124,7 +153,6 @@ class SweepFile(Strict):
         count = prod(lengths) if self.method == "grid" else max(lengths)
         if count > _MOST_RUNS:
             raise ValueError(f"{count} runs; at most {_MOST_RUNS} are allowed")
-        return self
 
 
 @dataclass(frozen=True)
@@ -224,7 +252,7 @@ class Plan:
         if longest is None:
             return self
         parameters = {**self.scene.parameters, extent.LENGTH: longest}
-        scene = self.scene.model_copy(update={"parameters": parameters})
+        scene = replace(self.scene, parameters=parameters)
         return replace(self, scene=scene, road_length=longest)
 
     def _motions(self) -> Iterator[tuple[dict[str, Value], float]]:
@@ -264,8 +292,8 @@ def find_sweep(reference: str) -> Path:
     if path.suffix != ".toml" and not path.exists():
         known = sweep_titles()
         hint = meant(reference, "sweep") or (
-            f"{nearest(reference, known)}; 'phaseplane list' shows them all; or give the path of a "
-            ".toml file"
+            "; 'phaseplane list' shows them all; or give the path of a .toml file"
+            + nearest(reference, known)
         )
         raise InputError(one_line(f"no sweep {shown(reference)}{hint}"))
     return path
@@ -289,9 +317,9 @@ def load_plan(reference: str | Path) -> Plan:
         why = getattr(error, "strerror", None) or f"not TOML: {error}"
         raise InputError(one_line(f"cannot read {path}: {why}")) from None
     try:
-        said = SweepFile.model_validate(content)
-    except ValidationError as error:
-        raise InputError(_told(path, error)) from None
+        said = read_table(SweepFile, content)
+    except RefusedError as error:
+        raise InputError(one_line(f"{path}: {error}")) from None
     scene = _scene(path, said.scene)
     known = catalogue(scene.fmu.outputs())
     for name in said.measures:
@@ -394,20 +422,3 @@ def _sampled(said: SweepFile, ends: list[tuple[Any, Any]]) -> list[tuple[Value, 
         tuple(float(a + (b - a) * x) for a, b, x in zip(low, high, row, strict=True))
         for row in unit
     ]
-
-
-def _told(path: Path, error: ValidationError) -> str:
-    errors = error.errors(include_url=False)
-    first = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
-    key = ".".join(str(part) for part in first["loc"] if part not in ("Range",))
-    names = [field.alias or name for name, field in SweepFile.model_fields.items()]
-    if first["type"] == "missing":
-        has = "a sweep" if len(first["loc"]) == 1 else "a range"
-        known = names if has == "a sweep" else _OF_RANGE
-        return one_line(f"{path}: {key} is missing; {has} has {', '.join(known)}")
-    if first["type"] == "extra_forbidden":
-        known = names if len(first["loc"]) == 1 else _OF_RANGE
-        return one_line(f"{path}: unknown key {key!r}{nearest(str(first['loc'][-1]), known)}")
-    message = _MEANT.get(first["type"], first["msg"]).removeprefix("Value error, ")
-    message = message.replace("Input should be", "must be")
-    return one_line(f"{path}: {f'{key}: ' if key else ''}{message}")

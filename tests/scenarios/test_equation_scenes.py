@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import asdict
 from math import pi
 from pathlib import Path
 
@@ -76,14 +77,14 @@ def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: s
 def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -> None:
     scene = load_scene(pendulum)
     drawing = constructed(
-        "Equation", scene.all_parameters, scene.construction.model_dump(), scene.duration
+        "Equation", scene.all_parameters, asdict(scene.construction), scene.duration
     )
     (plane,) = drawing.planes
     for k, start in enumerate(scene.construction.starts):
         alone = load_scene(
             pendulum, [f"displacement_start={start[0]}", f"velocity_start={start[1]}"]
         )
-        settings = alone.construction.model_dump() | {"starts": ()}
+        settings = asdict(alone.construction) | {"starts": ()}
         own = constructed("Equation", alone.all_parameters, settings, alone.duration)
         curve = [c for c in drawing.curves if c.role == "trail"][k]
         points = [*(f.points["P"] for f in own), own.frames[-1].points["P'"]]

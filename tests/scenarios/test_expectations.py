@@ -12,6 +12,7 @@ from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
 from phaseplane.scenarios.scene.expectations import Bounds, During
+from phaseplane.scenarios.scene.fields import read_table as table
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
 from phaseplane.scenarios.simulate.runner import run
@@ -44,7 +45,7 @@ COLUMNS = {
     ],
 )
 def test_bounds_within_a_time(said: dict[str, object], holds: bool, value: float | None) -> None:
-    judged = During.model_validate(said).judged(OUTPUTS, COLUMNS)
+    judged = table(During, said).judged(OUTPUTS, COLUMNS)
     assert judged["holds"] is holds
     assert judged["value"] == value
 
@@ -165,7 +166,7 @@ def test_a_reference_is_read_once(
         read.append(path)
         return read_table(path)
 
-    monkeypatch.setattr("phaseplane.scenarios.scene.schema.read_table", counted)
+    monkeypatch.setattr("phaseplane.scenarios.scene.reading.read_columns", counted)
     run(scene(tmp_path, fmu, 'reference = { file = "reference.csv" }'))
     assert [path.name for path in read] == ["reference.csv"]
 

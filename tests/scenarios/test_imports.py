@@ -11,8 +11,9 @@ import pytest
 from phaseplane.scenarios.cli import COMMANDS
 
 HEAVY = (
-    "numpy", "scipy", "matplotlib", "rerun", "fmpy", "pythonfmu", "pydantic", "pyarrow", "PIL",
-    "contourpy", "lxml", "numpy.ma", "pyarrow.compute", "concurrent.futures.thread",
+    "numpy", "scipy", "matplotlib", "rerun", "fmpy", "pythonfmu", "pyarrow", "PIL",
+    "contourpy", "lxml", "pythonfmu.builder", "importlib.metadata", "email",
+    "numpy.ma", "pyarrow.compute", "concurrent.futures.thread",
     "phaseplane.suspension", "phaseplane.suspension.engine", "phaseplane.vehicle_fmus.build",
     "phaseplane.constructions.marching", "phaseplane.figures.canvas", "phaseplane.figures.histories",
     "phaseplane.figures.animation", "phaseplane.recording.sinks", "phaseplane.recording.server",
@@ -30,9 +31,9 @@ except SystemExit as end:
     sys.exit(end.code)
 """
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
-SCENE = {"numpy", "pydantic", "phaseplane.suspension"}
+SCENE = {"numpy", "phaseplane.suspension"}
 ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
-RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu", "lxml"}
+RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu"}
 DRAWN = {"matplotlib", "PIL", "numpy.ma"}
 PLANES = {*DRAWN, "phaseplane.constructions.marching", "phaseplane.figures.canvas"}
 RECORDED = {
@@ -43,8 +44,9 @@ RECORDED = {
     "phaseplane.constructions.marching",
     "phaseplane.recording.sinks",
 }
+METADATA = {"importlib.metadata", "email"}  # scipy reads it
 PORTRAIT = {
-    *SCENE, "scipy", "numpy.ma", "contourpy", "phaseplane.portrait.system",
+    *SCENE, *METADATA, "scipy", "numpy.ma", "contourpy", "phaseplane.portrait.system",
     "phaseplane.scenarios.studies", ENGINE,
 }  # fmt: skip
 SWEEP = {
@@ -54,8 +56,8 @@ SWEEP = {
 
 USED: dict[tuple[str, ...], set[str]] = {
     ("--help",): set(),
-    ("--version",): set(),
-    ("list",): {"numpy", "phaseplane.suspension"},
+    ("--version",): METADATA,
+    ("list",): {"phaseplane.suspension"},
     ("schema",): {*SCENE, "phaseplane.scenarios.sweeps.plan"},
     ("schema", "QuarterCar"): {*SCENE, "phaseplane.scenarios.sweeps.plan"},
     ("new", "scene.toml"): SCENE,
@@ -65,14 +67,14 @@ USED: dict[tuple[str, ...], set[str]] = {
     },
     ("run", "ap57", *BARE[2:], "--set", "show.figures=['phase_planes']"): {*RUN, *PLANES},
     ("run", "ap57", *BARE[:2]): {*RUN, *RECORDED},
-    ("run", "van_der_pol", *BARE): {*SCENE, ENGINE, "scipy", "numpy.ma"},
+    ("run", "van_der_pol", *BARE): {*SCENE, *METADATA, ENGINE, "scipy", "numpy.ma"},
     ("replay", "ap57", "--figure", "planes.png"): {*SCENE, *PLANES},
     ("replay", "ap57", "--save", "planes.rrd"): {*SCENE, ENGINE, *RECORDED},
     ("portrait", "van_der_pol"): PORTRAIT,
     ("portrait", "van_der_pol", "--figure", "portrait.png"): {*PORTRAIT, *DRAWN},
     ("sweep", "speed_bump", "--workers", "1"): SWEEP,
     ("build", "OneDof", "-o", "fmus"): {
-        "numpy", "pythonfmu", "phaseplane.suspension", ENGINE,
+        "numpy", "pythonfmu", "pythonfmu.builder", "phaseplane.suspension", ENGINE,
         "phaseplane.vehicle_fmus.build",
     },
     ("ladder", "ap57"): {
@@ -115,8 +117,40 @@ def test_the_help_of_a_command_imports_nothing_that_runs_or_draws(name: str) -> 
         check=True, capture_output=True, encoding="utf-8",
     )  # fmt: skip
     light = {
-        "numpy", "pydantic", "phaseplane.suspension", "phaseplane.scenarios.sweeps.plan",
+        "numpy", "phaseplane.suspension", "phaseplane.scenarios.sweeps.plan",
         "concurrent.futures.thread",  # a sweep's workers
     }  # fmt: skip
     studies = {"phaseplane.scenarios.studies", ENGINE}
     assert set(HEAVY) & set(done.stderr.split()) <= light | studies
+
+
+COPY = """
+import sys
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.simulate import driver
+if not {shared}:
+    driver.share_modules = lambda: None
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    pass
+copy = [m for n, m in sys.modules.items() if n.startswith("suspension_") and "kernel" not in n]
+assert len(copy) > 10
+print(*{{m.__name__.partition(".")[0] for m in copy}}, file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_an_fmu_uses_the_modules_of_a_process_with_the_same_sources(
+    results: Path, shared: bool
+) -> None:
+    """The results are the same, to the bit, as with the FMU's own copy."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", COPY.format(shared=shared),
+         "run", "ap57", *BARE, "-o", f"{shared}"],
+        cwd=results.parent, check=True, capture_output=True, encoding="utf-8",
+    )  # fmt: skip
+    (owner,) = done.stderr.split()
+    assert (owner == "phaseplane") == shared
+    table = (results / "results.csv").read_bytes()
+    assert (results.parent / f"{shared}" / "results.csv").read_bytes() == table

@@ -42,7 +42,7 @@ def test_equal_content_is_packed_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert (first / "modelDescription.xml").read_bytes() == b"description"
     assert [path.name for path in first.parent.iterdir()] == ["QuarterCar"]
     assert kept("OneDof", tmp_path)[0] != first
-    monkeypatch.setattr(content, "version", lambda _name: "another version of pythonfmu")
+    monkeypatch.setattr(content, "installed", lambda _name: "another version of pythonfmu")
     assert kept("QuarterCar", tmp_path)[0].parent != first.parent
     assert [path.name for path in first.parent.parent.glob(".draft*")] == []
 

@@ -16,7 +16,6 @@ from urllib.request import urlopen
 
 import pytest
 from click.testing import CliRunner
-from fmpy.simulation import Recorder
 from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
@@ -25,6 +24,7 @@ from phaseplane.scenarios.draw.live import LiveRun
 from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
+from phaseplane.scenarios.simulate.stepping import Rows
 from rerun.chunk import RrdReader
 
 from phaseplane.recording import serving
@@ -73,9 +73,9 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
     with serving() as server:
         watch = LiveRun.watch
 
-        def killed_at_half(self: LiveRun, recorder: Recorder) -> None:
-            watch(self, recorder)
-            if len(recorder.rows) == 501:
+        def killed_at_half(self: LiveRun, rows: Rows) -> None:
+            watch(self, rows)
+            if len(rows) == 501:
                 server.process.kill()
                 server.process.wait()
 

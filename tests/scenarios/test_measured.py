@@ -99,9 +99,13 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
     ("old", "new", "complaint"),
     [
         ("road.csv", "rode.csv", "road.table: cannot read .*rode.csv: No such file"),
-        ("profile", "profil", "road.csv has no column 'profil'; did you mean 'profile'"),
+        (
+            "profile",
+            "profil",
+            "road.csv has no column 'profil'; its columns are .*; did you mean 'profile'",
+        ),
         ('"mm"', '"N"', "road.table: units: .*N"),
-        ("units", "unit", "unknown key 'unit'; did you mean 'units'.*; allowed: file, columns"),
+        ("units", "unit", "unknown key 'unit'; allowed: file, columns, .*; did you mean 'units'"),
         ('"table"', '"bump"', "road.table.file is given, but road.shape is bump"),
         ('road.shape = "table"', "", "road.shape is left at its default"),
         ('["distance", "profile"]', '"profile"', "columns = .* must be two texts such as"),

@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -31,7 +32,7 @@ def test_where_the_end_tells_all_one_communication_step_serves() -> None:
     bare = ("show.outputs=[]", ends)
     one = load_scene("speed_bump", [*BARE, *bare, "speed=9"], expect=False)
     assert one.communication_step == one.duration == 2.0
-    many = one.model_copy(update={"show": one.show.model_copy(update={"outputs": ["airborne"]})})
+    many = replace(one, show=replace(one.show, outputs=("airborne",)))
     assert many.communication_step == one.show.output_interval
     short, long = run(one), run(many)
     assert (short.summary["rows"], long.summary["rows"]) == (2, 2001)
@@ -142,6 +143,31 @@ def test_an_interrupt_ends_the_run_at_its_next_step(fmu: Path) -> None:
     assert results.stopped == {"time": pytest.approx(3e-3), "reason": "interrupted"}
     assert caught.value.number == signal.SIGINT
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupted_equation_keeps_its_rows() -> None:
+    """Those until then, to the bit."""
+    scene = load_scene("van_der_pol", ["show.figures=[]", "show.recording=false"], expect=False)
+    whole = run(scene)
+    parts: list[float] = []
+
+    def interrupt_at_half(part: float) -> None:
+        parts.append(part)
+        if part > 0.5:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(Interrupted) as caught:
+        run(scene, progress=interrupt_at_half)
+    assert sorted(parts) == parts
+    assert parts[-2] <= 0.5 < parts[-1] < 1.0
+    results = caught.value.results
+    rows = len(results.columns["time"])
+    assert rows == pytest.approx(parts[-1] * len(whole.columns["time"]), abs=2)
+    assert results.stopped is not None
+    assert results.stopped["reason"] == "interrupted"
+    for name, column in results.columns.items():
+        assert column[:-1].tobytes() == whole.columns[name][: rows - 1].tobytes()
+    assert results.columns["time"][-1] <= results.stopped["time"] <= parts[-1] * scene.duration
 
 
 def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> None:

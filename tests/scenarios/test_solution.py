@@ -55,7 +55,7 @@ def measures_of(reference: str, *overrides: str) -> dict[str, Any]:
 def test_measures_do_not_depend_on_the_output_interval(case: str, tmp_path: Path) -> None:
     reference = scene_file(tmp_path) if case == "QuarterCar" else case
     shorter = ["duration=3 s"] if case == "iso8608_c" else []
-    bare = ["show.figures=[]", "show.outputs=[]", "expect={}", *shorter]
+    bare = ["show.figures=[]", "show.outputs=[]", *shorter]
     found = [measures_of(reference, f"show.output_interval={x}", *bare) for x in INTERVALS]
     for other in found[2:]:  # from the same instants, but for rounding
         for name, value in other.items():
@@ -137,7 +137,7 @@ def test_the_peak_at_a_kerb_between_two_rows_has_its_closed_form(tmp_path: Path)
 
 
 def test_stops_met_for_less_than_a_millisecond_are_counted() -> None:
-    scene = load_scene("stiff_stop", ["show.output_interval=10 ms", "expect={}"])
+    scene = load_scene("stiff_stop", ["show.output_interval=10 ms"])
     names = ["bump_stop_hits", "rebound_stop_hits", "peak.bump_stop_force"]
     summary = run(scene.only(names)).summary
     session = Session(scene.fmu.model, scene.start_values)
@@ -230,7 +230,7 @@ def test_rows_that_differ_from_the_solution_are_measured_themselves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("phaseplane.scenarios.simulate.measuring.apart", lambda *_: 3e-4)
-    scene = load_scene("ap57", ["show.output_interval=100 ms", "show.figures=[]", "expect={}"])
+    scene = load_scene("ap57", ["show.output_interval=100 ms", "show.figures=[]"])
     summary = run(scene).summary
     assert summary["measured"] == {"interval": 0.1, "agreement": 3e-4}
     assert "by up to 0.0003 of the peaks" in summary["remarks"][0]
@@ -240,7 +240,7 @@ def test_rows_that_differ_from_the_solution_are_measured_themselves(
 def test_a_foreign_fmu_is_measured_at_its_communication_points_which_is_said(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    overrides = ["show.output_interval=10 ms", "show.figures=[]", "expect={}", "duration=0.2 s",
+    overrides = ["show.output_interval=10 ms", "show.figures=[]", "duration=0.2 s",
                  "show.measures=['body_weighted_acceleration', 'peak.body_acceleration']"]  # fmt: skip
     scene = load_scene("ap57", overrides)
     monkeypatch.setattr("phaseplane.scenarios.scene.fmus.Fmu.is_ours", False)

@@ -186,11 +186,11 @@ class VehicleSlave(Fmi2Slave):
 
     # -- variables ---------------------------------------------------------------------------------
 
-    def get_real(self, vrs: list[int]) -> list[float]:
-        """Return values by value reference; hosts call this most."""
+    def get_real(self, vrs: list[int]) -> list[Any]:
+        """Return values of any type by value reference; hosts call this most."""
         session = self._session
         if session is None or not (self._initialised and session.ok):
-            return [self._value(self._names[vr]) for vr in vrs]  # type: ignore[misc]
+            return [self._value(self._names[vr]) for vr in vrs]
         if session.readers is not self._bound:  # another session, or one rebuilt for a parameter
             self._bound = session.readers
             self._readers = [
@@ -199,6 +199,8 @@ class VehicleSlave(Fmi2Slave):
             ]
         readers = self._readers
         return [readers[vr]() for vr in vrs]
+
+    get_integer = get_boolean = get_real
 
     def _value(self, name: str) -> Value:
         if self._initialised and self._session is not None:

@@ -1,0 +1,261 @@
+"""A scene made from the content of its file, key by key; see `schema` for what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from phaseplane.suspension.models import build
+from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
+
+from ..errors import InputError, shown
+from ..measures import catalogue
+from ..results.comparison import check_comparable
+from ..results.tables import read_table as read_columns
+from .equation import EQUATION, check_equation
+from .expectations import Bounds, During, Reference, bounds_from
+from .fields import SECONDS, TEXT, Kind, RefusedError, read_table
+from .fmus import Fmu, find_fmu
+from .schema import Scene
+from .sections import Construction, Show
+from .table_files import with_files
+
+if TYPE_CHECKING:
+    from phaseplane.suspension.variable import Variable
+
+    from ..results.tables import Columns
+
+DURING, REFERENCE = "expect.during", "expect.reference"
+_MOST_ROWS = 5_000_000
+
+
+def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path]) -> Scene:
+    """Make a scene.
+
+    Parameters
+    ----------
+    name : name of its file
+    content : the sections and keys, with one table of dotted keys for each section
+    folders : the folder that paths are relative to, by dotted key
+
+    Raises
+    ------
+    RefusedError : a key that is unknown, missing, or has a value that is not allowed.
+    """
+
+    def fmu_of(value: object) -> Fmu:
+        if not isinstance(value, str):
+            raise ValueError("must be a model's name or the path of an .fmu file")
+        return find_fmu(value, folders.get("fmu"), content.get("parameters"))
+
+    fmu = _required("fmu", content, Kind(fmu_of, {}))
+    duration = _required("duration", content, SECONDS)
+    expect = _table("expect", content)
+    scene = Scene(
+        name=name,
+        fmu=fmu,
+        duration=duration,
+        title=_value("title", content, TEXT, ""),
+        source=_value("source", content, TEXT, ""),
+        parameters=_parameters(fmu, duration, _table("parameters", content), folders),
+        show=read_table(Show, content.get("show", {}), "show"),
+        construction=read_table(Construction, content.get("construction", {}), "construction"),
+        expect=_bounds(fmu, expect),
+        during=_during(fmu, expect.get("during", ())),
+        **_reference(fmu, expect, folders),
+    )
+    _check_names(scene)
+    _check_rows(scene, named="output_interval" in content.get("show", {}))
+    if scene.show.draws:
+        try:
+            scene.check_construction()
+        except InputError as error:
+            raise RefusedError("construction.step", str(error)) from None
+    return scene
+
+
+def _required(key: str, content: Mapping[str, Any], kind: Kind) -> Any:
+    if key not in content:
+        raise RefusedError(key, f"{shown(key)} is missing; a scene needs fmu and duration")
+    return _value(key, content, kind)
+
+
+def _value(key: str, content: Mapping[str, Any], kind: Kind, default: Any = None) -> Any:
+    if key not in content:
+        return default
+    try:
+        return kind.read(content[key])
+    except ValueError as error:
+        raise RefusedError.value(key, content[key], str(error)) from None
+
+
+def _table(key: str, content: Mapping[str, Any]) -> Mapping[str, Any]:
+    given = content.get(key, {})
+    if not isinstance(given, Mapping):
+        raise RefusedError.value(key, given, "must be a table")
+    return given
+
+
+def _parameters(
+    fmu: Fmu, duration: float, given: Mapping[str, Any], folders: Mapping[str, Path]
+) -> dict[str, Value]:
+    """Return the parameters in SI, their tables read from files."""
+    declared = fmu.parameters()
+    try:
+        given, files = with_files(given, declared, folders)
+    except InputError as error:
+        table = str(error).partition(":")[0]
+        raise RefusedError(f"parameters.{table}.file", str(error)) from None
+    # the unit of an equation first: others are read by it
+    ordered = sorted(given.items(), key=lambda item: item[0] != "unit")
+    checked = {name: _parameter(fmu, name, raw, declared) for name, raw in ordered}
+    shape = checked.get("road.shape", "")
+    if "road.table" in files and shape not in ("table", "spline"):
+        raise RefusedError(
+            "parameters.road.table.file",
+            f"road.table.file is given, but road.shape is {shape or 'left at its default'}; "
+            "set it to table or spline",
+        )
+    if fmu.model == EQUATION:
+        try:
+            check_equation(checked)
+        except ValueError as error:
+            raise RefusedError("parameters.equation", str(error)) from None
+    if shape == "input":
+        raise RefusedError(
+            "parameters.road.shape",
+            "road.shape = 'input': a scene gives no inputs; use road.table",
+        )
+    if fmu.is_ours:
+        try:
+            build(fmu.model, fmu.with_defaults(checked, duration))
+        except (ParameterError, OverflowError, ZeroDivisionError) as error:
+            about = next((name for name in checked if str(error).startswith(name)), "")
+            raise RefusedError(f"parameters.{about}".strip("."), str(error)) from None
+    return checked
+
+
+def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable]) -> Value:
+    try:
+        refuse_unknown([name], declared, f"{fmu.model} has no parameter")
+        return declared[name].checked(raw)
+    except ParameterError as error:
+        why = str(error)
+    except OverflowError:
+        why = f"{name} = {shown(raw)}: too large"
+    raise RefusedError(f"parameters.{name}", why)
+
+
+def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds]:
+    """Return the bounds on measures."""
+    known = catalogue(fmu.outputs())
+    expected = {}
+    for name, raw in given.items():
+        key = f"expect.{name}"
+        if key in (DURING, REFERENCE):
+            continue
+        if name.startswith("during."):
+            raise RefusedError(
+                key, "expect.during must be a list: write [[expect.during]] for each"
+            )
+        if name not in known:
+            raise RefusedError(key, f"no measure {shown(name)}{nearest(name, known)}")
+        try:
+            expected[name] = bounds_from(raw, known[name].unit)
+        except ValueError as error:
+            raise RefusedError.value(key, raw, str(error)) from None
+    return expected
+
+
+def _during(fmu: Fmu, given: object) -> tuple[During, ...]:
+    """Return the bounds on outputs within intervals of time."""
+    if not isinstance(given, list | tuple):
+        raise RefusedError.value(DURING, given, "must be a list")
+    during = []
+    for number, one in enumerate(given, 1):
+        during.append(read_table(During, one, DURING))
+        try:
+            during[-1].bounds(fmu.outputs())
+        except ValueError as error:
+            raise RefusedError(DURING, f"{DURING}, number {number}: {error}") from None
+    return tuple(during)
+
+
+def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path]) -> dict[str, Any]:
+    """Return the reference, the folder that its path is relative to, and its columns."""
+    if "reference" not in expect:
+        return {}
+    reference = read_table(Reference, expect["reference"], REFERENCE)
+    folder = folders.get(f"{REFERENCE}.file", Path())
+    if reference.columns == ():
+        raise RefusedError(REFERENCE, f"{REFERENCE}.columns = []: must name at least one column")
+    path = folder / reference.file
+    try:
+        columns = read_columns(path)[0]
+    except InputError as error:
+        raise RefusedError(REFERENCE, f"{REFERENCE}.file: {error}") from None
+    _check_reference(fmu, reference, path, columns)
+    return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
+
+
+def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Columns) -> None:
+    known = [name for name in fmu.outputs() if name in columns]
+    for name in reference.columns or ():
+        if name not in known:
+            raise RefusedError(
+                REFERENCE,
+                f"{REFERENCE}.columns: {shown(name)} is not both a column of the file and an "
+                f"output of {fmu.model}{nearest(name, known)}",
+            )
+    if "time" not in columns or not known:
+        raise RefusedError(
+            REFERENCE,
+            f"{REFERENCE}.file: {path} has no column time, or no column that is an output of "
+            f"{fmu.model}",
+        )
+    try:
+        check_comparable(columns, reference.columns or known)
+    except ValueError as error:
+        raise RefusedError(REFERENCE, f"{REFERENCE}.file: {path}: {error}") from None
+
+
+def _check_names(scene: Scene) -> None:
+    """Refuse unknown outputs and measures that are to be shown."""
+    outputs = scene.fmu.outputs()
+    wanted: tuple[tuple[str, Iterable[str], str, Collection[str]], ...] = (
+        ("outputs", _listed(scene.show.outputs), "output", outputs),
+        ("measures", scene.show.measures or (), "measure", catalogue(outputs)),
+        ("planes", (name for names in scene.show.planes for name in names), "output", outputs),
+    )
+    for key, names, what, known in wanted:
+        for name in names:
+            if name not in known:
+                raise RefusedError(
+                    f"show.{key}",
+                    f"show.{key}: {scene.fmu.model} has no {what} {shown(name)}"
+                    + nearest(name, known),
+                )
+
+
+def _listed(outputs: tuple[str, ...] | str | None) -> Iterable[str]:
+    return outputs if isinstance(outputs, tuple) else ()
+
+
+def _check_rows(scene: Scene, *, named: bool) -> None:
+    """Refuse an interval between rows that is too long or too short for the duration."""
+    interval, duration = scene.show.output_interval, scene.duration
+    key = "show.output_interval"
+    if named and interval > duration * (1.0 + 1e-9):
+        raise RefusedError(
+            key,
+            f"{key} = {interval:g} s is longer than the duration, {duration:g} s; give at most the "
+            "duration",
+        )
+    if duration / interval > _MOST_ROWS:
+        raise RefusedError(
+            key,
+            f"{key} = {interval:g} s gives {duration / interval:.3g} rows over {duration:g} s; "
+            f"at most {_MOST_ROWS} are allowed; give at least {duration / _MOST_ROWS:.3g} s",
+        )
