@@ -10,7 +10,6 @@ from pathlib import Path
 from statistics import median
 from time import process_time, sleep
 
-import numpy as np
 import pytest
 import rerun as rr
 from phaseplane.scenarios.draw.live import shown_live
@@ -21,10 +20,12 @@ from rerun.chunk import RrdReader
 
 from phaseplane.constructions import delta, march
 from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.picture.layers import layers_at
+from phaseplane.picture.quantities import read_off
+from phaseplane.picture.words import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, serving
-from phaseplane.recording.sheet import arcs, points, vertices
+from phaseplane.recording.columns import xy
 from phaseplane.recording.sinks import encoded
-from phaseplane.recording.words import stage_texts, step_text
 
 pytestmark = pytest.mark.slow
 
@@ -47,35 +48,17 @@ def log_one_by_one(drawing: Drawing) -> int:
 
 
 def _log_frame(recording: rr.RecordingStream, drawing: Drawing, frame: Frame) -> None:
-    scheme = drawing.schemes[frame.scheme]
-    texts = stage_texts(scheme)
+    quantities = read_off(drawing, 0.05)
     for plane in drawing.planes:
         segment = [frame.points[plane.state], frame.points[plane.state + "'"]]
-        recording.log(
-            f"/sheet/trail/{plane.name}",
-            rr.LineStrips2D([vertices(np.array(segment))]),
-            rr.Points2D(vertices(np.array(segment[1:]))),
-        )
-    recording.log("/words/step", rr.TextDocument(step_text(drawing, frame)))
-    for stage in range(len(scheme.stages)):
-        recording.set_time("stage", sequence=len(scheme.stages) * frame.step + stage)
-        path = f"/sheet/construction/{frame.scheme}/{stage + 1}"
-        recording.log("/words/stages", rr.TextDocument(texts[stage + 1]))
-        marks = [m.point for m in scheme.marks if m.stage == stage]
-        strokes = [end for s in scheme.strokes if s.stage == stage for end in (s.start, s.end)]
-        drawn = [a for a in scheme.arcs if a.stage == stage]
-        parts: list[rr.AsComponents] = []
-        if marks:
-            parts.append(rr.Points2D(vertices(points([frame], marks)[0])))
-        if strokes:
-            parts.append(rr.LineStrips2D(vertices(points([frame], strokes).reshape(-1, 2))))
-        if parts:
-            recording.log(path, *parts)
-        if drawn:
-            ends = (
-                points([frame], [getattr(a, p) for a in drawn]) for p in ("centre", "start", "end")
-            )
-            recording.log(f"{path}/arcs", rr.LineStrips2D(vertices(arcs(*ends)[0])))
+        recording.log(f"/sheet/trail/{plane.name}", rr.LineStrips2D([xy(segment)]))
+    recording.log("/words", rr.TextDocument(step_text(drawing, frame, quantities)))
+    for layer in layers_at(drawing, frame):
+        path = f"/sheet/steps/{frame.scheme}/{layer.stage + 1}/{layer.kind}"
+        if layer.kind == "points":
+            recording.log(path, rr.Points2D(xy(layer.vertices[0, :, 0])))
+        else:
+            recording.log(path, rr.LineStrips2D(xy(layer.vertices[0])))
 
 
 def timed(work: Callable[[], object]) -> float:

@@ -1,4 +1,5 @@
 from .animation import animation as animation
+from .animation import storyboard as storyboard
 from .characteristics import characteristics_sheet as characteristics_sheet
 from .columns import columns as columns
 from .columns import comparison as comparison
@@ -20,6 +21,7 @@ from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8
 from .stability import GrowthMap as GrowthMap
 from .stability import stability_sheet as stability_sheet
+from .style import Look as Look
 from .style import save as save
 from .sweeps import sweep as sweep
 from .work_precision import Curve as Curve

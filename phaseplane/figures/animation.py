@@ -1,107 +1,184 @@
-"""Animations of a construction, step by step."""
+"""The story of a construction as an animation or as a storyboard."""
 
 from __future__ import annotations
 
 import os
+import shutil
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import fill
+from typing import Any, cast
 
-from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
-from matplotlib.collections import LineCollection
+import numpy as np
+import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
-from phaseplane.constructions.primitives import Drawing, Frame
-from phaseplane.figures.canvas import Sheet, step_strips, time_words, vertices
-from phaseplane.figures.planes import BODY_CURVES, view_of
-from phaseplane.figures.style import palette_for, role_style, written_whole
+from phaseplane.constructions.primitives import Drawing
+from phaseplane.figures.canvas import Sheet, figure_of, new_page
+from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed, written_whole
+from phaseplane.picture.page import Page
+from phaseplane.picture.story import Tick, arms_page, staged, story_of
+from phaseplane.picture.views import frame_at, view_of, whole_view
+from phaseplane.picture.words import time_words, typeset
 
 MOVING = (".gif", ".mp4")
-_MOST = 150  # pictures
-_DPI = 72
-_HOLD = 12  # pictures that show the end
+_DPI = 84
+_HOLD = 3  # ticks that show the end
 
 
 def animation(
     drawing: Drawing,
     path: str | os.PathLike[str],
     *,
-    rate: int = 12,
+    rate: float = 1.0,
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
 ) -> Path:
-    """Write the construction step by step as an animation, whole or not at all.
+    """Write the story of a construction as an animation, whole or not at all.
 
-    If there are more than 150 steps, every n-th is shown.
+    It shows the empty sheet, telling steps stage by stage, lift-off and touchdown, and the whole motion.
 
     Parameters
     ----------
     path : ends with .gif, or with .mp4 if the program ffmpeg is installed
-    rate : pictures per second
+    rate : stages per second
     title : title of the figure
-    dark : use a dark background
+    look : how it is drawn
 
     Raises
     ------
     ValueError : if the suffix is another, or .mp4 without ffmpeg.
     OSError : if the folder does not exist or cannot be written to.
     """
-    writer = _writer(Path(path).suffix.lower(), rate)
-    shown = drawing.frames[:: -(-len(drawing.frames) // _MOST)]
-    sheet = Sheet(drawing, view_of(drawing, shown, turn=False), palette_for(dark))
-    sheet.axes_of_planes()
-    sheet.stay(BODY_CURVES)
-    sheet.lines("foot", sheet.motions)
-    sheet.events()
-    moving = _moving(sheet)
-    sheet.finish(title, drawing.title)
-    with (
-        written_whole(Path(path)) as temporary,
-        writer.saving(sheet.figure, str(temporary), dpi=_DPI),
-    ):
-        for _ in _growing(sheet, moving, shown):
-            writer.grab_frame(facecolor=sheet.figure.get_facecolor())
-        for _ in range(_HOLD):
-            writer.grab_frame(facecolor=sheet.figure.get_facecolor())
-    return Path(path)
-
-
-def _writer(suffix: str, rate: int) -> AbstractMovieWriter:
-    if suffix == ".gif":
-        return PillowWriter(fps=rate)
-    if suffix != ".mp4":
+    target = Path(path)
+    suffix = target.suffix.lower()
+    program = shutil.which("ffmpeg")
+    if suffix not in MOVING:
         raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
-    if not FFMpegWriter.isAvailable():
+    if suffix == ".mp4" and program is None:
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
-    # yuv420p, which every player supports, needs even sizes
-    even = ["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
-    return FFMpegWriter(fps=rate, extra_args=even)
+    page = _stays(drawing, title, look)
+    pictures = list(_pictures(page, story_of(drawing, page, arms_page(drawing), {}), look))
+    pictures += pictures[-1:] * _HOLD
+    with written_whole(target) as temporary:
+        if program is not None and suffix == ".mp4":
+            _write_mp4(program, pictures, temporary, rate)
+        else:
+            _write_gif(pictures, temporary, rate)
+    return target
 
 
-def _moving(sheet: Sheet) -> dict[str, LineCollection]:
-    """Return the lines that move, by role, still empty."""
-    schemes = sheet.drawing.schemes.values()
-    roles = ("trail", *dict.fromkeys(s.role for scheme in schemes for s in scheme.strokes))
-    moving = {role: LineCollection([], zorder=3.0, gid=role) for role in roles}
-    for role, lines in moving.items():
-        look = role_style(role)
-        lines.set(color=sheet.colour(role), linewidth=look.width, linestyle=look.dash)
-        sheet.axes.add_collection(lines, autolim=False)
-        sheet.seen[role] = None  # for the legend
-    return moving
+def storyboard(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
+) -> Figure:
+    """Draw a step as a strip of small pictures, one for each stage.
 
+    Parameters
+    ----------
+    frame : index of the step; default: one whose letters have room
 
-def _growing(
-    sheet: Sheet, moving: dict[str, LineCollection], shown: tuple[Frame, ...]
-) -> Iterator[Frame]:
-    """Yield after updating the lines for each picture: the step and the motion so far."""
-    drawing = sheet.drawing
-    clock = sheet.axes.text(
-        0.99, 0.99, "", transform=sheet.axes.transAxes, ha="right", va="top", fontsize=10.0,
-        color=sheet.palette.ink, gid="clock",
+    Raises
+    ------
+    ValueError : if there is no such frame.
+    """
+    chosen = frame_at(drawing, frame)
+    view = view_of(drawing, [chosen], turn=False)
+    stages = drawing.schemes[chosen.scheme].stages
+    width = look.inches or 11.0
+    columns = max(1, min(3, int(width / 2.6)))
+    rows = -(-len(stages) // columns)
+    size = width / columns, width / columns * view.half.imag / view.half.real
+    cell = size[0], min(size[1], 4.5) + 0.65
+    above = 0.7 if look.headed else 0.05
+    whole = new_figure(width, rows * cell[1] + above, look.palette)
+    scale = min(cell[0] / view.half.real, (cell[1] - 0.65) / view.half.imag) / 2.0
+    stays = new_page(drawing, view, look, scale=1.2 * scale)
+    stays.axes_of_planes()
+    stays.curves()
+    sheet = Sheet(look)
+    sheet.figure = whole
+    ticks = staged(drawing, stays, arms_page(drawing), drawing.frames.index(chosen))
+    for number, tick in enumerate(ticks):
+        row, column = divmod(number, columns)
+        bottom = 1.0 - (above + (row + 1) * cell[1] - 0.65) / whole.get_figheight()
+        sheet.place(
+            stays.view,
+            (column / columns, bottom, 1.0 / columns, (cell[1] - 0.65) / whole.get_figheight()),
+        )
+        for item in (*stays.items, *tick.page.items):
+            sheet.draw(item)
+        whole.text(
+            (column + 0.5) / columns, bottom - 0.05 / whole.get_figheight(),
+            fill(tick.caption, int(13.0 * cell[0])), ha="center", va="top", fontsize=7.5,
+            color=look.palette.ink,
+        )  # fmt: skip
+    words = f"Step {chosen.step}, {time_words(chosen.time)}, stage by stage"
+    whole.text(
+        0.5, 1.0 - 0.35 / whole.get_figheight(), f"{title}\n{words}" if title else words,
+        ha="center", va="center", fontsize=10.0, color=look.palette.ink, gid=HEADING,
     )  # fmt: skip
-    for frame in shown:
-        strips = step_strips(drawing, frame, repeated=False, turn=False)
-        strips["trail"] = [motion[: frame.step + 2] for motion in sheet.motions]
-        for role, lines in moving.items():
-            lines.set_segments([vertices(strip) for strip in strips.get(role, [])])
-        clock.set_text(time_words(frame.time))
-        yield frame
+    return printed(whole, look)
+
+
+def _stays(drawing: Drawing, title: str, look: Look) -> Page:
+    page = new_page(drawing, whole_view(drawing), look)
+    page.axes_of_planes()
+    page.curves()
+    page.title, page.words = title, typeset(drawing.title)
+    return page
+
+
+def _pictures(page: Page, ticks: Iterator[Tick], look: Look) -> Iterator[npt.NDArray[np.uint8]]:
+    """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
+    figure = figure_of(page, look)
+    sheet = Sheet.of(figure, look)
+    figure.set_dpi(_DPI)
+    canvas = cast(FigureCanvasAgg, figure.canvas)
+    for legend in figure.legends:  # the caption takes its place
+        legend.set_visible(False)
+    caption = figure.text(
+        0.5, 0.28 / figure.get_figheight(), "", ha="center", va="center", color=look.palette.ink,
+        fontsize=9.0,
+    )  # fmt: skip
+    canvas.draw()
+    ground = canvas.copy_from_bbox(figure.bbox)
+    renderer = canvas.get_renderer()
+    for tick in ticks:
+        canvas.restore_region(ground)
+        caption.set_text(fill(tick.caption, int(11 * figure.get_figwidth())))
+        sheet.frame(tick.page)
+        for artist in sorted(sheet.moving, key=lambda artist: artist.get_zorder()):
+            artist.draw(renderer)
+        caption.draw(renderer)
+        image = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        # players want even sizes
+        yield image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]
+
+
+def _write_gif(pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float) -> None:
+    from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
+
+    samples = np.concatenate(pictures[:: max(1, len(pictures) // 6)])
+    first = Image.fromarray(samples).quantize(96)
+    images = [
+        Image.fromarray(p).quantize(palette=first, dither=Image.Dither.NONE) for p in pictures
+    ]
+    options: dict[str, Any] = {"save_all": True, "loop": 0, "duration": round(1000.0 / rate)}
+    images[0].save(path, append_images=images[1:], optimize=False, **options)
+
+
+def _write_mp4(
+    program: str, pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float
+) -> None:
+    height, width, _ = pictures[0].shape
+    subprocess.run(
+        [
+            program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24",
+            "-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-", "-pix_fmt", "yuv420p",
+            "-r", "12", os.fspath(path),
+        ],
+        input=b"".join(picture.tobytes() for picture in pictures),
+        check=True,
+    )  # fmt: skip

@@ -3,66 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from phaseplane.figures.style import SERIES, Palette, dress, new_figure, palette_for
+from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, new_figure, printed
+from phaseplane.picture.quantities import QUANTITIES, Quantity
+from phaseplane.picture.styles import hue_of
 
-
-@dataclass(frozen=True, slots=True)
-class _Quantity:
-    """A panel: name, unit, number of units per SI unit, and the columns with their labels."""
-
-    name: str
-    unit: str
-    factor: float
-    columns: tuple[tuple[str, str], ...]
-
-
-_QUANTITIES = (
-    _Quantity(
-        "displacement",
-        "cm",
-        100.0,
-        (
-            ("road_elevation", "road ξ"),
-            ("suspension_deflection", "deflection y"),
-            ("wheel_displacement", "wheel x₂"),
-            ("body_displacement", "body x₁"),
-        ),
+_COLUMNS = {
+    "displacement": (
+        ("road_elevation", "road ξ"),
+        ("suspension_deflection", "deflection y"),
+        ("wheel_displacement", "wheel x₂"),
+        ("body_displacement", "body x₁"),
     ),
-    _Quantity(
-        "velocity",
-        "m/s",
-        1.0,
-        (
-            ("suspension_deflection_rate", "deflection ẏ"),
-            ("wheel_velocity", "wheel ẋ₂"),
-            ("body_velocity", "body ẋ₁"),
-        ),
+    "velocity": (
+        ("suspension_deflection_rate", "deflection ẏ"),
+        ("wheel_velocity", "wheel ẋ₂"),
+        ("body_velocity", "body ẋ₁"),
     ),
-    _Quantity(
-        "acceleration",
-        "m/s\N{SUPERSCRIPT TWO}",
-        1.0,
-        (
-            ("suspension_deflection_acceleration", "deflection ÿ"),
-            ("wheel_acceleration", "wheel ẍ₂"),
-            ("body_acceleration", "body ẍ₁"),
-        ),
+    "acceleration": (
+        ("suspension_deflection_acceleration", "deflection ÿ"),
+        ("wheel_acceleration", "wheel ẍ₂"),
+        ("body_acceleration", "body ẍ₁"),
     ),
-)
+}
+"""The columns of each quantity, and their labels."""
 
 
 def time_histories(
     columns: Mapping[str, npt.ArrayLike],
     *,
     title: str = "",
-    dark: bool = False,
+    look: Look = PLAIN,
     points: bool = False,
 ) -> Figure:
     """Draw displacements, velocities and accelerations over time (AP57 figures 14 to 16).
@@ -74,7 +50,7 @@ def time_histories(
         `*_acceleration` (m/s^2), airborne (true or false), shape (n,) each; others are ignored, a
         panel without columns is omitted
     title : title of the figure
-    dark : use a dark background
+    look : how it is printed
     points : mark every time
 
     Raises
@@ -83,15 +59,16 @@ def time_histories(
         there is nothing to draw.
     """
     table, shown = _checked(columns)
-    palette = palette_for(dark)
-    figure = new_figure(9.0, 0.9 + 2.2 * len(shown), palette)
+    palette = look.palette
+    width = look.inches or 9.0
+    figure = new_figure(width, 0.9 + 2.2 * len(shown) * min(1.0, 0.4 + width / 15.0), palette)
     panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
     times = 1e3 * table["time"]
     spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
     for axes, quantity in zip(panels, shown, strict=True):
         _panel(axes, quantity, table, times, palette, points=points)
         for start, end in spans:
-            axes.axvspan(1e3 * start, 1e3 * end, color=palette.shade, zorder=0.0, gid="airborne")
+            axes.axvspan(1e3 * start, 1e3 * end, color=palette.tint, zorder=0.0, gid="airborne")
     for start, end in spans[:1]:
         panels[0].annotate(
             "airborne",
@@ -106,13 +83,13 @@ def time_histories(
         )
     panels[-1].set_xlabel("time [ms]", color=palette.ink)
     if title:
-        figure.suptitle(title, color=palette.ink, fontsize=11.0)
+        figure.suptitle(title, color=palette.ink, fontsize=11.0, gid=HEADING)
     figure.align_ylabels(list(panels))
     figure.subplots_adjust(
-        left=0.09, right=0.83, bottom=0.55 / figure.get_figheight(),
-        top=1.0 - (0.55 if title else 0.35) / figure.get_figheight(), hspace=0.12,
+        left=0.81 / width, right=1.0 - 1.53 / width, bottom=0.55 / figure.get_figheight(),
+        top=1.0 - (0.55 if title and look.headed else 0.3) / figure.get_figheight(), hspace=0.12,
     )  # fmt: skip
-    return figure
+    return printed(figure, look)
 
 
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
@@ -132,10 +109,10 @@ def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[
 
 def _checked(
     columns: Mapping[str, npt.ArrayLike],
-) -> tuple[dict[str, npt.NDArray[np.float64]], list[_Quantity]]:
+) -> tuple[dict[str, npt.NDArray[np.float64]], list[Quantity]]:
     if "time" not in columns:
         raise ValueError(f"no column 'time'; columns given: {', '.join(columns) or 'none'}")
-    known = {name for quantity in _QUANTITIES for name, _ in quantity.columns}
+    known = {name for several in _COLUMNS.values() for name, _ in several}
     table = {
         name: np.asarray(column, float)
         for name, column in columns.items()
@@ -151,7 +128,7 @@ def _checked(
             raise ValueError(
                 f"column {name!r} has shape {column.shape}: must be {shape}, as 'time'"
             )
-    shown = [q for q in _QUANTITIES if any(name in table for name, _ in q.columns)]
+    shown = [q for q in QUANTITIES if any(name in table for name, _ in _COLUMNS.get(q.name, ()))]
     if not shown:
         raise ValueError(
             f"none of the columns can be drawn: {', '.join(columns)}; known columns are "
@@ -162,7 +139,7 @@ def _checked(
 
 def _panel(
     axes: Axes,
-    quantity: _Quantity,
+    quantity: Quantity,
     table: Mapping[str, npt.NDArray[np.float64]],
     times: npt.NDArray[np.float64],
     palette: Palette,
@@ -170,14 +147,14 @@ def _panel(
     points: bool,
 ) -> None:
     dress(axes, palette, 8.5)
-    for name, words in quantity.columns:
+    for name, words in _COLUMNS[quantity.name]:
         if name not in table:
             continue
         element = name.split("_")[0]
         axes.plot(
             times,
             quantity.factor * table[name],
-            color=SERIES[element],
+            color=palette.of(hue_of(name)),
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
             linestyle="--" if element == "road" else "-",
             marker="." if points and element != "road" else "",

@@ -9,27 +9,22 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
 from phaseplane.constructions.primitives import Curve, Drawing, Frame, Plane
-from phaseplane.figures import dimensions
-from phaseplane.figures.canvas import Sheet
+from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.histories import time_histories
-from phaseplane.figures.lettering import typeset
-from phaseplane.figures.planes import (
-    around,
-    construction_sheet,
-    frame_at,
-    motion_points,
-    step_sheet,
-    step_words,
-    telling_frame,
-)
-from phaseplane.figures.style import palette_for
+from phaseplane.figures.planes import construction_sheet, step_page, step_words
+from phaseplane.figures.style import PLAIN, Look
+from phaseplane.picture import dimensions
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import around
+from phaseplane.picture.views import frame_at, motion_points, telling_frame
+from phaseplane.picture.words import typeset
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
 
 
 def figure7(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7).
 
@@ -48,13 +43,13 @@ def figure7(
             f"figure 7 shows a wheel on the road; in step {chosen.step} it is off the road"
         )
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
-    sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
-    sheet.finish(title, f"Elastic coupling: {step_words(chosen).lower()}")
-    return sheet.figure
+    page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
+    page.title, page.words = title, f"Elastic coupling: {step_words(chosen).lower()}"
+    return figure_of(page, look)
 
 
 def figure10(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10).
 
@@ -79,13 +74,13 @@ def figure10(
             f"figure 10 shows the wheel off the road; in step {chosen.step} it is on the road"
         )
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
-    sheet = _dimensioned(drawing, chosen, _ELASTIC, lengths, dark)
-    sheet.finish(title, f"The wheel off the road: {step_words(chosen).lower()}")
-    return sheet.figure
+    page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
+    page.title, page.words = title, f"The wheel off the road: {step_words(chosen).lower()}"
+    return figure_of(page, look)
 
 
 def figure12(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw one step in two planes with inertial coupling, with letters and dimensions (AP57 fig. 12).
 
@@ -104,12 +99,12 @@ def figure12(
     one, two = (plane.displacement.scale for plane in drawing.planes)
     formulas = _INERTIAL if one == two else ("", "")
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
-    sheet = _dimensioned(drawing, chosen, formulas, lengths, dark)
-    sheet.finish(title, f"Inertial coupling: {step_words(chosen).lower()}")
-    return sheet.figure
+    page = _dimensioned(drawing, chosen, formulas, lengths, look)
+    page.title, page.words = title, f"Inertial coupling: {step_words(chosen).lower()}"
+    return figure_of(page, look)
 
 
-def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     """Draw lift-off U and touchdown V (AP57 figure 9).
 
     The length of B2Q2 is b x2st in U and, with contact by force, in V (AP57 eq. 28). With contact by
@@ -136,37 +131,37 @@ def figure9(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
     )
     names = ("P2", "Q2", "A2", "A2*", "B0")
     points = [frame.points[name] for frame in shown for name in names]
-    sheet = Sheet(only, around(np.append(motion_points(only), points)), palette_for(dark))
-    sheet.axes_of_planes()
-    sheet.stay(("auxiliary",))
-    sheet.trails()
+    page = new_page(only, around(np.append(motion_points(only), points)), look)
+    page.axes_of_planes()
+    page.curves(("auxiliary",))
+    page.trails()
     letters = []
     for frame, row in zip(shown, (2.6, 4.6), strict=False):
         p, q, a, foot, b = (frame.points[name] for name in names)  # B2 has reached B0
-        sheet.lines("foot", [[p, q]])
-        sheet.dots("foot", [q])
+        page.lines("foot", [[p, q]])
+        page.dots("foot", [q])
         if frame.event == TOUCHDOWN and _has_closed(frame, b):
             road = wheel.displacement.at(frame.readings["road_elevation"])
-            dimensions.below(sheet, road, q, r"$b\,x_{2st}$", row)
-            letters.append((q, typeset("Q2"), sheet.colour("foot")))
+            dimensions.below(page, road, q, r"$b\,x_{2st}$", row)
+            letters.append((q, typeset("Q2"), "foot"))
             continue
-        sheet.lines("construction", [[p, a], [a, foot]])
-        sheet.lines("excitation", [[foot, b]])
-        sheet.dots("foot", [a, foot])
-        sheet.dots("excitation", [b])
-        dimensions.below(sheet, b, q, r"$b\,x_{2st}$", row)
+        page.lines("construction", [[p, a], [a, foot]])
+        page.lines("excitation", [[foot, b]])
+        page.dots("foot", [a, foot])
+        page.dots("excitation", [b])
+        dimensions.below(page, b, q, r"$b\,x_{2st}$", row)
         for z, label, role in (
             (q, "Q2", "foot"), (a, "A2", "construction"), (foot, "A2*", "construction"),
             (b, "B2", "excitation"),
         ):  # fmt: skip
-            letters.append((z, typeset(label), sheet.colour(role)))
-    sheet.events()
-    sheet.letter([*letters, (wheel.displacement.origin, typeset("O2"), sheet.palette.ink)])
+            letters.append((z, typeset(label), role))
+    page.events()
+    page.letter([*letters, (wheel.displacement.origin, typeset("O2"), "axis")])
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )
-    sheet.finish(title, f"Lift-off U and touchdown V: {times}")
-    return sheet.figure
+    page.title, page.words = title, f"Lift-off U and touchdown V: {times}"
+    return figure_of(page, look)
 
 
 def _has_closed(frame: Frame, b0: complex) -> bool:
@@ -175,27 +170,27 @@ def _has_closed(frame: Frame, b0: complex) -> bool:
     return b2 is not None and abs(b2 - b0) > 1e-9
 
 
-def figure13(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+def figure13(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     """Draw points 0 to 20 with all auxiliary lines, the others on the curves (AP57 figure 13)."""
-    return construction_sheet(drawing, range(20), through=True, title=title, dark=dark)
+    return construction_sheet(drawing, range(20), through=True, title=title, look=look)
 
 
-def figure14(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+def figure14(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     """Draw displacements of body, wheel, suspension, road read off the planes (AP57 figure 14)."""
-    return _history(drawing, ("_displacement", "_deflection", "_elevation"), title, dark)
+    return _history(drawing, ("_displacement", "_deflection", "_elevation"), title, look)
 
 
-def figure15(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+def figure15(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     """Draw velocities of body, wheel and suspension read off the planes (AP57 figure 15)."""
-    return _history(drawing, ("_velocity", "_deflection_rate"), title, dark)
+    return _history(drawing, ("_velocity", "_deflection_rate"), title, look)
 
 
-def figure16(drawing: Drawing, *, title: str = "", dark: bool = False) -> Figure:
+def figure16(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     """Draw accelerations of body, wheel and suspension read off the planes (AP57 figure 16)."""
-    return _history(drawing, ("_acceleration",), title, dark)
+    return _history(drawing, ("_acceleration",), title, look)
 
 
-def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool) -> Figure:
+def _history(drawing: Drawing, endings: tuple[str, ...], title: str, look: Look) -> Figure:
     """Draw readings over time, with every point of the construction marked.
 
     Raises
@@ -212,7 +207,7 @@ def _history(drawing: Drawing, endings: tuple[str, ...], title: str, dark: bool)
         columns["airborne"] = [float(f.scheme == FLIGHT) for f in frames]
     words = f"Read off the planes: {drawing.title}"
     return time_histories(
-        columns, title=f"{title}\n{words}" if title else words, dark=dark, points=True
+        columns, title=f"{title}\n{words}" if title else words, look=look, points=True
     )
 
 
@@ -221,8 +216,8 @@ def _dimensioned(
     frame: Frame,
     formulas: tuple[str, str],
     lengths: Sequence[tuple[str, str, str]],
-    dark: bool,
-) -> Sheet:
+    look: Look,
+) -> Page:
     """Draw one step with letters, and dimension lines I and II and lengths on the axes.
 
     Parameters
@@ -230,30 +225,30 @@ def _dimensioned(
     formulas : distances of lines I and II from the y1 axis
     lengths : start point, end point and text of each length
     """
-    sheet = step_sheet(drawing, frame, dark=dark, beside=0.12)
-    _distances(sheet, formulas)
+    page = step_page(drawing, frame, look, 0.12)
+    _distances(page, formulas)
     for start, end, words in lengths:
-        dimensions.below(sheet, frame.points[start], frame.points[end], words, 2.4)
+        dimensions.below(page, frame.points[start], frame.points[end], words, 2.4)
     if frame.scheme == FLIGHT:
-        sheet.events()
-    sheet.letters(frame)
-    return sheet
+        page.events()
+    page.letters(frame)
+    return page
 
 
-def _distances(sheet: Sheet, formulas: tuple[str, str]) -> None:
+def _distances(page: Page, formulas: tuple[str, str]) -> None:
     """Dimension l and the distances of lines I and II from the y1 axis, at the right edge."""
-    top, bottom = (plane.displacement.origin.imag for plane in sheet.drawing.planes)
-    lines = {c.label: c.vertices[-1] for c in sheet.drawing.curves if c.role == "line"}
-    edge = sheet.view.centre.real + sheet.view.half.real
+    top, bottom = (plane.displacement.origin.imag for plane in page.drawing.planes)
+    lines = {c.label: c.vertices[-1] for c in page.drawing.curves if c.role == "line"}
+    edge = page.view.centre.real + page.view.half.real
     ends = (complex(edge, bottom), lines["I"], lines["II"])
     for column, (formula, end) in enumerate(zip(("$l$", *formulas), ends, strict=True)):
         height = end.imag
-        x = edge - (1.0 + 3.2 * column) * sheet.em
+        x = edge - (1.0 + 3.2 * column) * page.em
         if end.real < x:
-            dimensions.witness(sheet, end, complex(x, height))
+            dimensions.witness(page, end, complex(x, height))
         words = f"{100.0 * (top - height):.5g} cm"
         dimensions.length(
-            sheet, complex(x, top), complex(x, height), f"{formula} = {words}" if formula else words,
+            page, complex(x, top), complex(x, height), f"{formula} = {words}" if formula else words,
             towards=-1.0,
         )  # fmt: skip
 

@@ -74,7 +74,7 @@ def random_roads(classes: Sequence[str] = "ACE", *, seeds: int = 16, dark: bool 
         middle = class_line(road_class, lines)
         spectra.loglog(lines, middle, color=palette.faint, linewidth=0.7, linestyle="--", zorder=2)
         if drawn:  # a class extends from half to twice its geometric mean
-            spectra.fill_between(lines, 0.5 * middle, 2.0 * middle, color=palette.shade, zorder=1)
+            spectra.fill_between(lines, 0.5 * middle, 2.0 * middle, color=palette.tint, zorder=1)
         spectra.annotate(
             road_class, (lines[-1], middle[-1]), (4, 0), textcoords="offset points",
             va="center", fontsize=8, color=palette.ink,

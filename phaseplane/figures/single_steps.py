@@ -7,12 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.constructions.primitives import Arc, Drawing, Frame, Plane
-from phaseplane.figures import dimensions
-from phaseplane.figures.canvas import Sheet, arc_vertices, time_words
-from phaseplane.figures.lettering import typeset
-from phaseplane.figures.planes import around, bounds, frame_at, motion_points, name_room
-from phaseplane.figures.style import palette_for
+from phaseplane.constructions.primitives import Drawing, Frame, Plane
+from phaseplane.figures.canvas import figure_of, new_page
+from phaseplane.figures.style import PLAIN, Look
+from phaseplane.picture import dimensions
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import arcs, around, bounds
+from phaseplane.picture.views import frame_at, motion_points, name_room
+from phaseplane.picture.words import time_words, typeset
 
 Named = tuple[str, str, str]
 """A point's name, letter and role; {n} is the plane's number, {d} the letter of its foot."""
@@ -30,7 +32,7 @@ _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 
 
 def figure4a(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a).
 
@@ -45,18 +47,18 @@ def figure4a(
     letters = (*_STEP, *_PREDICTED)
     _needs(drawing, "figure 4a", "mean_normal")
     one, plane = _clearest(drawing, letters, frame)
-    sheet = _close_up(drawing, one, plane, letters, dark)
+    page = _close_up(drawing, one, plane, letters, look)
     p, _, p_new, ahead, foot = _points(one, plane, letters)
-    sheet.lines("construction", [[p, ahead], [foot, ahead]])
-    sheet.lines("successor", [[p, p_new]])
-    _finish(sheet, one, plane, letters)
+    page.lines("construction", [[p, ahead], [foot, ahead]])
+    page.lines("successor", [[p, p_new]])
+    _finish(page, one, plane, letters)
     words = "The length of PP' is the mean of both normals times the turn angle"
-    sheet.finish(title, f"{words}: {_which(one)}")
-    return sheet.figure
+    page.title, page.words = title, f"{words}: {_which(one)}"
+    return figure_of(page, look)
 
 
 def figure4b(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b).
 
@@ -71,19 +73,18 @@ def figure4b(
     letters = (*_STEP, *_PREDICTED, *_CENTRE)
     _needs(drawing, "figure 4b", "osculating_circle")
     one, plane = _clearest(drawing, letters, frame)
-    sheet = _close_up(drawing, one, plane, letters, dark)
+    page = _close_up(drawing, one, plane, letters, look)
     p, d, p_new, ahead, foot, centre = _points(one, plane, letters)
-    sheet.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
-    sheet.lines("foot", [[centre, p], [centre, ahead]])
-    n = plane.number
-    sheet.lines("arc", [arc_vertices(Arc("arc", f"S{n}", f"P{n}", f"P{n}'", 0), one)])
-    _finish(sheet, one, plane, letters)
-    sheet.finish(title, f"P' on the osculating circle about S: {_which(one)}")
-    return sheet.figure
+    page.lines("construction", [[p, ahead], [foot, ahead], [d, p_new]])
+    page.lines("foot", [[centre, p], [centre, ahead]])
+    page.lines("arc", [arcs(centre, p, p_new)])
+    _finish(page, one, plane, letters)
+    page.title, page.words = title, f"P' on the osculating circle about S: {_which(one)}"
+    return figure_of(page, look)
 
 
 def figure8(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", dark: bool = False
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
 ) -> Figure:
     """Draw the normals turned, each in the sense of its plane (AP57 figure 8).
 
@@ -103,20 +104,20 @@ def figure8(
         motion_points(drawing), [_points(one, plane, _STEP) for plane in drawing.planes]
     )
     view = around(np.append(points, name_room(drawing, points)))
-    sheet = Sheet(drawing, view, palette_for(dark))
-    sheet.axes_of_planes()
-    sheet.trails()
+    page = new_page(drawing, view, look)
+    page.axes_of_planes()
+    page.trails()
     letters = []
     for plane in drawing.planes:
         p, d, p_new = _points(one, plane, _STEP)
-        sheet.lines("normal", [[d, p]])
-        sheet.lines("construction", [[d, p_new]])
-        sheet.lines("successor", [[p, p_new]])
-        _turn(sheet, one, plane, p, d)
-        letters += _lettered(sheet, one, plane, _STEP)
-    sheet.letter(letters)
-    sheet.finish(title, f"The normals turn in opposite senses: {_which(one)}")
-    return sheet.figure
+        page.lines("normal", [[d, p]])
+        page.lines("construction", [[d, p_new]])
+        page.lines("successor", [[p, p_new]])
+        _turn(page, one, plane, p, d)
+        letters += _lettered(page, one, plane, _STEP)
+    page.letter(letters)
+    page.title, page.words = title, f"The normals turn in opposite senses: {_which(one)}"
+    return figure_of(page, look)
 
 
 def _which(frame: Frame) -> str:
@@ -154,39 +155,39 @@ def _clearest(
 
 
 def _close_up(
-    drawing: Drawing, frame: Frame, plane: Plane, named: Sequence[Named], dark: bool
-) -> Sheet:
-    """Return a sheet of one step only, with its y axis and its normal."""
+    drawing: Drawing, frame: Frame, plane: Plane, named: Sequence[Named], look: Look
+) -> Page:
+    """Return a page of one step only, with its y axis and its normal."""
     points = _points(frame, plane, named)
-    sheet = Sheet(drawing, around(np.array(points), 0.12), palette_for(dark))
-    sheet.y_axis(plane)
+    page = new_page(drawing, around(np.array(points), 0.12), look)
+    page.y_axis(plane)
     p, d, *_ = points
-    sheet.lines("normal", [[d, p]])
-    return sheet
+    page.lines("normal", [[d, p]])
+    return page
 
 
-def _finish(sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]) -> None:
+def _finish(page: Page, frame: Frame, plane: Plane, named: Sequence[Named]) -> None:
     """Draw the turn angle, the right angle at P, points and letters."""
     p, d, *_ = _points(frame, plane, named)
-    _turn(sheet, frame, plane, p, d)
+    _turn(page, frame, plane, p, d)
     ahead = frame.points[f"P{plane.number}~"]
-    dimensions.right_angle(sheet, p, d - p, ahead - p)
-    sheet.letter(_lettered(sheet, frame, plane, named))
+    dimensions.right_angle(page, p, d - p, ahead - p)
+    page.letter(_lettered(page, frame, plane, named))
 
 
-def _turn(sheet: Sheet, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
+def _turn(page: Page, frame: Frame, plane: Plane, p: complex, d: complex) -> None:
     """Draw the turn angle at D, clockwise where the y axis points to the right."""
     turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
-    dimensions.angle(sheet, d, p, turn, typeset(f"dtau{plane.number}"))
+    dimensions.angle(page, d, p, turn, typeset(f"dtau{plane.number}"))
 
 
 def _lettered(
-    sheet: Sheet, frame: Frame, plane: Plane, named: Sequence[Named]
+    page: Page, frame: Frame, plane: Plane, named: Sequence[Named]
 ) -> list[tuple[complex, str, str]]:
-    """Draw points as dots, and return them with their letters and colours."""
+    """Draw points as dots, and return them with their letters and roles."""
     letters = []
     for name, letter, role in named:
         z = frame.points[_fit(name, plane)]
-        sheet.dots(role, [z])
-        letters.append((z, typeset(_fit(letter, plane)), sheet.colour(role)))
+        page.dots(role, [z])
+        letters.append((z, typeset(_fit(letter, plane)), role))
     return letters

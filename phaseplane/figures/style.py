@@ -1,4 +1,4 @@
-"""The common style of the pictures: colours, line styles, and output to files."""
+"""The look of printed pictures: ground, type, width, and output to files."""
 
 from __future__ import annotations
 
@@ -8,84 +8,119 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patheffects import AbstractPathEffect, withStroke
+from matplotlib.text import Text
+
+from phaseplane.picture import styles
+from phaseplane.picture.styles import Hue, Shade
+
+BLUE, ORANGE, GREEN, RED, TEAL, PINK, OCHRE, VIOLET, GREY = (
+    hue.on("either")
+    for hue in (
+        styles.BLUE, styles.ORANGE, styles.GREEN, styles.RED, styles.TEAL, styles.PINK, styles.OCHRE,
+        styles.VIOLET, styles.GREY,
+    )
+)  # fmt: skip
+"""Colours of charts, legible on light and on dark ground."""
+COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
+"""Of curves beside one another, as many as can be distinguished."""
+
+HEADING = "heading"
+"""The `gid` of the texts above a picture, which a publisher sets as its caption."""
 
 
 @dataclass(frozen=True, slots=True)
 class Palette:
-    """Colours of the paper and of everything without a role."""
+    """Colours of the ground and of everything without a role.
 
-    paper: str
-    ink: str
-    faint: str
-    grid: str
-    shade: str
+    Parameters
+    ----------
+    shade : of all hues
+    mono : whether everything is drawn in the colour of the ink
+    """
+
+    shade: Shade
+    mono: bool = False
+
+    @property
+    def paper(self) -> str:
+        """The ground."""
+        return styles.PAPER.on(self.shade)
+
+    @property
+    def ink(self) -> str:
+        """Axes and texts."""
+        return styles.INK.on(self.shade)
+
+    @property
+    def faint(self) -> str:
+        """What is of less importance."""
+        return styles.GREY.on(self.shade)
+
+    @property
+    def grid(self) -> str:
+        """Lines of a grid."""
+        return styles.GRID.on(self.shade)
+
+    @property
+    def tint(self) -> str:
+        """The ground of intervals."""
+        return styles.SHADE.on(self.shade)
+
+    def of(self, hue: Hue) -> str:
+        """Return a hue on this ground."""
+        if not self.mono:
+            return hue.on(self.shade)
+        return self.faint if hue is styles.GREY else self.ink
 
     def halo(self, width: float = 2.5) -> list[AbstractPathEffect]:
         """Return an outline in the colour of the paper that keeps text legible on lines."""
         return [withStroke(linewidth=width, foreground=self.paper)]
 
 
-LIGHT = Palette(paper="#ffffff", ink="#222222", faint="#777777", grid="#e4e4e4", shade="#e9eef5")
-DARK = Palette(paper="#15181c", ink="#e8e8e8", faint="#9a9a9a", grid="#2c3138", shade="#243040")
-
-
 @dataclass(frozen=True, slots=True)
-class RoleStyle:
-    """The style of a role; by default its colour is the palette's faint ink."""
+class Look:
+    """How a picture is to be printed.
 
-    colour: str = ""
-    width: float = 0.8
-    dash: Literal["-", "--", ":"] = "-"
-    size: float = 3.0
-    words: str = ""
+    Parameters
+    ----------
+    dark : on a dark ground
+    width : of the picture, m; None for the size that suits its contents
+    font : family of the type, such as `serif` or `STIXGeneral`; empty for matplotlib's own
+    mono : black lines, told apart by their dashes
+    headed : with a heading; without it the words are for the caption
+    """
+
+    dark: bool = False
+    width: float | None = None
+    font: str = ""
+    mono: bool = False
+    headed: bool = True
+
+    @property
+    def palette(self) -> Palette:
+        """Its colours."""
+        return Palette("dark" if self.dark else "light", self.mono)
+
+    @property
+    def inches(self) -> float | None:
+        """Its width in inches."""
+        return None if self.width is None else self.width / 0.0254
 
 
-BLUE, ORANGE, GREEN, RED = "#2f7fc1", "#d5651a", "#1f9e6e", "#d03c3c"
-TEAL, PINK, OCHRE, GREY, VIOLET = "#1a9aa8", "#c65594", "#a8861b", "#8a8f98", "#8868c0"
-COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
-"""Of curves beside one another, as many as can be distinguished."""
-
-ROLES = {
-    "trail": RoleStyle(BLUE, 1.8, words="integral curve"),
-    "state": RoleStyle(BLUE, size=5.0),
-    "auxiliary": RoleStyle(OCHRE, 1.0, words="auxiliary curve (of y)"),
-    "line": RoleStyle(TEAL, 1.0, "--", words="lines I, II"),
-    "shortcut": RoleStyle(RED, 1.0, "--", words="flight to x2 = x2st"),
-    "foot": RoleStyle(width=0.7, dash=":"),
-    "construction": RoleStyle(width=0.7),
-    "excitation": RoleStyle(PINK, 2.0, words="road and weight"),
-    "projection": RoleStyle(VIOLET, 0.8, words="projection"),
-    "normal": RoleStyle(ORANGE, 1.4, size=4.0, words="normal"),
-    "arc": RoleStyle(GREEN, 1.6, words="step P to P'"),
-    "turn": RoleStyle(RED, 1.0, words="turn angle"),
-    "successor": RoleStyle(GREEN, 1.6, size=4.5),
-    "event": RoleStyle(RED, 1.6, size=7.0),
-}
-_UNKNOWN = RoleStyle()
-
-SERIES = {
-    "body": BLUE,
-    "wheel": ORANGE,
-    "suspension": GREEN,
-    "road": GREY,
-}
+PLAIN = Look()
+"""The look of a picture on a screen: in colour on white, as large as it needs to be."""
 
 
 def palette_for(dark: bool) -> Palette:
     """Return the dark or the light palette."""
-    return DARK if dark else LIGHT
-
-
-def role_style(role: str) -> RoleStyle:
-    """Return the style of a role; unknown roles are drawn like construction lines."""
-    return ROLES.get(role, _UNKNOWN)
+    return Look(dark).palette
 
 
 def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
@@ -105,6 +140,16 @@ def new_figure(width: float, height: float, palette: Palette) -> Figure:
     return figure
 
 
+def printed(figure: Figure, look: Look) -> Figure:
+    """Return a figure with the type and without the heading, if the look asks for it."""
+    for text in figure.findobj(Text):
+        if look.font:
+            text.set_fontfamily(look.font)
+        if not look.headed and text.get_gid() == HEADING:
+            text.set_visible(False)
+    return figure
+
+
 # Without dates and random names, equal figures give equal files.
 _OPTIONS: dict[str, dict[str, Any]] = {
     # a sixth larger than at zlib's default level, in half the time
@@ -112,10 +157,14 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     ".svg": {"metadata": {"Date": None}},
     ".pdf": {"metadata": {"CreationDate": None}},
 }
+# Type that publishers accept, and texts that can be searched for.
+_TYPE: Any = {"svg.hashsalt": "phaseplane", "svg.fonttype": "none", "pdf.fonttype": 42}
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Write a figure whole or not at all, in the format of the suffix.
+
+    Its heading is the title of the file. Fonts in PDF are TrueType, texts in SVG are texts.
 
     Parameters
     ----------
@@ -130,12 +179,18 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     suffix = target.suffix.lower()
     if suffix not in _OPTIONS:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
-    with written_whole(target) as temporary, rc_context({"svg.hashsalt": "phaseplane"}):
+    headings = [t for t in figure.findobj(Text) if t.get_gid() == HEADING and t.get_text()]
+    words = "; ".join(" ".join(text.get_text().split()) for text in headings)
+    metadata = {**_OPTIONS[suffix].get("metadata", {}), **({"Title": words} if words else {})}
+    hidden = bool(headings) and not any(text.get_visible() for text in headings)
+    with written_whole(target) as temporary, rc_context(_TYPE):
         figure.savefig(
             temporary,
             format=suffix[1:],
             facecolor=figure.get_facecolor(),
-            **_OPTIONS[suffix],
+            bbox_inches="tight" if hidden else None,
+            pad_inches=0.02,
+            **{**_OPTIONS[suffix], "metadata": metadata},
         )
     return target
 

@@ -137,7 +137,7 @@ def _style(axes: Axes, palette: Palette) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlim(_SMALLEST, _FAILED * 10.0)
-    axes.axvspan(_LARGEST * 2.0, _FAILED * 10.0, color=palette.shade, lw=0)
+    axes.axvspan(_LARGEST * 2.0, _FAILED * 10.0, color=palette.tint, lw=0)
     axes.text(
         0.985, 0.02, "failed", transform=axes.transAxes, fontsize=7, color=palette.faint,
         ha="right", va="bottom", rotation=90,

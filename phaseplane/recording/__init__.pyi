@@ -6,7 +6,6 @@ from .content import View as View
 from .layout import blueprint as blueprint
 from .live import Live as Live
 from .motion import thinned as thinned
-from .quantities import rate_of as rate_of
 from .server import LOOPBACK as LOOPBACK
 from .server import Server as Server
 from .server import is_loopback as is_loopback

@@ -1,13 +1,15 @@
-"""Timelines, styles and texts as rerun's components.
+"""Timelines, styles, texts and lines as rerun's components.
 
-Every row is stored once, with all timelines on which it is seen: `t` (time of the motion), `step`, and
-`stage`, which counts the stages of all steps in order.
+Steps are stored once, on the timelines `t` (time of the motion) and `step`. The timeline `stage` has the
+ticks of the story, which is stored apart.
 """
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -15,64 +17,66 @@ import pyarrow as pa
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
-
-from . import sheet
-from .styles import Style, style, typeset
+from phaseplane.picture.paper import Points
+from phaseplane.picture.styles import Hue, style_of
 
 Integers = npt.NDArray[np.int64]
 Reals = npt.NDArray[np.float64]
 
-_STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
+UPRIGHT = rr.Transform3D(scale=[1.0, -1.0, 1.0])
+"""Turns a view up whose y axis the viewer draws downwards; letters stay upright."""
+LINE_UP = 0.55
+"""How far above its anchor the viewer would have to be told to write a text to centre it, in em."""
 
-TIMELINES = {"t": "seconds", "step": "seq", "stage": "seq"}
+_STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
+_SCREEN = 1.25  # points on a screen for a point on paper
+_INDEX_M = {0x2098: "m", 0x209B: "s", 0x209C: "t"}
 
 
 @dataclass(frozen=True, slots=True)
 class Clock:
-    """The timelines of a construction, at the start of each step and at the end of the last.
+    """The timelines of a construction: the start of each step and the end of the last.
 
     Parameters
     ----------
     times : s; empty without a construction, and then `t` is the only timeline
     steps : numbers of the steps
-    stages_per_step : 0 for no timeline `stage`
+    ticks : times of the ticks of the story, s
     """
 
     times: Reals
     steps: Integers
-    stages_per_step: int = 0
+    ticks: Reals
 
     @classmethod
-    def of(cls, drawing: Drawing | None, stages: bool) -> Clock:
+    def of(cls, drawing: Drawing | None, ticks: Sequence[float] = ()) -> Clock:
         """Return the clock of a construction, or one of time only if there is none."""
         if drawing is None:
-            return cls(np.zeros(0), np.zeros(0, np.int64))
+            return cls(np.zeros(0), np.zeros(0, np.int64), np.zeros(0))
         last = drawing.frames[-1]
         return cls(
             np.array([*(frame.time for frame in drawing.frames), last.time + last.duration]),
             np.array([*(frame.step for frame in drawing.frames), last.step + 1]),
-            max(len(scheme.stages) for scheme in drawing.schemes.values()) if stages else 0,
+            np.array(ticks, float),
         )
 
-    def columns(self, rows: Integers, stage: int | Integers = 0) -> list[rr.TimeColumn]:
+    def columns(self, rows: Integers) -> list[rr.TimeColumn]:
         """Return the time columns of rows that belong to the steps with these indices."""
-        return [seconds(self.times[rows]), *self._counted(rows, stage)]
-
-    def _counted(self, rows: Integers, stage: int | Integers = 0) -> list[rr.TimeColumn]:
-        columns = [rr.TimeColumn("step", sequence=self.steps[rows])]
-        if self.stages_per_step:
-            stages = self.stages_per_step * self.steps[rows] + stage
-            columns.append(rr.TimeColumn("stage", sequence=stages))
-        return columns
+        return [seconds(self.times[rows]), rr.TimeColumn("step", sequence=self.steps[rows])]
 
     def counted(self) -> list[rr.TimeColumn]:
         """Return the time columns of all steps, without `t`."""
-        return self._counted(np.arange(len(self.times)))
+        return [rr.TimeColumn("step", sequence=self.steps)]
+
+    def staged(self) -> list[rr.TimeColumn]:
+        """Return the time columns of all ticks of the story."""
+        return [rr.TimeColumn("stage", sequence=np.arange(len(self.ticks)))]
 
     def over(self, times: Reals) -> Iterator[tuple[Reals, list[rr.TimeColumn]]]:
         """Yield times with their time columns.
 
-        First the times of the steps, on all timelines; then the other `times`, on `t` only.
+        First the times of the steps, on `t` and `step`; then the other `times`, on `t` only; then those
+        of the story, on `stage`.
         """
         if len(self.times):
             yield self.times, self.columns(np.arange(len(self.times)))
@@ -84,27 +88,33 @@ class Clock:
             times = times[beside > 1e-9]
         if len(times):
             yield times, [seconds(times)]
+        if len(self.ticks):
+            yield self.ticks, self.staged()
 
     def within(self, times: Reals) -> Iterator[tuple[npt.NDArray[np.bool_], list[rr.TimeColumn]]]:
         """Yield masks of the times inside and outside the construction, with their time columns.
 
-        Those inside are on all timelines, at the step that contains them.
+        Those inside are also on `step`, at the step that contains them.
         """
         end = self.times[-1] * (1.0 + 1e-9) if len(self.times) else -np.inf
         inside = np.asarray(times <= end)
         if inside.any():
             step = np.searchsorted(self.times, times[inside] - 1e-9)
-            yield (
-                inside,
-                [seconds(times[inside]), *self._counted(np.minimum(step, len(self.times) - 1))],
-            )
+            numbers = self.steps[np.minimum(step, len(self.times) - 1)]
+            yield inside, [seconds(times[inside]), rr.TimeColumn("step", sequence=numbers)]
         if not inside.all():
             yield ~inside, [seconds(times[~inside])]
 
 
-def seconds(times: Reals) -> rr.TimeColumn:
+def seconds(times: npt.ArrayLike) -> rr.TimeColumn:
     """Return times on the timeline `t`."""
-    return rr.TimeColumn("t", duration=np.rint(times * 1e9).astype("timedelta64[ns]"))
+    nanoseconds = np.rint(np.asarray(times, float) * 1e9)
+    return rr.TimeColumn("t", duration=nanoseconds.astype("timedelta64[ns]"))
+
+
+def rgba(hue: Hue, strength: float = 1.0) -> int:
+    """Return the shade of a hue that is legible on dark and on light, as 0xRRGGBBAA."""
+    return (int(hue.on("either")[1:], 16) << 8) | round(255 * strength)
 
 
 def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:
@@ -112,41 +122,37 @@ def colours(values: Sequence[int]) -> npt.NDArray[np.uint32]:
     return np.array(values, np.uint32)  # rerun takes a list of four as one RGBA colour
 
 
-def _radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
-    return -0.5 * np.array(sizes, np.float32)  # negative: in screen points, not in metres of paper
+def radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
+    """Return radii on the screen of widths and diameters in points of paper."""
+    return -0.5 * _SCREEN * np.array(sizes, np.float32)  # negative: not in metres of paper
 
 
-def line_style(styles: Sequence[Style]) -> rr.LineStrips2D:
-    """Return the style of each line."""
+def line_style(roles: Sequence[str], strengths: Sequence[float] = ()) -> rr.LineStrips2D:
+    """Return the style of lines of these roles."""
+    strengths = strengths or [1.0] * len(roles)
     return rr.LineStrips2D.from_fields(
-        colors=colours([s.colour for s in styles]), radii=_radii([s.width for s in styles])
+        colors=colours([rgba(style_of(r).hue, s) for r, s in zip(roles, strengths, strict=True)]),
+        radii=radii([style_of(role).width for role in roles]),
     )
 
 
-def point_style(styles: Sequence[Style], labels: Sequence[str] | None = None) -> rr.Points2D:
-    """Return the style of each point, and its label."""
+def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
+    """Return the style of points of these roles."""
     return rr.Points2D.from_fields(
-        colors=colours([s.colour for s in styles]),
-        radii=_radii([s.size for s in styles]),
-        labels=labels,
-        show_labels=None if labels is None else True,
+        colors=colours([rgba(style_of(role).hue) for role in roles]),
+        radii=radii([weight * style_of(role).size for role in roles]),
     )
 
 
-def lettering(texts: Sequence[sheet.Text], role: str) -> rr.Points2D:
-    """Return texts without points."""
-    return rr.Points2D(
-        sheet.vertices(np.array([text.place for text in texts], complex)),
-        colors=colours([style(role).colour]),
-        radii=0.0,
-        labels=[typeset(text.label) for text in texts],
-        show_labels=True,
-    )
+def xy(points: npt.ArrayLike) -> npt.NDArray[np.float32]:
+    """Return complex points as pairs x, y, in an additional last dimension."""
+    z = np.ascontiguousarray(points, complex)
+    return z.view(float).reshape(*z.shape, 2).astype(np.float32)
 
 
-def strips(z: npt.NDArray[np.complex128]) -> pa.Array:
+def strips(z: Points) -> pa.Array:
     """Return polylines with equal numbers of vertices, shape (n, vertices), as one arrow array."""
-    vertices = rr.encodings.Vec2DBatch(sheet.vertices(z).reshape(-1, 2)).as_arrow_array()
+    vertices = rr.encodings.Vec2DBatch(xy(z).reshape(-1, 2)).as_arrow_array()
     offsets = np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32)
     return pa.ListArray.from_arrays(offsets, vertices, type=_STRIPS)
 
@@ -155,3 +161,22 @@ def flat(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.f
     """Return vectors in the plane of the sheet, shape (n, 3)."""
     x, y = np.broadcast_arrays(np.asarray(x, np.float32), np.asarray(y, np.float32))
     return np.stack([x, y, np.full_like(x, z)], -1)
+
+
+# Characters of the viewer's font. The viewer does not skip a missing glyph; it fails.
+_LEGIBLE = frozenset(
+    "\n"
+    + "".join(map(chr, [*range(0x20, 0x7F), *range(0xA1, 0xAD), *range(0xAE, 0x149)]))
+    + "".join(map(chr, [*range(0x14A, 0x180), *range(0x391, 0x3CA), *range(0x410, 0x450)]))
+    + "\u0232\u0233\u1e8b\u1e8d\u1e8f\u0304\u0307\u0308\u200b"
+    + "\u2010\u2011\u2012\u2013\u2014\u2018\u2019\u201c\u201d\u2022\u2026\u2032\u2033"
+    + "\u2070\u2074\u2075\u2076\u2077\u2078\u2079" + "".join(map(chr, range(0x2080, 0x208A)))
+    + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
+) - {"\u03a2"}  # fmt: skip
+
+
+@lru_cache(maxsize=65536)
+def legible(text: str) -> str:
+    """Return the text with a question mark for every character that the viewer cannot show."""
+    composed = unicodedata.normalize("NFC", text.translate(_INDEX_M))
+    return "".join(character if character in _LEGIBLE else "?" for character in composed)

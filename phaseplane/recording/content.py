@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
 from hashlib import blake2b
 from typing import Literal, get_args
 
@@ -12,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from phaseplane.constructions.primitives import Drawing
+from phaseplane.picture.page import motions_of
 
-from . import sheet
 from .vehicle import Vehicle
 
 Detail = Literal["trail", "steps", "stages"]
@@ -36,7 +35,9 @@ class Content:
         planes of the drawing
     vehicle : shown from the side
     detail : `trail`: the planes and the motion in them; `steps`: also the complete construction of
-        every step; `stages`: also its stages in order, on the timeline `stage`
+        every step; `stages`: also the story of some steps, stage by stage, on the timeline `stage`
+    staged : indices of the steps in the story; default: telling ones, lift-off and touchdown
+    numbers : columns without a unit that are plotted, too
     views : the views to show
     live : whether the run is still going on, so that only the names of its columns are known
     """
@@ -48,6 +49,8 @@ class Content:
     pairs: tuple[tuple[str, str], ...] = ()
     vehicle: Vehicle | None = None
     detail: Detail = "stages"
+    staged: tuple[int, ...] = ()
+    numbers: tuple[str, ...] = ()
     views: tuple[View, ...] = VIEWS
     live: bool = False
 
@@ -60,17 +63,9 @@ class Content:
         """The drawing, if its planes are shown."""
         return self.drawing if self.shows("planes") else None
 
-    @cached_property
-    def trails(self) -> tuple[sheet.Complexes, ...]:
-        """The state points of all planes of the drawing."""
-        drawing = self.drawing
-        return tuple(sheet.trail(drawing, plane) for plane in drawing.planes) if drawing else ()
-
-    @cached_property
-    def box(self) -> sheet.Bounds:
-        """The bounds of the whole drawing."""
-        assert self.drawing is not None
-        return sheet.bounds(self.drawing, self.trails)
+    def with_histories(self, histories: Mapping[str, npt.ArrayLike]) -> Content:
+        """Return the content with some rows of its columns."""
+        return replace(self, histories=histories)
 
     def check(self) -> None:
         """Check that the content can be recorded.
@@ -103,8 +98,8 @@ class Content:
         if self.drawing is not None:
             digest.update(self.drawing.title.encode())
             digest.update(np.array([frame.time for frame in self.drawing.frames]).tobytes())
-            for trail in self.trails:
-                digest.update(trail.tobytes())
+            for motion in motions_of(self.drawing):
+                digest.update(motion.tobytes())
         for name, column in self.histories.items():
             digest.update(name.encode() + np.asarray(column, float).tobytes())
         return digest.hexdigest()

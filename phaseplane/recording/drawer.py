@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 from uuid import uuid4
@@ -16,11 +16,11 @@ from uuid import uuid4
 import numpy as np
 import rerun as rr
 
-from .columns import Clock, Reals
+from .columns import Reals
 from .content import Content
 from .layout import blueprint
 from .sinks import new_recording, record
-from .whole import begin, log_state_planes, send
+from .whole import Recorder
 
 READY, TAKEN, DONE, FILED = b"r", b"t", b"d", b"f"  # filed: written, but no longer shown
 
@@ -50,7 +50,7 @@ class Complete:
 
 
 class Drawer:
-    """Draws the rows that it receives."""
+    """Draws the rows that it receives, and the steps of the construction that they have passed."""
 
     def __init__(self, order: Begin) -> None:
         self.order = order
@@ -59,13 +59,14 @@ class Drawer:
             *([rr.GrpcSink(order.url)] if order.url else []),
             *([rr.FileSink(order.draft)] if order.draft else []),
         )
-        self.recording.send_blueprint(blueprint(order.content))
-        begin(self.recording, order.content)
+        self.recorder = Recorder(self.recording, order.content)
+        self.recording.send_blueprint(blueprint(order.content, self.recorder))
+        self.recorder.begin()
         self.recording.flush()
         self.shown = True
         self.last: dict[str, Reals] = {}
         self.reach: dict[str, Reals] = {}
-        self.clock = Clock.of(None, stages=False)
+        self.steps = 0  # of the construction that are drawn
 
     def take(self, rows: Rows) -> None:
         """Draw more rows."""
@@ -81,32 +82,46 @@ class Drawer:
         }
         self.last = {name: column[-1:] for name, column in columns.items()}
         self._reach_out(columns)
-        send(self.recording, replace(self.order.content, histories=columns), self.clock)
+        self.recorder.run(columns)
+        self._construct(float(columns["time"][-1]))
         self.recording.flush()
 
-    def _reach_out(self, columns: Mapping[str, Reals]) -> None:
+    def _construct(self, time: float) -> None:
+        """Draw the steps that have ended by a time: nothing that has not happened."""
+        times = self.recorder.clock.times
+        passed = int(np.searchsorted(times, time * (1.0 + 1e-12), side="right")) - 1
+        if passed > self.steps:
+            self.recorder.steps(self.steps, passed)
+            self.steps = passed
+
+    def _reach_out(self, columns: dict[str, Reals]) -> None:
         """Redraw the axes if the motion goes beyond them."""
-        before = replace(self.order.content, histories=self.reach)
-        for name in (name for pair in self.order.content.pairs for name in pair):
-            seen = np.concatenate([self.reach.get(name, np.zeros(1)), columns[name]])
+        content = self.order.content
+        if content.constructed is not None or not content.pairs:
+            return
+        grown = False
+        for name in (name for pair in content.pairs for name in pair):
+            before = self.reach.get(name, np.zeros(2))
+            seen = np.concatenate([before, columns[name]])
             self.reach[name] = np.array([np.nanmin(seen), np.nanmax(seen)])
-        after = replace(before, histories=self.reach)
-        if self.order.content.constructed is None:
-            log_state_planes(self.recording, after)
+            grown |= bool((self.reach[name] != before).any())
+        if grown:
+            self.recorder.redraw(self.reach)
 
     def complete(self, order: Complete) -> None:
-        """Draw the whole run, and rewrite its file."""
+        """Draw the rest of the construction and its story, and rewrite the file."""
         if self.order.url and self.shown:
-            self._unless_filed(self._show, order.content)
+            self._unless_filed(self._tell)
         if self.order.path:
             record(order.content, self.order.path)
             os.unlink(self.order.draft)
 
-    def _show(self, content: Content) -> None:
-        self.recording.send_blueprint(blueprint(content))
-        begin(self.recording, content, construction=False)
-        clock = Clock.of(content.drawing, stages=content.detail == "stages")
-        send(self.recording, content, clock)
+    def _tell(self) -> None:
+        """Draw what is left, and the story on its own timeline; the view stays where it is."""
+        drawing = self.order.content.drawing
+        self._construct(float(self.recorder.clock.times[-1]) if drawing is not None else 0.0)
+        self.recorder.content = replace(self.order.content, live=False)
+        self.recorder.story()
         self.recording.flush()
 
     def _unless_filed(self, draw: Callable[..., None], *what: object) -> None:

@@ -1,4 +1,4 @@
-"""Plots of a run's columns, grouped by quantity."""
+"""Plots of a run's columns, grouped by quantity, with the points of the construction on them."""
 
 from __future__ import annotations
 
@@ -9,86 +9,124 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from .columns import Clock, Reals, colours, seconds
+from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of
+from phaseplane.picture.styles import hue_of
+from phaseplane.picture.words import in_words
+
+from .columns import Clock, Reals, colours, legible, rgba, seconds
 from .content import Content
-from .quantities import QUANTITIES, Quantity, in_words, quantity_of
-from .styles import SERIES_COLOURS, legible
 
 HISTORIES = "/histories"
+_POINTS = "drawn"  # name of the entity with the points of the construction, under its series
 
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """The columns of one quantity."""
+    """The columns of one quantity.
+
+    Parameters
+    ----------
+    names : of the columns
+    drawn : readings of the construction, those of the run's columns first
+    """
 
     quantity: Quantity
     names: tuple[str, ...]
+    drawn: tuple[str, ...] = ()
 
     @property
     def path(self) -> str:
         """Its path in the recording."""
-        return f"{HISTORIES}/{self.quantity.name}"
-
-    @property
-    def labels(self) -> list[str]:
-        """Names in the legend."""
-        return [legible(in_words(name)) for name in self.names]
+        return f"{HISTORIES}/{self.quantity.name.replace('/', ' per ')}"
 
     @property
     def title(self) -> str:
         """The quantity and its unit."""
-        return f"{self.quantity.name} [{self.quantity.unit}]"
+        quantity = self.quantity
+        if quantity.name == quantity.unit:
+            return f"[{quantity.unit}]"
+        return f"{quantity.name} [{quantity.unit}]" if quantity.unit else quantity.name
 
-    def values(self, histories: Mapping[str, npt.ArrayLike]) -> Reals:
-        """Return its columns in the display unit, shape (n, columns)."""
-        columns = [np.asarray(histories[name], float) for name in self.names]
-        return self.quantity.factor * np.column_stack(columns)
+    def values(self, histories: Mapping[str, npt.ArrayLike], name: str) -> Reals:
+        """Return a column in the display unit."""
+        return self.quantity.factor * np.asarray(histories[name], float)
 
 
 def panels(content: Content) -> list[Panel]:
-    """Return the columns by quantity, without those of unknown quantity."""
-    wanted = [
-        quantity
-        for quantity in QUANTITIES
-        if content.shows("energies" if quantity.name == "energy" else "histories")
+    """Return the columns by quantity: those of the table first, then other units, then bare numbers."""
+    found: dict[Quantity, list[str]] = {quantity: [] for quantity in QUANTITIES}
+    drawing = content.drawing
+    readings = tuple(drawing.frames[0].readings) if drawing is not None else ()
+    for name in content.histories:
+        quantity = quantity_of(name, content.units)
+        if name == "time" or name.endswith("_residual"):
+            continue
+        if quantity is None and name in content.numbers:
+            quantity = Quantity(in_words(name), "", 1.0, "")
+        if quantity is not None and content.shows(
+            "energies" if quantity.name == "energy" else "histories"
+        ):
+            found.setdefault(quantity, []).append(name)
+    return [
+        Panel(quantity, tuple(names), tuple(name for name in names if name in readings))
+        for quantity, names in found.items()
+        if names
     ]
-    found = [
-        Panel(
-            quantity,
-            tuple(
-                name
-                for name in content.histories
-                if quantity_of(name, content.units) is quantity and not name.endswith("_residual")
-            ),
-        )
-        for quantity in wanted
-    ]
-    return [panel for panel in found if panel.names]
 
 
 def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Send curves over `t` as given, over `step` and `stage` at the steps."""
+    """Send curves over `t` as given, over `step` at the steps."""
     times = np.asarray(content.histories.get("time", ()), float)
-    for panel in panels(content) if len(times) else ():
-        values = panel.values(content.histories)
-        recording.send_columns(panel.path, [seconds(times)], rr.Scalars.columns(scalars=values))
-        if len(clock.times):
-            at_steps = np.column_stack(
-                [
-                    np.interp(clock.times, times, column, left=np.nan, right=np.nan)
-                    for column in values.T
-                ]
-            )
+    if not len(times):
+        return
+    for panel in panels(content):
+        for name in panel.names:
+            values = panel.values(content.histories, name)
+            path = f"{panel.path}/{name}"
+            recording.send_columns(path, [seconds(times)], rr.Scalars.columns(scalars=values))
+            if len(clock.times) and not content.live:
+                at = np.interp(clock.times, times, values, left=np.nan, right=np.nan)
+                recording.send_columns(path, clock.counted(), rr.Scalars.columns(scalars=at))
+
+
+def send_readings(
+    recording: rr.RecordingStream, content: Content, clock: Clock, first: int, last: int
+) -> None:
+    """Send what was read off the construction in a range of steps, as points on the curves."""
+    drawing = content.drawing
+    assert drawing is not None
+    instants = drawing.instants[first : last + (last == len(drawing.frames))]
+    for panel in panels(content):
+        for name in panel.drawn:
+            values = panel.quantity.factor * np.array([f.readings[name] for f in instants])
             recording.send_columns(
-                panel.path, clock.counted(), rr.Scalars.columns(scalars=at_steps)
+                f"{panel.path}/{name}/{_POINTS}",
+                clock.columns(np.arange(first, first + len(instants))),
+                rr.Scalars.columns(scalars=values),
             )
 
 
-def log_series(recording: rr.RecordingStream, panel: Panel) -> None:
-    """Log names and colours of the curves of a panel."""
-    palette = [SERIES_COLOURS[i % len(SERIES_COLOURS)] for i in range(len(panel.names))]
-    recording.log(
-        panel.path,
-        rr.SeriesLines(names=panel.labels, colors=colours(palette), widths=1.5),
-        static=True,
-    )
+def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) -> None:
+    """Log names and colours of the curves of a panel; a rear axle has fainter ones."""
+    for number, name in enumerate(panel.names):
+        strength = 0.6 if name.startswith("rear_") else 1.0
+        colour = colours([rgba(hue_of(name, number), strength)])
+        words = legible(in_words(name))
+        recording.log(
+            f"{panel.path}/{name}",
+            rr.SeriesLines(names=words, colors=colour, widths=1.5),
+            static=True,
+        )
+        if name in panel.drawn:
+            recording.log(
+                f"{panel.path}/{name}/{_POINTS}",
+                rr.SeriesPoints(
+                    names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=2.5
+                ),
+                static=True,
+            )
+
+
+def overlays(panel: Panel) -> dict[str, object]:
+    """Return which entities of a panel are drawn as points and not as lines."""
+    return {f"{panel.path}/{name}/{_POINTS}": rr.SeriesPoints() for name in panel.drawn}

@@ -2,107 +2,205 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
+import rerun as rr
 import rerun.blueprint as rrb
 
-from . import sheet
-from .columns import TIMELINES
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Box
+from phaseplane.picture.words import in_words, typeset
+
+from .canvas import RECENT
+from .columns import legible
 from .content import Content
-from .histories import Panel, panels
-from .motion import LIVE, state_planes
-from .replay import EVENTS, SHEET, STAGES, WORDS, trail_path
+from .histories import Panel, overlays, panels
+from .lanes import LANES, lanes_of
+from .motion import state_planes
 from .side_view import VEHICLE, vehicle_of, view_box
-from .styles import legible
-from .whole import state_box
+from .steps import ARMS, EVENTS, SHEET, WORDS
+from .whole import Recorder
+
+_STAGES_PER_SECOND = 1.0
+_LONGEST = 60.0  # s that the viewer takes to play all steps
 
 
-def blueprint(content: Content) -> rrb.Blueprint:
-    """Return the layout: phase planes, then vehicle and description of the step, then histories.
+def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Blueprint:
+    """Return the layout: the sheet with lanes below it, and the words, side view and plots beside it.
 
     During a live run the viewer stays at the latest time.
+
+    Parameters
+    ----------
+    recorder : of the content, if there is one
 
     Raises
     ------
     ValueError : see `Content.check`.
     """
-    content.check()
+    from .sinks import new_recording  # noqa: PLC0415  (a recorder needs a stream, which is not used)
+
+    recorder = recorder or Recorder(new_recording(content), content)
+    left: list[tuple[float, rrb.View | rrb.Container]] = []
+    if recorder.pages:
+        left.append((8.0, _sheets(content, recorder.pages)))
+    if lanes_of(content):
+        left.append((1.2, _lanes()))
+    right: list[tuple[float, rrb.View | rrb.Container]] = []
+    if recorder.words:
+        right.append((4.0, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))
+    beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
-    beside: list[tuple[float, rrb.View]] = []
     if vehicle is not None:
-        beside.append((3.0, _view([f"+ {VEHICLE}/**"], "from the side", view_box(vehicle))))
-    if content.drawing is not None and content.shows("words") and content.detail != "trail":
-        beside.append((1.5, rrb.TextDocumentView(origin=STAGES, name="how it is drawn")))
-        beside.append((3.0, rrb.TextDocumentView(origin=WORDS, name="this step")))
-    columns: list[tuple[float, rrb.View | rrb.Container]] = []
-    planes = _planes(content)
-    if planes is not None:
-        columns.append((5.0, planes))
+        box = view_box(vehicle, content.histories)
+        beside.append(_view([f"+ {VEHICLE}/**"], "from the side", box))
+    if recorder.arms_page is not None and content.detail != "trail":
+        beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
     if beside:
-        heights, views = zip(*beside, strict=True)
-        columns.append((3.0, rrb.Vertical(*views, row_shares=list(heights))))
+        right.append((2.5, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
     plots = [_plot(panel, content) for panel in panels(content)]
-    if plots:
-        columns.append((3.0, rrb.Vertical(*plots)))
-    shares, parts = zip(*columns, strict=True) if columns else ((), ())
-    timeline = "t"
-    if content.drawing is not None and not content.live:
-        timeline = "stage" if content.detail == "stages" else "step"
-    state: Literal["following", "playing"] = "following" if content.live else "playing"
+    if plots and (recorder.words or beside):
+        right.append((2.5, rrb.Tabs(*plots)))
+    elif plots:
+        right.append(
+            (2.5, rrb.Vertical(*plots[:4], *([rrb.Tabs(*plots[4:])] if plots[4:] else [])))
+        )
+    columns = [_stack(parts) for parts in (left, right) if parts]
+    shares = [2.0, 1.0] if len(columns) == 2 else [1.0]
     return rrb.Blueprint(
-        rrb.Horizontal(*parts, column_shares=list(shares)),
-        rrb.TimePanel(state="collapsed", timeline=timeline, fps=4.0, play_state=state),
+        rrb.Horizontal(*columns, column_shares=shares),
+        _time_panel(content, recorder),
         rrb.BlueprintPanel(state="collapsed"),
         rrb.SelectionPanel(state="collapsed"),
     )
 
 
-def _planes(content: Content) -> rrb.Spatial2DView | None:
-    drawing, runs = content.constructed, state_planes(content)
-    if drawing is None and not runs:
-        return None
-    past = rrb.VisibleTimeRanges(
+def _stack(parts: Sequence[tuple[float, rrb.View | rrb.Container]]) -> rrb.View | rrb.Container:
+    shares, views = zip(*parts, strict=True)
+    return rrb.Vertical(*views, row_shares=list(shares)) if len(views) > 1 else views[0]
+
+
+def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
+    """Return the timeline that is shown first, and how fast it plays."""
+    if content.live or content.drawing is None:
+        state: Literal["following", "playing"] = "following" if content.live else "playing"
+        duration = float(np.max(content.histories.get("time", [0.0]), initial=0.0))
+        speed = 1.0 if content.live else min(1.0, duration / 10.0) or 1.0
+        return rrb.TimePanel(
+            state="collapsed", timeline="t", playback_speed=speed, play_state=state
+        )
+    if recorder.ticks:
+        return rrb.TimePanel(
+            state="collapsed", timeline="stage", fps=_STAGES_PER_SECOND, play_state="playing",
+            loop_mode="all",
+        )  # fmt: skip
+    rate = max(1.0, len(content.drawing.frames) / _LONGEST)
+    return rrb.TimePanel(
+        state="collapsed", timeline="step", fps=rate, play_state="playing", loop_mode="all"
+    )
+
+
+def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:
+    """Return the view of the whole sheet, and with several planes one of each."""
+    drawing = content.constructed
+    manner = drawing.title.partition(": ")[2] if drawing is not None else ""
+    name = f"{content.title}: {manner}" if manner else content.title
+    names = [name, *(_plane_name(content, i) for i in range(len(pages) - 1))]
+    views = [_sheet(content, page, name) for page, name in zip(pages, names, strict=True)]
+    return rrb.Tabs(*views, active_tab=0) if len(views) > 1 else views[0]
+
+
+def _plane_name(content: Content, number: int) -> str:
+    drawing = content.constructed
+    if drawing is not None:
+        return typeset(drawing.planes[number].displacement.label)
+    return in_words(content.pairs[number][0])
+
+
+def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
+    drawing = content.constructed
+    curves = {
+        f"{SHEET}/{role}/{plane.name}"
+        for role, planes in (
+            ("trail", drawing.planes if drawing is not None else ()),
+            (
+                "run" if drawing is not None else "trail",
+                tuple(p.plane for p in state_planes(content)),
+            ),
+        )
+        for plane in planes
+    }
+    times = np.asarray(content.histories.get("time", ()), float)
+    if drawing is not None:
+        last = drawing.frames[-1]
+        step = (last.time + last.duration - drawing.frames[0].time) / len(drawing.frames)
+    else:
+        span = float(np.ptp(times)) if len(times) else 1.0
+        step = span / 4000.0
+    all_past, recent = _ranges(None, step), _ranges(RECENT, step)
+    overrides = {f"{path}/past": all_past for path in curves}
+    overrides |= {f"{path}/recent": recent for path in curves}
+    if drawing is not None:
+        overrides[EVENTS] = all_past
+    return _view([f"+ {SHEET}/**"], legible(name), page.view, overrides=overrides)
+
+
+def _ranges(steps: int | None, step: float) -> rrb.VisibleTimeRanges:
+    """Return the last steps, or all, up to the cursor on `t` and `step`."""
+    return rrb.VisibleTimeRanges(
         [
             rrb.VisibleTimeRange(
                 timeline,
-                start=rrb.TimeRangeBoundary.infinite(),
-                end=rrb.TimeRangeBoundary.cursor_relative(**{kind: 0}),
+                start=rrb.TimeRangeBoundary.infinite()
+                if steps is None
+                else rrb.TimeRangeBoundary.cursor_relative(**start),
+                end=rrb.TimeRangeBoundary.cursor_relative(**end),
             )
-            for timeline, kind in TIMELINES.items()
+            for timeline, start, end in (
+                ("t", {"seconds": -(steps or 0) * step}, {"seconds": 0}),
+                ("step", {"seq": -(steps or 0)}, {"seq": 0}),
+            )
         ]
     )
-    kept = [run.path for run in runs]
-    if drawing is not None:
-        kept += [EVENTS, *map(trail_path, drawing.planes)]
-    box = content.box if drawing is not None else state_box(runs, content)
-    manner = drawing.title.partition(": ")[2] if drawing is not None else ""
-    name = f"{content.title}: {manner}" if manner else content.title
-    contents = [f"+ {SHEET}/**"] + ([] if content.live else [f"- {LIVE}/**"])
-    return _view(contents, legible(name), box, overrides=dict.fromkeys(kept, past))
 
 
-def _view(contents: list[str], name: str, box: sheet.Bounds, **more: object) -> rrb.Spatial2DView:
+def _view(contents: list[str], name: str, box: Box, **more: object) -> rrb.Spatial2DView:
+    low, high = box.corners
     return rrb.Spatial2DView(
         origin="/",
         contents=contents,
         name=name,
-        # Sheet and vehicle are flipped (y up); the bounds are those of the screen (y down).
+        # Sheet and vehicle are turned up; the bounds are those of the screen (y down).
         visual_bounds=rrb.VisualBounds2D(
-            x_range=[box.left, box.right], y_range=[-box.top, -box.bottom]
+            x_range=[low.real, high.real], y_range=[-high.imag, -low.imag]
         ),
         **more,  # type: ignore[arg-type]
     )
 
 
+def _lanes() -> rrb.View:
+    return rrb.StateTimelineView(origin=LANES, name="lanes")
+
+
+def _whole_time() -> rrb.TimeAxis:
+    everything = rr.encodings.TimeRange(
+        start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
+    )
+    return rrb.TimeAxis(view_range=everything)
+
+
 def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
-    values = panel.values(content.histories)
+    values = np.concatenate([panel.values(content.histories, name) for name in panel.names])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
     return rrb.TimeSeriesView(
         origin=panel.path,
         name=panel.title,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop),
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) < 6),
+        axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
+        overrides=overlays(panel),  # type: ignore[arg-type]
     )

@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from phaseplane.constructions.primitives import Axis, Plane
+from phaseplane.constructions.primitives import Axis, Drawing, Plane
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Box, Points, around
+from phaseplane.picture.quantities import quantity_of, rate_of
+from phaseplane.picture.views import plane_view, whole_view
+from phaseplane.picture.words import in_words
 
-from .columns import Clock, Reals, line_style, point_style, strips
+from .columns import Reals
 from .content import Content
-from .quantities import in_words, quantity_of, rate_of
-from .sheet import vertices
-from .styles import style
 
-RUN, LIVE = "/sheet/run", "/sheet/live"
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
-_APART = 0.3  # distance between the origins of planes, m of paper
-_MOST_ROWS = 4000
+_APART = 0.34  # distance between the origins of planes, m of paper
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
+_EMS = 43.0  # of type over the height of a view: those of a pane on a small screen
+_PANE = 1.3  # width of a pane over its height
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,20 +33,35 @@ class StatePlane:
     plane: Plane
     displacement: str
     rate: str
-    root: str = RUN
 
     @property
-    def path(self) -> str:
-        """The path of its motion in the recording."""
-        return f"{self.root}/{self.plane.name}"
+    def transform(self) -> rr.Transform3D:
+        """The place of the plane on the sheet, for states in the units of the columns."""
+        across, up = self.plane.displacement, self.plane.scaled_velocity
+        columns = across.direction * across.scale, up.direction * up.scale
+        return rr.Transform3D(
+            translation=[across.origin.real, across.origin.imag, 0.0],
+            mat3x3=[part for z in columns for part in (z.real, z.imag, 0.0)] + [0.0, 0.0, 1.0],
+        )
+
+    def states(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
+        """Return the states of a run in the units of the columns, the rate upwards."""
+        y, rate = (np.asarray(histories[n], float) for n in (self.displacement, self.rate))
+        return np.asarray(y + 1j * rate)
+
+    def motion(self, histories: Mapping[str, npt.ArrayLike]) -> Points:
+        """Return the state points of a run on the sheet."""
+        z = self.states(histories)
+        across, up = self.plane.displacement, self.plane.scaled_velocity
+        return np.asarray(
+            across.origin
+            + across.direction * across.scale * z.real
+            + up.direction * up.scale * z.imag / self.plane.angular_frequency
+        )
 
 
 def state_planes(content: Content) -> list[StatePlane]:
-    """Return the planes of the drawing, or else of the pairs, for which there are columns.
-
-    The motion of a live run has a separate path, because it may lack rows; the whole motion replaces
-    it at the end.
-    """
+    """Return the planes of the drawing, or else of the pairs, for which there are columns."""
     drawing = content.constructed
     if not content.shows("planes"):
         return []
@@ -53,11 +70,7 @@ def state_planes(content: Content) -> list[StatePlane]:
         if drawing is not None
         else made_planes(content.pairs, content.histories, content.units)
     )
-    return [
-        replace(p, root=LIVE if content.live else RUN)
-        for p in planes
-        if {p.displacement, p.rate} <= content.histories.keys()
-    ]
+    return [p for p in planes if {p.displacement, p.rate} <= content.histories.keys()]
 
 
 def made_planes(
@@ -95,7 +108,8 @@ def _axis(
     unit = units.get(name) or (quantity.si if quantity else "")
     values = np.asarray(histories.get(name, ()), float)
     largest = float(np.max(abs(values), initial=0.0, where=np.isfinite(values)))
-    return Axis(in_words(name), unit, origin, direction, _HALF_WIDTH / rounded(largest))
+    label = "" if direction.real else in_words(name)
+    return Axis(label, unit, origin, direction, _HALF_WIDTH / rounded(largest))
 
 
 def rounded(value: float) -> float:
@@ -106,53 +120,54 @@ def rounded(value: float) -> float:
     return float(next(r * decade for r in _ROUND if r * decade >= value * (1.0 - 1e-9)))
 
 
-def send_run(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Send the motion of a run in all its planes as short segments; views show those so far."""
-    histories = thinned(content.histories, _MOST_ROWS)
-    for plane in state_planes(content):
-        send_states(recording, plane, histories, clock)
+def pages_of(content: Content) -> list[Page]:
+    """Return the pages that stay: that of the whole sheet, then with several planes one of each.
+
+    The first is the one that is drawn; the others are other views of it.
+    """
+    drawing = content.constructed
+    if drawing is not None:
+        views = [whole_view(drawing), *(plane_view(drawing, plane) for plane in drawing.planes)]
+        motions: list[Points] = []
+    else:
+        planes = state_planes(content)
+        if not planes:
+            return []
+        motions = [_corners(plane, content) for plane in planes]
+        views = [
+            around(np.concatenate(motions), 0.12), *(around(motion, 0.12) for motion in motions)
+        ]  # fmt: skip
+        drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, ())
+    views = [_fitted(view) for view in (views if len(views) > 2 else views[:1])]
+    pages = [Page(drawing, view, 2.0 * view.half.imag / _EMS, motions) for view in views]
+    pages[0].axes_of_planes()
+    pages[0].curves()
+    return pages
 
 
-def log_plane(recording: rr.RecordingStream, state_plane: StatePlane) -> None:
-    """Log the position of a plane on the sheet, and the style of its motion."""
+def _fitted(view: Box) -> Box:
+    """Return a view widened or heightened to the shape of its pane."""
+    half = view.half
+    return Box(
+        view.centre, complex(max(half.real, _PANE * half.imag), max(half.imag, half.real / _PANE))
+    )
+
+
+def _corners(state_plane: StatePlane, content: Content) -> Points:
+    """Return the origin of a plane and the ends of the motion in it, on its axes."""
     plane = state_plane.plane
-    y, y_bar = plane.displacement, plane.scaled_velocity
-    columns = (y.direction * y.scale, y_bar.direction * y_bar.scale / plane.angular_frequency)
-    recording.log(
-        state_plane.path,
-        rr.Transform3D(
-            translation=[y.origin.real, y.origin.imag, 0.0],
-            mat3x3=[part for z in columns for part in (z.real, z.imag, 0.0)] + [0.0, 0.0, 1.0],
-        ),
-        line_style([style("run")]),
-        static=True,
-    )
-    recording.log(f"{state_plane.path}/state", point_style([style("run")]), static=True)
-
-
-def send_states(
-    recording: rr.RecordingStream,
-    plane: StatePlane,
-    histories: Mapping[str, npt.ArrayLike],
-    clock: Clock,
-) -> None:
-    """Send motion in a plane: a segment from each row to the next, in the units of its columns."""
-    times, y, rate = (
-        np.asarray(histories[name], float) for name in ("time", plane.displacement, plane.rate)
-    )
-    states = y + 1j * rate
-    if len(states) < 2:
-        return
-    segments = np.stack([states[:-1], states[1:]], 1)
-    for chosen, columns in clock.within(times[1:]):
-        recording.send_columns(
-            plane.path, columns, rr.LineStrips2D.columns(strips=strips(segments[chosen]))
+    ends = [plane.displacement.origin]
+    for axis, name in (
+        (plane.displacement, state_plane.displacement),
+        (plane.scaled_velocity, state_plane.rate),
+    ):
+        values = np.asarray(content.histories.get(name, ()), float)
+        values = values[np.isfinite(values)]
+        reach = (
+            (values.min(), values.max()) if values.size else (-0.1 / axis.scale, 0.1 / axis.scale)
         )
-        recording.send_columns(
-            f"{plane.path}/state",
-            columns,
-            rr.Points2D.columns(positions=vertices(segments[chosen, 1])),
-        )
+        ends += [axis.at(float(value)) for value in reach]
+    return np.array(ends)
 
 
 def thinned(histories: Mapping[str, npt.ArrayLike], most: int) -> dict[str, Reals]:

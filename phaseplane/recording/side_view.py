@@ -8,11 +8,12 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from .columns import Clock, Reals, flat, line_style, seconds, strips
+from phaseplane.picture.paper import Box
+from phaseplane.picture.styles import RED, Hue, hue_of
+
+from .columns import UPRIGHT, Clock, Reals, colours, flat, radii, rgba, seconds, strips, xy
 from .content import Content
 from .motion import thinned
-from .sheet import Bounds, vertices
-from .styles import style
 from .vehicle import (
     FLOOR,
     SPRING_BESIDE,
@@ -35,6 +36,7 @@ from .vehicle import (
 VEHICLE = "/vehicle"
 _MOST_ROWS = 2000
 _MARGIN = 0.15
+_WIDTH = 2.0  # of lines
 
 
 def vehicle_of(content: Content) -> Vehicle | None:
@@ -44,10 +46,17 @@ def vehicle_of(content: Content) -> Vehicle | None:
     return vehicle if shown and vehicle and vehicle.columns <= content.histories.keys() else None
 
 
-def view_box(vehicle: Vehicle) -> Bounds:
-    """Return the bounds of a view of the vehicle."""
+def view_box(vehicle: Vehicle, histories: Mapping[str, npt.ArrayLike]) -> Box:
+    """Return the bounds of a view of the vehicle and of all its motion."""
     left, right = vehicle.reach
-    return Bounds(left - _MARGIN, right + _MARGIN, -0.2, FLOOR + 0.45)
+    heights = [np.zeros(1)]
+    for name in vehicle.columns & histories.keys():
+        column = np.asarray(histories[name], float)
+        heights.append(column[np.isfinite(column)])
+    reach = np.concatenate(heights)
+    bottom, top = -0.2 + float(reach.min()), FLOOR + 0.45 + float(reach.max())
+    middle = complex(left + right, bottom + top) / 2.0
+    return Box(middle, complex(right - left + 2.0 * _MARGIN, top - bottom) / 2.0)
 
 
 def send_vehicle(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
@@ -67,30 +76,34 @@ def log_vehicle(recording: rr.RecordingStream, content: Content) -> None:
     vehicle = vehicle_of(content)
     if vehicle is None:
         return
-    recording.log(VEHICLE, rr.Transform3D(scale=[1.0, -1.0, 1.0]), static=True)
-    _log_part(recording, "body", hull(vehicle), "body")
+    recording.log(VEHICLE, UPRIGHT, static=True)
+    _log_part(recording, "body", hull(vehicle), hue_of("body"))
     for axle in vehicle.axles:
-        _log_part(recording, f"{axle.name}/strut", on_body(axle), "damper")
-        _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), "wheel")
-        _log_part(recording, f"{axle.name}/spring", [coils()], "spring")
-        recording.log(f"{VEHICLE}/{axle.name}/gap", line_style([style("gap")]), static=True)
+        _log_part(recording, f"{axle.name}/strut", on_body(axle), hue_of("suspension"))
+        _log_part(recording, f"{axle.name}/wheel", on_wheel(axle), hue_of("wheel"))
+        _log_part(recording, f"{axle.name}/spring", [coils()], hue_of("suspension"))
+        recording.log(f"{VEHICLE}/{axle.name}/gap", _style(RED), static=True)
     if content.live:  # at rest until the first row
         at_rest = dict.fromkeys(content.histories, np.zeros(1))
         send_positions(recording, vehicle, at_rest, [seconds(np.zeros(1))])
     histories = {name: np.asarray(column, float) for name, column in content.histories.items()}
     if vehicle.road or len(histories["time"]):
-        _log_part(recording, "road", road_profile(vehicle, histories), "road")
+        _log_part(recording, "road", road_profile(vehicle, histories), hue_of("road"))
 
 
 def _log_part(
-    recording: rr.RecordingStream, name: str, outline: Sequence[Polyline], role: str
+    recording: rr.RecordingStream, name: str, outline: Sequence[Polyline], hue: Hue
 ) -> None:
     recording.log(
         f"{VEHICLE}/{name}",
-        rr.LineStrips2D([vertices(np.array(strip)) for strip in outline]),
-        line_style([style(role)]),
+        rr.LineStrips2D([xy(strip) for strip in outline]),
+        _style(hue),
         static=True,
     )
+
+
+def _style(hue: Hue) -> rr.LineStrips2D:
+    return rr.LineStrips2D.from_fields(colors=colours([rgba(hue)]), radii=radii([_WIDTH]))
 
 
 def send_positions(

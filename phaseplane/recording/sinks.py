@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,7 +16,7 @@ from phaseplane.constructions.primitives import Drawing
 from .content import VIEWS, Content, Detail, View
 from .layout import blueprint
 from .vehicle import Vehicle
-from .whole import log
+from .whole import Recorder
 
 APPLICATION = "phaseplane"
 
@@ -31,15 +32,23 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
     ValueError : if rerun is switched off by its environment variable.
     """
     digest = content.digest()
-    # A viewer has one layout per application, so each content is its own application.
+    # A viewer has one layout per application, so each scene is its own application.
     recording = rr.RecordingStream(
-        f"{APPLICATION} {digest[:8]}", recording_id=recording_id or digest, send_properties=False
+        _entry(content.title), recording_id=recording_id or digest, send_properties=False
     )
     if not rr.is_enabled(recording):
         raise ValueError("rerun is switched off by the environment variable RERUN: unset it")
     recording.set_log_time_enabled(False)
     recording.set_log_tick_enabled(False)
     return recording
+
+
+def _entry(title: str) -> str:
+    """Return the title as the viewer lists it; it refuses some characters."""
+    plain = re.sub(
+        r"[^A-Za-z0-9 ._-]+", " ", title.translate(str.maketrans("ěšřžýáíéúůö", "esrzyaieuuo"))
+    )
+    return " ".join(plain.split()) or APPLICATION
 
 
 def record(
@@ -85,8 +94,9 @@ def encoded(content: Content) -> bytes:
         recording = new_recording(content)
         # Encoded in memory, because rerun's file sink hangs if the disk is full.
         memory = recording.memory_recording()
-        recording.send_blueprint(blueprint(content))
-        log(recording, content)
+        recorder = Recorder(recording, content)
+        recording.send_blueprint(blueprint(content, recorder))
+        recorder.all()
         made = memory.drain_as_bytes()
         recording.disconnect()
     return made

@@ -1,20 +1,198 @@
-"""A whole recording, logged at once to any sink."""
+"""The whole content of a recording, logged part by part to any sink."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import cached_property
+
 import numpy as np
+import numpy.typing as npt
 import rerun as rr
 
-from phaseplane.constructions.primitives import Axis
+from phaseplane.picture.page import Page
+from phaseplane.picture.quantities import Quantity, read_off
+from phaseplane.picture.story import Tick, arms_page, story_of
 
-from . import sheet
-from .columns import Clock
+from .canvas import Viewer
+from .columns import Clock, Integers, legible, seconds
 from .content import Content
-from .histories import log_series, panels, send_histories
-from .motion import StatePlane, log_plane, send_run, state_planes
-from .replay import SHEET, log_axes, log_construction, log_words
+from .histories import log_series, panels, send_histories, send_readings
+from .lanes import send_lanes
+from .motion import pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle
-from .styles import legible
+from .steps import (
+    ARMS,
+    SHEET,
+    SLICE,
+    WORDS,
+    send_events,
+    send_here,
+    send_point,
+    send_steps,
+    send_words,
+)
+
+_MOST_ROWS = 4000  # of a run in its planes
+
+
+class Recorder:
+    """Logs a content: what stays, then steps and rows in their order, then the story.
+
+    Parameters
+    ----------
+    recording : to which it is logged
+    content : what is logged
+
+    Raises
+    ------
+    ValueError : see `Content.check`.
+    """
+
+    def __init__(self, recording: rr.RecordingStream, content: Content) -> None:
+        content.check()
+        self.recording, self.content = recording, content
+        self.ticks = list(self._story())
+        self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
+        self.sheet = Viewer(recording, SHEET, self._columns)
+        self.arms = Viewer(recording, ARMS, self._columns)
+        self._times = self.clock.times
+        self._rows = 0
+
+    @cached_property
+    def pages(self) -> list[Page]:
+        """The pages that stay: the whole sheet, and one for each plane."""
+        return pages_of(self.content)
+
+    @cached_property
+    def arms_page(self) -> Page | None:
+        """The arm of the turn angles."""
+        drawing = self.content.constructed
+        return arms_page(drawing) if drawing is not None else None
+
+    @cached_property
+    def quantities(self) -> dict[str, Quantity | None]:
+        """The quantities of the readings of the construction."""
+        drawing = self.content.drawing
+        assert drawing is not None
+        axis = drawing.planes[0].displacement
+        values = [axis.read(frame.points[drawing.planes[0].state]) for frame in drawing.frames]
+        return read_off(drawing, float(np.ptp(values)))
+
+    def _story(self) -> list[Tick]:
+        content = self.content
+        if content.constructed is None or content.detail != "stages" or self.arms_page is None:
+            return []
+        return list(
+            story_of(
+                content.constructed, self.pages[0], self.arms_page, self.quantities, content.staged
+            )
+        )
+
+    def _columns(self, rows: Integers) -> list[rr.TimeColumn]:
+        if self.content.constructed is not None:
+            return self.clock.columns(rows)
+        return [seconds(self._times[rows])]
+
+    @property
+    def words(self) -> bool:
+        """Whether steps are described."""
+        content = self.content
+        return content.drawing is not None and content.shows("words") and content.detail != "trail"
+
+    def all(self) -> None:
+        """Log the whole content."""
+        self.begin()
+        drawing = self.content.drawing
+        self.steps(0, len(drawing.frames) if drawing is not None else 0)
+        self.run({name: np.asarray(c, float) for name, c in self.content.histories.items()})
+        self.story()
+
+    def begin(self) -> None:
+        """Log everything that is known before a run: axes, curves, shapes, names."""
+        content = self.content
+        self.recording.send_recording_name(legible(content.title))
+        if self.pages:
+            self.sheet.begin(self.pages[0])
+            self._place(content)
+        if self.arms_page is not None and content.detail != "trail":
+            self.arms.begin(self.arms_page)
+        log_vehicle(self.recording, content)
+        for panel in panels(content):
+            log_series(self.recording, panel, content)
+
+    def steps(self, first: int, last: int) -> None:
+        """Log a range of the steps of the construction."""
+        drawing = self.content.drawing
+        if drawing is None:
+            return
+        for start in range(first, last, SLICE):
+            end = min(last, start + SLICE)
+            if self.content.constructed is not None:
+                for plane, way in zip(drawing.planes, self.pages[0].ways, strict=True):
+                    self.sheet.curve(plane.name, "trail", way[start:end], start)
+                send_here(self.recording, drawing, self.clock, start, end)
+                send_events(self.recording, drawing, self.clock, start, end)
+                if self.content.detail != "trail":
+                    send_steps(self.recording, drawing, self.pages[0], self.clock, start, end)
+            if self.words:
+                send_words(self.recording, drawing, self.quantities, self.clock, start, end)
+            send_readings(self.recording, self.content, self.clock, start, end)
+
+    def run(self, histories: dict[str, np.ndarray]) -> None:
+        """Log the motion given by the columns of a run, or by some of their rows."""
+        part = self.content.with_histories(histories)
+        few = thinned(histories, _MOST_ROWS)
+        if len(few.get("time", ())) > 1:
+            self._send_run(few)
+        send_vehicle(self.recording, part, self.clock)
+        send_histories(self.recording, part, self.clock)
+        send_lanes(self.recording, part, self.clock)
+
+    def _send_run(self, histories: dict[str, np.ndarray]) -> None:
+        """Log the motion in all planes; its steps are those between rows, on `t`.
+
+        Without a construction it is in the units of its columns, and the planes place it on the sheet.
+        """
+        times = histories["time"]
+        self._times = np.append(np.zeros(self._rows), times)
+        drawn = self.content.constructed is not None
+        columns, self.sheet.columns = self.sheet.columns, lambda rows: [seconds(self._times[rows])]
+        for plane in state_planes(self.content):
+            z = plane.motion(histories) if drawn else plane.states(histories)
+            ways = np.stack([z[:-1], z[1:]], 1)
+            self.sheet.curve(plane.plane.name, "run" if drawn else "trail", ways, self._rows)
+            if not drawn:
+                send_point(self.recording, f"{SHEET}/trail/{plane.plane.name}/here", times, z)
+        self.sheet.columns = columns
+        self._rows += len(times) - 1
+
+    def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
+        """Log the axes and the places of planes anew, for a motion that goes beyond them."""
+        content = self.content.with_histories({**self.content.histories, **histories})
+        self.pages = pages_of(content)
+        self.sheet.begin(self.pages[0])
+        self._place(content)
+
+    def _place(self, content: Content) -> None:
+        """Log where the planes of a run are on the sheet."""
+        for plane in state_planes(content) if content.constructed is None else ():
+            self.recording.log(f"{SHEET}/trail/{plane.plane.name}", plane.transform, static=True)
+
+    def story(self) -> None:
+        """Log the story on the timeline `stage`."""
+        if not self.ticks:
+            return
+        for tick in self.ticks:
+            self.sheet.frame(tick.page)
+            self.arms.frame(tick.arms)
+        self.sheet.end()
+        if self.words:
+            style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
+            self.recording.log(WORDS, style_only, static=True)
+            texts = [legible(tick.text) for tick in self.ticks]
+            self.recording.send_columns(
+                WORDS, self.clock.staged(), rr.TextDocument.columns(text=texts)
+            )
 
 
 def log(recording: rr.RecordingStream, content: Content) -> None:
@@ -24,65 +202,4 @@ def log(recording: rr.RecordingStream, content: Content) -> None:
     ------
     ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
     """
-    begin(recording, content)
-    send(recording, content, Clock.of(content.drawing, stages=content.detail == "stages"))
-
-
-def begin(recording: rr.RecordingStream, content: Content, *, construction: bool = True) -> None:
-    """Log everything known before a run: shapes, styles, and the whole construction."""
-    content.check()
-    clock = Clock.of(content.drawing, stages=content.detail == "stages")
-    recording.send_recording_name(legible(content.title))
-    if content.shows("planes"):
-        recording.log(SHEET, rr.Transform3D(scale=[1.0, -1.0, 1.0]), static=True)
-    if construction and content.constructed is not None:
-        log_construction(recording, content.constructed, content, clock)
-    log_state_planes(recording, content)
-    worded = content.shows("words") and content.detail != "trail"
-    if construction and content.drawing is not None and worded:
-        log_words(recording, content.drawing, clock)
-    log_vehicle(recording, content)
-    for panel in panels(content):
-        log_series(recording, panel)
-
-
-def send(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Log the motion given by the columns of a run, or by some of their rows."""
-    send_run(recording, content, clock)
-    send_vehicle(recording, content, clock)
-    send_histories(recording, content, clock)
-
-
-def log_state_planes(recording: rr.RecordingStream, content: Content) -> None:
-    """Log the positions of the columns' planes, and their axes unless a construction has drawn them."""
-    planes = state_planes(content)
-    for plane in planes:
-        log_plane(recording, plane)
-    if planes and content.constructed is None:
-        trails = [_corners(plane, content) for plane in planes]
-        log_axes(recording, [p.plane for p in planes], trails, state_box(planes, content))
-
-
-def state_box(planes: list[StatePlane], content: Content) -> sheet.Bounds:
-    """Return the bounds of a view of such planes."""
-    box = sheet.Bounds.around(np.concatenate([_corners(plane, content) for plane in planes]))
-    return box.grown(0.2 * max(box.width, box.height))
-
-
-def _corners(state_plane: StatePlane, content: Content) -> sheet.Complexes:
-    """Return the ends of the motion in a plane, on its axes."""
-    plane = state_plane.plane
-    ends = [plane.displacement.origin]
-    for axis, name in (
-        (plane.displacement, state_plane.displacement),
-        (plane.scaled_velocity, state_plane.rate),
-    ):
-        ends += _ends(axis, np.asarray(content.histories.get(name, ()), float))
-    return np.array(ends)
-
-
-def _ends(axis: Axis, values: np.ndarray) -> list[complex]:
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return [axis.at(-0.1 / axis.scale), axis.at(0.1 / axis.scale)]
-    return [axis.at(float(finite.min())), axis.at(float(finite.max()))]
+    Recorder(recording, content).all()

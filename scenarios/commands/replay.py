@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -32,8 +32,8 @@ from ..results.tables import read_table
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
 from ..scene.sections import CONSTRUCTION_FIGURES
-from .console import dark_option, figure_option, json_option, set_option
-from .viewing import page, save_option, until_interrupted, viewer_options
+from .console import figure_option, json_option, set_option
+from .viewing import look_options, page, save_option, until_interrupted, viewer_options
 
 
 @click.command()
@@ -56,10 +56,11 @@ from .viewing import page, save_option, until_interrupted, viewer_options
     default="phase_planes",
     show_default=True,
     metavar="NAME",
-    help="Figure to draw: phase_planes, construction_sheet, or one of AP57: figure4a, figure4b, "
-    "figure7 to figure10, figure12 to figure16.",
+    help="Figure to draw: phase_planes, construction_sheet, storyboard, or one of AP57: figure4a, "
+    "figure4b, figure7 to figure10, figure12 to figure16.",
 )
-@dark_option
+@click.option("--at-step", type=int, metavar="N", help="Step that a figure of one step shows.")
+@look_options
 @viewer_options
 @json_option
 def replay(
@@ -72,7 +73,8 @@ def replay(
     save: Path | None,
     figure: Path | None,
     kind: str,
-    dark: bool,
+    at_step: int | None,
+    look: dict[str, Any],
     viewer: str,
     served: bool,
     address: str,
@@ -94,7 +96,7 @@ def replay(
     with page(served, address) as server:
         shown_in = viewer or (server.url if server else "")
         told = replay_construction(
-            what, settings, save, figure, shown_in, over, kind=kind, dark=dark
+            what, settings, save, figure, shown_in, over, kind=kind, look=look, at_step=at_step
         )
         places = ", ".join([*told["files"], *([viewer] if viewer else [])])
         click.echo(
@@ -116,7 +118,8 @@ def replay_construction(
     over: Path | None = None,
     *,
     kind: str = "phase_planes",
-    dark: bool = False,
+    look: Mapping[str, Any] | None = None,
+    at_step: int | None = None,
 ) -> dict[str, Any]:
     """Construct a scene, or lay the construction over the results of a run, and write files.
 
@@ -128,7 +131,8 @@ def replay_construction(
     recording, figure : files to write
     viewer : address of a running viewer to show it in
     kind : name of the figure; its rule is used unless overrides give one
-    dark : whether the figure has a dark background
+    look : how the figure is printed: dark, width (m), font, mono, headed
+    at_step : step that a figure of one step shows; default: one whose letters have room
 
     Raises
     ------
@@ -188,7 +192,7 @@ def replay_construction(
         show_in(shown(), viewer)
     if figure is not None:
         try:
-            draw(kind, figure, drawing, title=title, dark=dark)
+            draw(kind, figure, drawing, title=title, look=look, step=at_step)
         except ValueError as error:  # the drawing lacks what the figure shows
             raise InputError(f"--kind {kind}: {one_line(error)}") from None
     files = [str(path) for path in (recording, figure) if path is not None]

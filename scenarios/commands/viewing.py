@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import wraps
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
 from typing import Any
@@ -12,8 +14,12 @@ import click
 
 from ..draw import live
 from ..draw.live import recordings_in
+from ..errors import InputError, one_line
 
 _LOOPBACK = "127.0.0.1"
+_METRES = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "pt": 0.0254 / 72.0}
+_WIDTH = re.compile(r"(\d+(?:\.\d+)?) ?(mm|cm|m|in|pt)")
+_NARROWEST, _WIDEST = 0.04, 1.0  # m
 _OPTIONS = (
     click.option(
         "--connect", "viewer", default="", metavar="URL",
@@ -30,6 +36,40 @@ _OPTIONS = (
 save_option = click.option(
     "--save", type=click.Path(path_type=Path), metavar="F.rrd", help="Write a rerun recording."
 )
+
+
+_LOOK = (
+    click.option("--dark", is_flag=True, help="Use a dark background."),
+    click.option(
+        "--no-title", "headed", is_flag=True, flag_value=False, default=True,
+        help="Leave the heading to the caption; it becomes the title of the file.",
+    ),
+    click.option("--width", metavar="WIDTH", help="Width of the figure, e.g. 85mm."),
+    click.option("--font", default="", metavar="FAMILY", help="Type, e.g. serif or STIXGeneral."),
+    click.option("--mono", is_flag=True, help="Draw in black, told apart by dashes."),
+)  # fmt: skip
+
+
+def look_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of a printed figure, given to the command as `look`, a mapping."""
+
+    @wraps(command)
+    def looking(
+        *args: Any, dark: bool, headed: bool, width: str | None, font: str, mono: bool, **more: Any
+    ) -> Any:
+        look: dict[str, Any] = {"dark": dark, "headed": headed, "font": font, "mono": mono}
+        if width is not None:
+            found = _WIDTH.fullmatch(width.strip())
+            look["width"] = float(found[1]) * _METRES[found[2]] if found else 0.0
+            if not _NARROWEST <= look["width"] <= _WIDEST:
+                raise InputError(
+                    one_line(f"--width {width}: must be from 40 mm to 1 m, such as 85mm or '6 in'")
+                )
+        return command(*args, look=look, **more)
+
+    for option in reversed(_LOOK):
+        looking = option(looking)
+    return looking
 
 
 def viewer_options(command: Callable[..., Any]) -> Callable[..., Any]:

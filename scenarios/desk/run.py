@@ -99,7 +99,9 @@ class Run(Table):
         ValueError : if the run lacks what the picture shows.
         """
         drawing = None if name == "time_histories" else self._drawing()
-        return Picture(figure_of(name, drawing, self.results, title=self.title, dark=dark))
+        return Picture(
+            figure_of(name, drawing, self.results, title=self.title, look={"dark": dark})
+        )
 
     def write(self, folder: str | os.PathLike[str]) -> Path:
         """Write the table, the summary and the scene's pictures to a folder, replaced as a whole.

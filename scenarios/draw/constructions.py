@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import inf
+from itertools import pairwise
+from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.variables import Value
 
 from phaseplane import constructions
+from phaseplane.picture.quantities import rate_of
 
 from ..errors import DrawingError, InputError, one_line
 from .planes import planes_of
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from phaseplane.constructions import Construction
     from phaseplane.constructions.primitives import Drawing
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
@@ -43,14 +46,11 @@ def constructed(
     planes = planes_of(model, parameters, settings)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     try:
-        starts = settings.get("starts") or ()
-        if starts and not isinstance(planes, constructions.EquationPlane):
-            raise ValueError("starts are for equations only")
-        drawing = (
-            constructions.family(planes, starts, rule, step=step, duration=duration)
-            if isinstance(planes, constructions.EquationPlane) and starts
-            else constructions.march(planes, rule, step=step, duration=duration)
-        )
+        drawing = _marched(planes, settings, duration)
+        distance = _distance_needed(drawing)
+        if distance and settings.get("plane_distance") is None:
+            planes = planes_of(model, parameters, {**settings, "plane_distance": distance})
+            drawing = _marched(planes, settings, duration)
         return (
             constructions.with_shortcuts(drawing, planes, rule, step)
             if settings.get("shortcut")
@@ -58,6 +58,17 @@ def constructed(
         )
     except ValueError as error:
         raise DrawingError(f"construction: {one_line(error)}") from None
+
+
+def _marched(planes: Construction, settings: Mapping[str, Any], duration: float) -> Drawing:
+    """Return a construction stepped from its initial state, or from several of an equation."""
+    rule, step = constructions.rule_named(settings["rule"]), settings["step"]
+    starts = settings.get("starts") or ()
+    if not starts:
+        return constructions.march(planes, rule, step=step, duration=duration)
+    if not isinstance(planes, constructions.EquationPlane):
+        raise ValueError("starts are for equations only")
+    return constructions.family(planes, starts, rule, step=step, duration=duration)
 
 
 def laid_over(
@@ -92,7 +103,8 @@ def laid_over(
     flying = [name for name in columns if name.endswith("airborne")]
     rows = list(_rows(columns, flying, settings["step"], settings.get("duration")))
     wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
-    try:
+
+    def laid(planes: Construction) -> Drawing:
         return constructions.overlay(
             planes,
             columns["time"][rows].tolist(),
@@ -100,8 +112,34 @@ def laid_over(
             rule=constructions.rule_named(settings["rule"]),
             airborne=list(zip(*wheels, strict=True)) if wheels else None,
         )
+
+    try:
+        drawing = laid(planes)
+        distance = _distance_needed(drawing)
+        if distance and settings.get("plane_distance") is None:
+            drawing = laid(planes_of(model, parameters, {**settings, "plane_distance": distance}))
+        return drawing
     except ValueError as error:
         raise InputError(f"construction: {one_line(error)}") from None
+
+
+def _distance_needed(drawing: Drawing) -> float:
+    """Return the distance between planes, m of paper, at which none overlaps another; 0 if none does.
+
+    It is 1.3 times the part of it that the motions in neighbouring planes take up, rounded up to 5 cm.
+    """
+    spans = [
+        (
+            plane.displacement.origin.imag,
+            [frame.points[plane.state].imag - plane.displacement.origin.imag for frame in drawing],
+        )
+        for plane in drawing.planes
+    ]
+    needed = present = 0.0
+    for (upper, heights), (lower, others) in pairwise(sorted(spans, reverse=True)):
+        present = upper - lower
+        needed = max(needed, 1.3 * (max(0.0, *others) - min(0.0, *heights)))
+    return ceil(20.0 * needed) / 20.0 if needed > present else 0.0
 
 
 def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
@@ -119,12 +157,6 @@ def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
     columns = read_at([frame.time for frame in drawing.frames], shown) or columns
     motion = (columns[name].tolist() for name in shown)
     return constructions.held_against(drawing, columns["time"].tolist(), *motion)
-
-
-def rate_of(displacement: str) -> str:
-    """Return the name of the rate of a displacement, in FMUs and constructions."""
-    stem = displacement.removesuffix("displacement")
-    return f"{stem}velocity" if stem != displacement else f"{displacement}_rate"
 
 
 def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:

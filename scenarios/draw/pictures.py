@@ -5,11 +5,12 @@ Drawing libraries are imported only when they are needed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from functools import partial
+from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import nearest
 
@@ -44,9 +45,9 @@ def pictures_of(
     ----------
     drawing : the construction; if None, the pictures that need it are left out
     """
-    title, dark = scene.title or scene.name, scene.show.dark
+    title, look = scene.title or scene.name, {"dark": scene.show.dark}
     pictures: dict[str, Callable[[Path], None]] = {
-        f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, dark=dark)
+        f"{name}.png": partial(draw, name, drawing=drawing, results=results, title=title, look=look)
         for name in scene.show.figures
         if name == "time_histories" or drawing is not None
     }
@@ -63,11 +64,17 @@ def draw(
     results: Results | None = None,
     *,
     title: str = "",
-    dark: bool = False,
+    look: Mapping[str, Any] | None = None,
+    step: int | None = None,
 ) -> None:
     """Draw one picture: `time_histories` from results, the others from a construction.
 
     The phase planes are animated if the file is a .gif or an .mp4.
+
+    Parameters
+    ----------
+    look : how it is printed: dark, width (m), font, mono, headed; all optional
+    step : index of the step that is shown, in figures of one step
 
     Raises
     ------
@@ -77,9 +84,10 @@ def draw(
         if name != "phase_planes":
             raise ValueError(f"only phase_planes can be animated; write {', '.join(PICTURES)}")
         assert drawing is not None
-        figures.animation(drawing, path, title=title, dark=dark)
+        figures.animation(drawing, path, title=title, look=figures.Look(**look or {}))
         return
-    figures.save(figure_of(name, drawing, results, title=title, dark=dark), path)
+    figure = figure_of(name, drawing, results, title=title, look=look, step=step)
+    figures.save(figure, path)
 
 
 def figure_of(
@@ -88,9 +96,14 @@ def figure_of(
     results: Results | None = None,
     *,
     title: str = "",
-    dark: bool = False,
+    look: Mapping[str, Any] | None = None,
+    step: int | None = None,
 ) -> Figure:
     """Return one picture as `draw` writes it.
+
+    Parameters
+    ----------
+    look, step : see `draw`
 
     Raises
     ------
@@ -99,10 +112,15 @@ def figure_of(
     """
     if name not in FIGURES:
         raise InputError(f"no picture {shown(name)}{nearest(name, FIGURES)}")
+    printed = figures.Look(**look or {})
     if name == "time_histories":
         assert results is not None
-        return figures.time_histories(histories(results), title=title, dark=dark)
-    figure: Figure = getattr(figures, name)(drawing, title=title, dark=dark)
+        return figures.time_histories(histories(results), title=title, look=printed)
+    draws = getattr(figures, name)
+    if step is not None and "frame" not in signature(draws).parameters:
+        raise ValueError(f"{name} shows no single step; leave --at-step out")
+    chosen = {} if step is None else {"frame": step}
+    figure: Figure = draws(drawing, **chosen, title=title, look=printed)
     return figure
 
 

@@ -11,6 +11,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import recording
+from phaseplane.picture.quantities import rate_of
 
 from .. import draw
 
@@ -101,7 +102,7 @@ def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
     """Return the displacements and rates of the phase planes to draw by default."""
     names = set(names)
     for displacements in _PLANES:
-        pairs = [(y, rate) for y in displacements if {y, rate := recording.rate_of(y)} <= names]
+        pairs = [(y, rate) for y in displacements if {y, rate := rate_of(y)} <= names]
         if pairs:
             return pairs
     return []

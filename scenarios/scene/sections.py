@@ -25,7 +25,7 @@ from .fields import (
 )
 
 FIGURES = (
-    "time_histories", "phase_planes", "construction_sheet",
+    "time_histories", "phase_planes", "construction_sheet", "storyboard",
     # the figures of AP57, redrawn
     "figure4a", "figure4b", "figure7", "figure8", "figure9", "figure10", "figure12", "figure13",
     "figure14", "figure15", "figure16",
@@ -124,7 +124,11 @@ class Construction:
     duration: float | None = entry(
         SECONDS, "time to construct; the duration of the scene if left out", None
     )
-    plane_distance: float = entry(METRES, "distance between the planes' axes on paper", 0.25)
+    plane_distance: float | None = entry(
+        METRES,
+        "distance between the planes' axes on paper; 25 cm, or as much as they need, if left out",
+        None,
+    )
     plane_scales: tuple[float, float] | None = entry(
         pair_of(FACTOR, "a list of two numbers, one for each plane"),
         "scales (paper over displacement) of the strut and wheel planes; automatic if left out",

@@ -39,6 +39,7 @@ PLANES = (
         Axis("y\N{SUBSCRIPT ONE}", "m", 0j, 1 + 0j, 1.0),
         Axis("\N{LATIN SMALL LETTER Y WITH MACRON}\N{SUBSCRIPT ONE}", "m", 0j, 1j, 1.0),
         "P1",
+        "D1",
     ),
     Plane(
         "wheel_displacement",
@@ -46,6 +47,7 @@ PLANES = (
         Axis("y\N{SUBSCRIPT TWO}", "m", -1j * DISTANCE, -1 + 0j, 2.5),
         Axis("\N{LATIN SMALL LETTER Y WITH MACRON}\N{SUBSCRIPT TWO}", "m", -1j * DISTANCE, 1j, 2.5),
         "P2",
+        "D2",
     ),
 )
 CONTACT_SCHEME = Scheme(
@@ -156,9 +158,10 @@ class Recorded:
     def drawn(self, timeline: str, value: int) -> set[str]:
         """The parts of the construction that a viewer shows there."""
         return {
-            path.removeprefix("/sheet/construction/")
+            path.removeprefix("/sheet/steps/")
             for path in self.rows
-            if path.startswith("/sheet/construction/")
+            if path.startswith("/sheet/steps/")
+            and path != "/sheet/steps/here"
             and has_geometry(self.shown(path, timeline, value))
         }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +18,6 @@ from recorded import (
     FLIGHT,
     KGF,
     PLANES,
-    STAGES,
     STEP,
     Recorded,
     content,
@@ -39,8 +39,12 @@ from phaseplane.constructions import (
     delta,
     march,
 )
+from phaseplane.picture.story import Tick, arms_page, story_of
+from phaseplane.picture.styles import style_of
 from phaseplane.recording import DETAILS, new_recording, record
-from phaseplane.recording.styles import STYLES
+from phaseplane.recording.canvas import BLOCK
+from phaseplane.recording.columns import rgba
+from phaseplane.recording.motion import pages_of
 
 
 def test_rerun_verifies_the_file(path: Path) -> None:
@@ -51,27 +55,41 @@ def test_rerun_verifies_the_file(path: Path) -> None:
 
 def test_entities(recorded: Recorded) -> None:
     planes = {plane.name for plane in PLANES}
+    steps = "/sheet/steps"
     assert set(recorded.rows) == {
-        "/words/step",
-        "/words/stages",
+        "/words",
         "/sheet/events",
-        *(f"/sheet/trail/{name}" for name in planes),
-        *(f"/histories/{name}" for name in ("displacement", "velocity", "acceleration", "force")),
-        "/sheet/construction/contact/1",
-        "/sheet/construction/contact/2",
-        "/sheet/construction/contact/3/arcs",
-        "/sheet/construction/flight/1",
-        "/sheet/construction/flight/2",
+        *(f"/sheet/trail/{name}/recent" for name in planes),
+        *(f"/sheet/story/{part}" for part in ("lines", "points", "letters")),
+        *(f"/arms/story/{part}" for part in ("lines", "points", "letters")),
+        f"{steps}/here",
+        f"{steps}/contact/lines",
+        f"{steps}/contact/points",
+        f"{steps}/contact/arcs3",
+        f"{steps}/contact/letters/state",
+        f"{steps}/contact/letters/normal",
+        f"{steps}/flight/lines",
+        f"{steps}/flight/points",
+        f"{steps}/flight/letters/state",
+        *(f"/histories/displacement/{n}" for n in ("body_displacement", "road_elevation")),
+        "/histories/velocity/suspension_deflection_rate",
+        "/histories/acceleration/wheel_acceleration",
+        "/histories/force/contact_force",
+        "/histories/force/contact_force/drawn",
+        "/lanes/wheel",
     }
-    assert {"/sheet", "/sheet/curves/line", *(f"/sheet/axes/{n}" for n in planes)} <= set(
-        recorded.static
-    )
+    assert {"/sheet", "/sheet/paper/lines", "/sheet/paper/letters"} <= set(recorded.static)
 
 
-def test_only_the_timelines_of_the_motion(recorded: Recorded) -> None:
+def test_steps_are_on_t_and_step_and_the_story_on_stage(recorded: Recorded) -> None:
     for path, rows in recorded.rows.items():
         indices = {n for row in rows for n in row if ":" not in n and n != "rerun.controls.RowId"}
-        assert indices == {"t", "step", "stage"}, path
+        if "/story/" in path:
+            assert indices == {"stage"}, path
+        elif path.startswith("/sheet"):
+            assert indices == {"t", "step"}, path
+        else:
+            assert indices <= {"t", "step", "stage"}, path
 
 
 def test_nothing_is_stamped_with_the_time_of_logging(tmp_path: Path) -> None:
@@ -91,39 +109,66 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
     }
     assert views.pop("two planes") == "/"
     assert views == {
+        "y\N{SUBSCRIPT ONE}": "/",
+        "y\N{SUBSCRIPT TWO}": "/",
+        "turn angles": "/",
+        "lanes": "/lanes",
         "displacement [cm]": "/histories/displacement",
         "velocity [m/s]": "/histories/velocity",
         "acceleration [m/s\N{SUPERSCRIPT TWO}]": "/histories/acceleration",
         "force [N]": "/histories/force",
-        "how it is drawn": "/words/stages",
-        "this step": "/words/step",
+        "what is drawn": "/words",
     }
-    assert set(views.values()) <= set(recorded.rows)
+    paths = {"/" + path.split("/")[1] for path in recorded.rows}
+    assert {"/" + origin.split("/")[1] for origin in views.values()} - {"/"} <= paths
 
 
 def test_sheet_stands_upright(recorded: Recorded) -> None:
     assert recorded.static["/sheet"]["Transform3D:scale"] == [[1.0, -1.0, 1.0]]
-    (view,) = (r for p, r in recorded.layout if p.endswith("/VisualBounds2D"))
-    (shown,) = view["VisualBounds2D:range"]
-    box = content().box
-    assert shown["x_range"] == pytest.approx([box.left, box.right])
-    assert shown["y_range"] == pytest.approx([-box.top, -box.bottom])
-    assert box.bottom < -DISTANCE < 0.0 < box.top
+    shown = [
+        r["VisualBounds2D:range"][0] for p, r in recorded.layout if p.endswith("/VisualBounds2D")
+    ]
+    for page in pages_of(content()):
+        low, high = page.view.corners
+        assert any(
+            view["x_range"] == pytest.approx([low.real, high.real])
+            and view["y_range"] == pytest.approx([-high.imag, -low.imag])
+            for view in shown
+        )
+    low, high = pages_of(content())[0].view.corners
+    assert low.imag < -DISTANCE < 0.0 < high.imag
 
 
 @pytest.mark.parametrize("plane", PLANES)
 def test_trail_joins_the_state_points(recorded: Recorded, plane: Plane) -> None:
     number = int(plane.state[1])
-    rows = recorded.rows[f"/sheet/trail/{plane.name}"]
+    rows = recorded.rows[f"/sheet/trail/{plane.name}/recent"]
     assert len(rows) == 60
     for k, row in enumerate(rows, 1):
-        assert (row["step"], row["stage"]) == (k, STAGES * k)
+        assert row["step"] == k
         assert row["t"] == pytest.approx(k * STEP, abs=1e-9)
+        (way,) = paper(row["LineStrips2D:strips"])
         ends = [spiral(number, k - 1), spiral(number, k)]
-        np.testing.assert_allclose(paper(row["LineStrips2D:strips"]), [ends], atol=1e-7)
+        np.testing.assert_allclose([way[0], way[-1]], ends, atol=1e-7)
 
 
-def test_trail_is_shown_up_to_the_cursor(recorded: Recorded) -> None:
+def test_a_long_trail_goes_in_blocks(tmp_path: Path) -> None:
+    frames = tuple(replace(frame(k), scheme="flight", event="") for k in range(300))
+    record(replace(drawing(), frames=frames), tmp_path / "f.rrd", detail="trail")
+    recorded = Recorded(tmp_path / "f.rrd")
+    blocks = recorded.rows["/sheet/trail/wheel_displacement/past"]
+    assert [row["step"] for row in blocks] == [BLOCK, 2 * BLOCK]
+    expected = [spiral(2, k) for k in range(2 * BLOCK + 1)]
+    (one,), (two,) = (paper(row["LineStrips2D:strips"]) for row in blocks)
+    path = np.append(one, two)
+    assert path[0] == pytest.approx(expected[0], abs=1e-7)
+    assert path[-1] == pytest.approx(expected[-1], abs=1e-7)
+    assert all(np.min(abs(path - z)) < 1e-7 for z in expected)
+
+
+def test_the_recent_trail_is_shown_in_full_and_all_of_it_up_to_the_cursor(
+    recorded: Recorded,
+) -> None:
     ranges = {
         path.partition("/overrides")[2].removesuffix("/visualizers"): row[
             "VisibleTimeRanges:ranges"
@@ -131,54 +176,60 @@ def test_trail_is_shown_up_to_the_cursor(recorded: Recorded) -> None:
         for path, row in recorded.layout
         if "VisibleTimeRanges:ranges" in row
     }
-    assert set(ranges) == {"/sheet/events", *(f"/sheet/trail/{plane.name}" for plane in PLANES)}
+    trails = {f"/sheet/trail/{p.name}/{part}" for p in PLANES for part in ("past", "recent")}
+    assert trails | {"/sheet/events"} <= set(ranges)
     for given_range in ranges.values():
-        assert [r["timeline"] for r in given_range] == ["t", "step", "stage"]
+        assert [r["timeline"] for r in given_range] == ["t", "step"]
 
 
 def test_normals_end_in_feet_and_states(recorded: Recorded) -> None:
     for k in (0, 24, 40, 59):
-        row = recorded.shown("/sheet/construction/contact/2", "step", k)
+        row = recorded.shown("/sheet/steps/contact/lines", "step", k)
         assert row is not None
         points = drawing().frames[k].points
         expected = [[points["D1"], points["P1"]], [points["D2"], points["P2"]]]
         np.testing.assert_allclose(paper(row["LineStrips2D:strips"]), expected, atol=1e-7)
-        feet = [points["D1"], points["D2"]]
-        np.testing.assert_allclose(paper(row["Points2D:positions"]), feet, atol=1e-7)
-    static = recorded.static["/sheet/construction/contact/2"]
-    assert static["Points2D:labels"] == ["D\N{SUBSCRIPT ONE}", "D\N{SUBSCRIPT TWO}"]
-    assert static["LineStrips2D:colors"] == [STYLES["normal"].colour] * 2
-
-
-def test_stages_appear_in_order_and_go_with_the_step(recorded: Recorded) -> None:
-    parts = {"contact": ["1", "2", "3/arcs"], "flight": ["1", "2"]}
-    for k in range(60):
-        scheme = "flight" if k in FLIGHT else "contact"
-        for stage in range(STAGES):
-            expected = {f"{scheme}/{part}" for part in parts[scheme][: stage + 1]}
-            assert recorded.drawn("stage", STAGES * k + stage) == expected, (k, stage)
+    static = recorded.static["/sheet/steps/contact/lines"]
+    assert static["LineStrips2D:colors"] == [rgba(style_of("normal").hue)] * 2
 
 
 @pytest.mark.parametrize("k", [0, 24, 25, 39, 40, 59])
-def test_step_shows_the_complete_construction_of_its_scheme_only(
-    recorded: Recorded, k: int
-) -> None:
-    complete = (
-        {"flight/1", "flight/2"} if k in FLIGHT else {"contact/1", "contact/2", "contact/3/arcs"}
-    )
-    assert recorded.drawn("step", k) == complete
+def test_a_step_shows_the_construction_of_its_scheme_only(recorded: Recorded, k: int) -> None:
+    complete = {"flight"} if k in FLIGHT else {"contact"}
+    assert {part.split("/")[0] for part in recorded.drawn("step", k)} == complete
+
+
+def test_the_present_stage_stands_out_and_letters_follow_it(recorded: Recorded) -> None:
+    told = list(story())
+    lines = recorded.rows["/sheet/story/lines"]
+    letters = recorded.rows["/sheet/story/letters"]
+    assert len(lines) == len(letters) == len(told)
+    tick = next(k for k, t in enumerate(told) if "**from A" in t.text)  # normals are drawn
+    opacity = [colour & 0xFF for colour in lines[tick]["LineStrips2D:colors"]]
+    normal = rgba(style_of("normal").hue)
+    assert lines[tick]["LineStrips2D:colors"].count(normal) == 2
+    assert opacity.count(0xFF) >= 2
+    assert lines[tick + 1]["LineStrips2D:colors"].count(normal) == 0  # has receded
+    names = letters[tick]["Points2D:labels"]
+    assert {"P\N{SUBSCRIPT ONE}", "P\N{SUBSCRIPT TWO}"} <= set(names)
+    assert any(name.startswith("D\N{SUBSCRIPT ONE}") for name in names)
+
+
+def story() -> Iterator[Tick]:
+    shown = pages_of(content())
+    return story_of(drawing(), shown[0], arms_page(drawing()), {})
 
 
 def test_lift_off_and_touchdown_are_marked_in_both_planes(recorded: Recorded) -> None:
     rows = recorded.rows["/sheet/events"]
     assert [row["step"] for row in rows] == [FLIGHT.start, FLIGHT.stop]
-    assert [row["Points2D:labels"] for row in rows] == [["U lift-off"] * 2, ["V touchdown"] * 2]
+    assert [row["Points2D:labels"] for row in rows] == [["U"] * 2, ["V"] * 2]
     for row in rows:
         places = [spiral(plane, row["step"]) for plane in (1, 2)]
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
 
 
-@pytest.mark.parametrize(("events", "label"), [(6, "U lift-off"), (7, "U"), (25, "")])
+@pytest.mark.parametrize(("events", "label"), [(6, "U"), (25, "")])
 def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, label: str) -> None:
     frames = tuple(replace(frame(k), event="lift_off") for k in range(events))
     record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
@@ -194,7 +245,7 @@ def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
     frames = (frame(0), replace(frame(1), event="rear_lift_off"))
     record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
     (row,) = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
-    assert row["Points2D:labels"] == ["U rear lift-off"]
+    assert row["Points2D:labels"] == ["U"]
     np.testing.assert_allclose(paper(row["Points2D:positions"]), [spiral(2, 1)], atol=1e-7)
 
 
@@ -207,7 +258,7 @@ def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
     record(replace(drawing(), planes=tuple(planes), frames=frames), tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     (row,) = recorded.rows["/sheet/events"]
-    assert row["Points2D:labels"] == ["U front lift-off", "V rear touchdown"]
+    assert row["Points2D:labels"] == ["U", "V"]
     places = [spiral(1, 1), spiral(2, 1)]
     np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-7)
     said = "The front wheel leaves the road (U). The rear wheel touches down (V)."
@@ -215,38 +266,33 @@ def test_two_events_at_one_instant_are_two(tmp_path: Path) -> None:
 
 
 def test_a_step_in_words(recorded: Recorded) -> None:
-    for timeline, instant in (("step", 30), ("stage", STAGES * 30 + 1)):
-        row = recorded.shown("/words/step", timeline, instant)
-        assert row is not None
-        (text,) = row["TextDocument:text"]
-        assert "Step 30 of 60" in text
-        assert "flight" in text
-        assert "t = 0.07500 s, lasts 2.5 ms" in text
-        assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
-        assert "| contact force | 3236 N |" in text
+    row = recorded.shown("/words", "step", 30)
+    assert row is not None
+    (text,) = row["TextDocument:text"]
+    assert "Step 30 of 60" in text
+    assert "flight" in text
+    assert "t = 0.07500 s, lasts 2.5 ms" in text
+    assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
+    assert "| contact force | 3236 N |" in text
 
 
-def test_how_a_step_is_drawn_in_words(recorded: Recorded) -> None:
+def test_the_whole_protocol_is_there_with_the_present_line_bold(recorded: Recorded) -> None:
+    texts = [r["TextDocument:text"][0] for r in recorded.rows["/words"] if "stage" in r]
     one, two = "A\N{SUBSCRIPT ONE}\\*", "A\N{SUBSCRIPT TWO}\\*"
-    said = {
-        ("stage", STAGES * 30 + 1): "**2 of 2**: project along line I",
-        ("stage", STAGES * 10 + 1): f"**2 of 3**: from {one} to {two}: the normals",
-        ("step", 30): "2. project along line I",
-        ("step", 10): f"2. from {one} to {two}: the normals\n3. the successors",
-    }
-    for (timeline, instant), words in said.items():
-        row = recorded.shown("/words/stages", timeline, instant)
-        assert row is not None
-        assert words in row["TextDocument:text"][0]
+    bold = f"2. **from {one} to {two}: the normals**"
+    (first, *_) = [text for text in texts if bold in text]
+    assert "1. P" in first
+    assert "3. the successors" in first
+    assert "D\N{SUBSCRIPT ONE}P\N{SUBSCRIPT ONE} = " in first  # a length, measured
+    assert "m/s\N{SUPERSCRIPT TWO}" in first  # and what it gives
+    assert "Space plays and stops" in texts[0]
 
 
-def test_axes_carry_values_with_units_and_names(recorded: Recorded) -> None:
+def test_axes_carry_values_and_names(recorded: Recorded) -> None:
+    labels = recorded.static["/sheet/paper/letters"]["Points2D:labels"]
     for plane in PLANES:
-        labels = recorded.static[f"/sheet/axes/{plane.name}"]["Points2D:labels"]
-        assert {plane.displacement.label, plane.scaled_velocity.label} < set(labels)
-        values = set(labels) - {plane.displacement.label, plane.scaled_velocity.label}
-        assert len(values) >= 2
-        assert all(label.rstrip(" \N{ZERO WIDTH SPACE}").endswith(" cm") for label in values)
+        assert any(plane.displacement.label in label and "[cm]" in label for label in labels)
+    assert sum(label.lstrip("\N{MINUS SIGN}").isdigit() for label in labels) >= 6
 
 
 @pytest.mark.parametrize("detail", DETAILS)
@@ -255,11 +301,9 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
     recorded = Recorded(tmp_path / "f.rrd")
     stages = any("stage" in row for rows in recorded.rows.values() for row in rows)
     assert stages == (detail == "stages")
-    assert ("/words/step" in recorded.rows) == (detail != "trail")
+    assert ("/words" in recorded.rows) == (detail != "trail")
     assert bool(recorded.drawn("step", 10)) == (detail != "trail")
-    assert len(recorded.rows["/sheet/trail/wheel_displacement"]) == 60
-    if detail == "steps":
-        assert recorded.drawn("step", 30) == {"flight/1", "flight/2"}
+    assert len(recorded.rows["/sheet/trail/wheel_displacement/recent"]) == 60
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
@@ -267,12 +311,11 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
     figure = march(quarter_car(), rule, step=0.0025, steps=60)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
-    trail = recorded.rows["/sheet/trail/wheel_displacement"]
+    trail = recorded.rows["/sheet/trail/wheel_displacement/recent"]
     states = [frame.points["P2"] for frame in figure.frames] + [figure.frames[-1].points["P2'"]]
+    ways = [paper(row["LineStrips2D:strips"])[0] for row in trail]
     np.testing.assert_allclose(
-        np.concatenate([paper(row["LineStrips2D:strips"]) for row in trail]),
-        np.stack([states[:-1], states[1:]], 1),
-        atol=1e-6,
+        [(way[0], way[-1]) for way in ways], np.stack([states[:-1], states[1:]], 1), atol=1e-6
     )
     events = {frame.step: frame for frame in figure.frames if frame.event}
     assert [row["step"] for row in recorded.rows["/sheet/events"]] == list(events)
@@ -280,33 +323,29 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
         points = events[row["step"]].points
         places = [points["P1"], points["P2"]]
         np.testing.assert_allclose(paper(row["Points2D:positions"]), places, atol=1e-6)
-    most = max(len(scheme.stages) for scheme in figure.schemes.values())
     for each in figure.frames[:: len(figure.frames) // 8]:
-        scheme = figure.schemes[each.scheme]
-        for stage in range(most):
-            drawn = recorded.drawn("stage", most * each.step + stage)
-            numbers = {int(part.split("/")[1]) for part in drawn}
-            stages = {
-                p.stage for parts in (scheme.marks, scheme.strokes, scheme.arcs) for p in parts
-            }
-            assert numbers == {s + 1 for s in stages if s <= stage}
-            assert all(part.startswith(f"{each.scheme}/") for part in drawn)
+        drawn = recorded.drawn("step", each.step)
+        assert {part.split("/")[0] for part in drawn} == {each.scheme}
 
 
 def test_normals_of_figure_7(tmp_path: Path) -> None:
     figure = march(quarter_car(lift_off=False), delta, step=0.0025, steps=20)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
-    scheme = figure.schemes["contact"]
-    stage = next(i for i, words in enumerate(scheme.stages) if "normals of the" in words)
+    strokes = [stroke.role for stroke in figure.schemes["contact"].strokes]
     for each in figure.frames:
-        row = recorded.shown(f"/sheet/construction/contact/{stage + 1}", "step", each.step)
+        row = recorded.shown("/sheet/steps/contact/lines", "step", each.step)
         assert row is not None
+        strips = [
+            strip
+            for strip, role in zip(row["LineStrips2D:strips"], strokes, strict=True)
+            if role == "normal"
+        ]
         expected = [
             [each.points["D1"], each.points["P1"]],
             [each.points["D2"], each.points["P2"]],
         ]
-        np.testing.assert_allclose(paper(row["LineStrips2D:strips"])[:2], expected, atol=1e-6)
+        np.testing.assert_allclose(paper(strips), expected, atol=1e-6)
 
 
 def test_a_car_at_rest(tmp_path: Path) -> None:
@@ -319,9 +358,8 @@ def test_a_car_at_rest(tmp_path: Path) -> None:
         tmp_path / "f.rrd",
     )
     recorded = Recorded(tmp_path / "f.rrd")
-    (row,) = recorded.rows["/sheet/trail/suspension_deflection"]
+    (row,) = recorded.rows["/sheet/trail/suspension_deflection/recent"]
     np.testing.assert_array_equal(paper(row["LineStrips2D:strips"]), [[0j, 0j]])
-    assert recorded.static["/sheet/construction/contact/1"]["Points2D:labels"] == [""]
 
 
 def test_one_plane(tmp_path: Path) -> None:
@@ -333,6 +371,9 @@ def test_one_plane(tmp_path: Path) -> None:
     )
     record(march(plane, delta, step=0.0025, steps=40), tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
-    assert len(recorded.rows["/sheet/trail/suspension_deflection"]) == 40
+    assert len(recorded.rows["/sheet/trail/suspension_deflection/recent"]) == 40
     assert "/sheet/events" not in recorded.rows
-    assert {path.split("/")[3] for path in recorded.rows if "/construction/" in path} == {"contact"}
+    assert {path.split("/")[3] for path in recorded.rows if "/steps/" in path} == {
+        "contact",
+        "here",
+    }

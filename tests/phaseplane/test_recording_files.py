@@ -13,38 +13,43 @@ import pytest
 import rerun as rr
 from recorded import (
     HISTORIES,
-    STAGES,
     Recorded,
     content,
     drawing,
     frame,
 )
 
+from phaseplane.picture.styles import hue_of
 from phaseplane.recording import new_recording, record
+from phaseplane.recording.columns import rgba
 
 
 def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
-    assert recorded.static["/histories/displacement"]["SeriesLines:names"] == [
-        "body displacement",
-        "road elevation",
-    ]
-    rows = recorded.rows["/histories/displacement"]
+    body = "/histories/displacement/body_displacement"
+    assert recorded.static[body]["SeriesLines:names"] == ["body displacement"]
+    assert recorded.static[body]["SeriesLines:colors"] == [rgba(hue_of("body_displacement"))]
+    rows = recorded.rows[body]
     over_time = [row for row in rows if "t" in row]
     assert len(over_time) == 401
     assert over_time[100]["t"] == pytest.approx(0.05)
-    assert over_time[100]["Scalars:scalars"] == pytest.approx([5.0, 10.0])
+    assert over_time[100]["Scalars:scalars"] == pytest.approx([5.0])
     over_steps = [row for row in rows if "step" in row]
     assert len(over_steps) == 61
-    assert over_steps[20]["stage"] == 20 * STAGES
-    assert over_steps[20]["Scalars:scalars"] == pytest.approx([5.0, 10.0])
-    assert recorded.static["/histories/velocity"]["SeriesLines:names"] == [
-        "suspension deflection rate"
-    ]
-    assert recorded.rows["/histories/acceleration"][-1]["Scalars:scalars"] == pytest.approx([15.0])
+    assert over_steps[20]["Scalars:scalars"] == pytest.approx([5.0])
+    last = recorded.rows["/histories/acceleration/wheel_acceleration"][-1]
+    assert last["Scalars:scalars"] == pytest.approx([15.0])
+
+
+def test_points_of_the_construction_lie_on_the_plots(recorded: Recorded) -> None:
+    rows = recorded.rows["/histories/force/contact_force/drawn"]
+    assert [row["step"] for row in rows] == list(range(60))
+    assert all(row["Scalars:scalars"] == pytest.approx([3236.2]) for row in rows)
+    static = recorded.static["/histories/force/contact_force/drawn"]
+    assert static["SeriesPoints:colors"] == [rgba(hue_of("contact_force"))]
 
 
 def test_identity_comes_from_the_drawing(recorded: Recorded) -> None:
-    assert recorded.entry.application_id == f"phaseplane {recorded.entry.recording_id[:8]}"
+    assert recorded.entry.application_id == "two planes"
     shown = replace(content(), histories=HISTORIES)
     assert recorded.entry.recording_id == new_recording(shown).get_recording_id()
     for other in (
@@ -100,7 +105,7 @@ def test_an_existing_file_is_replaced(tmp_path: Path) -> None:
     with target.open("rb") as reader:
         record(drawing(5), target)
         assert reader.read() == b"the old recording"
-    assert len(Recorded(target).rows["/sheet/trail/wheel_displacement"]) == 5
+    assert len(Recorded(target).rows["/sheet/trail/wheel_displacement/recent"]) == 5
     assert list(tmp_path.iterdir()) == [target]
 
 

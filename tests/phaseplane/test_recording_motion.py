@@ -131,19 +131,22 @@ def test_the_phase_plane_of_two_columns(tmp_path: Path) -> None:
     pair = ("body_displacement", "body_velocity")
     shown = Content("a run", histories=MOTION, pairs=(pair,), views=("planes",))
     made = recorded(tmp_path, shown)
-    assert set(made.rows) == {f"/sheet/run/{pair[0]}", f"/sheet/run/{pair[0]}/state"}
-    rows = made.rows[f"/sheet/run/{pair[0]}"]
+    path = f"/sheet/trail/{pair[0]}"
+    assert {f"{path}/recent", f"{path}/past", f"{path}/here"} == {
+        p for p in made.rows if p.startswith("/sheet")
+    }
+    rows = made.rows[f"{path}/recent"]
     ends = [paper(row["LineStrips2D:strips"][0]) for row in rows]
     expected = MOTION[pair[0]] + 1j * MOTION[pair[1]]
     np.testing.assert_allclose([end for _, end in ends], expected[1:], atol=1e-6)
     assert all(a[1] == b[0] for a, b in pairwise(ends))
-    static = made.static[f"/sheet/run/{pair[0]}"]["Transform3D:mat3x3"][0]
+    static = made.static[path]["Transform3D:mat3x3"][0]
     a, b = static[0], static[4]
     assert 0.04 * a == pytest.approx(0.1, rel=0.4)
     assert 0.8 * b == pytest.approx(0.1, rel=0.4)
-    labels = made.static[f"/sheet/axes/{pair[0]}"]["Points2D:labels"]
-    assert {"body displacement", "body velocity"} <= set(labels)
-    assert any("m/s" in label for label in labels)
+    labels = made.static["/sheet/paper/letters"]["Points2D:labels"]
+    assert any("body\ndisplacement" in label and "[cm]" in label for label in labels)
+    assert any("body velocity" in label and "m/s" in label for label in labels)
 
 
 def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None:
@@ -153,14 +156,12 @@ def test_a_run_is_seen_in_the_planes_of_the_construction(tmp_path: Path) -> None
         "suspension_deflection_rate": 1.0 * np.cos(20 * TIME),
     }
     made = recorded(tmp_path, replace(content(), histories=columns))
-    path = "/sheet/run/suspension_deflection"
-    rows = made.rows[path]
-    within = [row for row in rows if "step" in row]
-    assert {row["step"] for row in within} == set(range(1, 61))
-    assert all(row["t"] <= row["step"] * 0.0025 + 1e-9 for row in within)
+    rows = made.rows["/sheet/run/suspension_deflection/recent"]
     assert len(rows) == 300
-    matrix = np.reshape(made.static[path]["Transform3D:mat3x3"][0], (3, 3)).T
-    np.testing.assert_allclose(matrix[:2, :2], [[1.0, 0.0], [0.0, 1.0 / 23.452]], atol=1e-6)
+    states = 0.05 * np.sin(20 * TIME) + 1j * np.cos(20 * TIME) / 23.452
+    ends = [paper(row["LineStrips2D:strips"][0])[1] for row in rows]
+    np.testing.assert_allclose(ends, states[1:], atol=1e-6)
+    np.testing.assert_allclose([row["t"] for row in rows], TIME[1:], atol=1e-9)
 
 
 @pytest.mark.parametrize("view", VIEWS)

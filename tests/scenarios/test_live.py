@@ -142,7 +142,9 @@ def test_any_fmu_with_a_plane_of_its_own() -> None:
     )
     assert result.exit_code == 0, result.stderr
     path = Path("out/OneDof/construction.rrd")
-    assert entities(path) == {f"/sheet/run/{DEFLECTION}{end}" for end in ("", "/state")}
+    assert entities(path) == {
+        f"/sheet/trail/{DEFLECTION}/{part}" for part in ("recent", "past", "here")
+    }
     for plane, message in (("a,b", "no output 'a'"), ("a", "pairs of outputs")):
         refused = CliRunner().invoke(main, ["run", "OneDof.fmu", "--plane", plane])
         assert refused.exit_code == 2

@@ -26,12 +26,13 @@ from phaseplane.suspension.variables import MODELS
 from PIL import Image
 from rerun.experimental import ViewerClient
 
+from phaseplane.picture.styles import Hue, hue_of, style_of
 from phaseplane.recording import serving
 from phaseplane.recording.server import viewer_program
-from phaseplane.recording.styles import STYLES
 
 ARTEFACTS = Path(__file__).parents[2] / "artefacts"
 SIZE = (1600, 1000)
+NORMAL, AUXILIARY = style_of("normal").hue, style_of("auxiliary").hue
 
 pytestmark = [
     pytest.mark.slow,
@@ -84,16 +85,16 @@ def until(holds: Any) -> None:
         time.sleep(0.2)
 
 
-def pixels(picture: Path, role: str) -> int:
+def pixels(picture: Path, hue: Hue) -> int:
     """How many pixels of a picture have the colour of a role, nearly."""
     image = np.asarray(Image.open(picture).convert("RGB")).astype(int)
-    colour = np.array([*STYLES[role].colour.to_bytes(4)[:3]])
+    colour = np.array([int(hue.on("either")[i : i + 2], 16) for i in (1, 3, 5)])
     return int(np.sum(np.max(abs(image - colour), axis=2) < 12))
 
 
-def shows(viewer: ViewerClient, picture: Path, role: str) -> bool:
+def shows(viewer: ViewerClient, picture: Path, hue: Hue) -> bool:
     viewer.save_screenshot(str(picture))
-    return pixels(picture, role) > 20
+    return pixels(picture, hue) > 20
 
 
 def scene_of(model: str, folder: Path) -> str:
@@ -124,17 +125,16 @@ def test_the_viewer_draws_it(name: str, viewer: ViewerClient, tmp_path: Path) ->
     ARTEFACTS.mkdir(exist_ok=True)
     instants: list[tuple[str, dict[str, Any]]] = [("t", {"duration": 1e-9 * ends()["t"] / 4})]
     staged = ends().get("stage", 0)
-    stages = {*((30, 105, 205) if name == "ap57" else ()), staged // 2}
+    stages = {*((5, 24, 57) if name == "ap57" else ()), staged // 2}
     instants += [("stage", {"sequence": k}) for k in sorted(stages) if 0 < k < staged]
     for timeline, at in instants:
         viewer.set_time(timeline, play_state="paused", **at)
         picture = ARTEFACTS / f"{name}-{timeline}{next(iter(at.values())):g}.png"
         time.sleep(0.5)
-        under_way = timeline == "t" or at["sequence"] == staged // 2
-        wanted = ["axis"] + (["trail" if staged else "run"] if under_way else [])
-        wanted += ["road", "spring"] if "speed" in summary["parameters"] else []
-        for role in wanted:
-            until(partial(shows, viewer, picture, role))
+        wanted = [style_of("axis").hue, style_of("trail").hue]
+        wanted += [hue_of("road"), hue_of("suspension")] if "speed" in summary["parameters"] else []
+        for hue in wanted:
+            until(partial(shows, viewer, picture, hue))
     views = viewer.get_state().views
     assert len(views) >= 3
     assert [(v.name, r.summary, r.details) for v in views for r in v.reports] == []
@@ -149,7 +149,7 @@ def test_ten_thousand_steps_open_and_scrub(viewer: ViewerClient, tmp_path: Path)
     ARTEFACTS.mkdir(exist_ok=True)
     for step in (9999, 300, 5000):
         viewer.set_time("step", sequence=step, play_state="paused")
-        until(partial(shows, viewer, ARTEFACTS / f"long-step{step}.png", "normal"))
+        until(partial(shows, viewer, ARTEFACTS / f"long-step{step}.png", NORMAL))
 
 
 def test_all_recordings_of_a_folder_are_on_one_page(viewer: ViewerClient, tmp_path: Path) -> None:
@@ -185,7 +185,7 @@ def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
 
             def drawn() -> bool:
                 browser.save_screenshot(str(picture))
-                return min(pixels(picture, role) for role in ("auxiliary", "normal", "spring")) > 20
+                return min(pixels(picture, hue) for hue in (AUXILIARY, hue_of("wheel"))) > 20
 
             until(drawn)
         finally:

@@ -1,0 +1,1 @@
+"""What a picture of a construction shows, free of any canvas: pages, letters, words and styles."""

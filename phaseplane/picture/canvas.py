@@ -1,0 +1,69 @@
+"""What a picture is drawn on, as an abstract base, and a canvas that keeps what it was given."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+
+from .page import Page
+from .paper import Points
+
+
+class Canvas(ABC):
+    """A canvas. It is given the page that stays, then pages that follow each other, then the end."""
+
+    @abstractmethod
+    def begin(self, page: Page) -> None:
+        """Draw what stays: axes and curves."""
+
+    @abstractmethod
+    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
+        """Draw more of a growing curve: the ways of some steps, shape (steps, vertices).
+
+        Parameters
+        ----------
+        name : of the curve, such as that of its plane
+        first : number of the first of these steps
+        """
+
+    @abstractmethod
+    def frame(self, page: Page) -> None:
+        """Draw a page in place of the one before."""
+
+    @abstractmethod
+    def end(self) -> None:
+        """Finish the picture."""
+
+
+class Echo(Canvas):
+    """A canvas that keeps what it was given."""
+
+    def __init__(self) -> None:
+        self.stays: Page | None = None
+        self.curves: dict[str, list[Points]] = {}
+        self.frames: list[Page] = []
+        self.ended = False
+
+    def begin(self, page: Page) -> None:
+        """Keep the page that stays."""
+        self.stays = page
+
+    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
+        """Keep the ways."""
+        self.curves.setdefault(name, []).append(ways)
+
+    def frame(self, page: Page) -> None:
+        """Keep the page."""
+        self.frames.append(page)
+
+    def end(self) -> None:
+        """Note the end."""
+        self.ended = True
+
+
+def draw(canvas: Canvas, stays: Page, pages: Iterable[Page]) -> None:
+    """Draw what stays, then one page after the other."""
+    canvas.begin(stays)
+    for page in pages:
+        canvas.frame(page)
+    canvas.end()

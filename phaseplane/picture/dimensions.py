@@ -1,0 +1,78 @@
+"""Dimension lines of lengths and angles on a page."""
+
+from __future__ import annotations
+
+from cmath import exp
+from dataclasses import replace
+from math import ceil
+
+import numpy as np
+
+from .page import TYPE, Page, Text
+from .paper import Boxes
+
+_SIZE = 8.0 / TYPE  # of the text, em
+_PARTS = np.array([0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8])  # positions of the text along the line
+
+
+def length(page: Page, start: complex, end: complex, text: str, *, towards: complex) -> None:
+    """Draw a line with arrows at both ends, and its text along it where there is room.
+
+    Parameters
+    ----------
+    towards : unit vector to the side of the line where the text is
+    """
+    page.arrow("axis", start, end, both=True)
+    way = end - start
+    words = Text("axis", text, 0j, _SIZE, "dimension")
+    size = words.box(page.em).half
+    words = replace(words, upright=abs(way.imag) > max(abs(way.real), 2.0 * size.real))
+    half = words.box(page.em).half
+    away = (0.3 * page.em + abs((half * towards.conjugate()).real)) * towards
+    centres = start + _PARTS * way + away
+    boxes = Boxes(centres[:, None], np.array(half))
+    written = boxes.overlap(Boxes.of(page.taken)).sum(axis=1) / page.em
+    crossed = boxes.inside(page.segments[:, 0], page.segments[:, 1]).sum(axis=1)
+    page.write(replace(words, centre=complex(centres[(written + crossed).argmin()])))
+
+
+def witness(page: Page, start: complex, end: complex) -> None:
+    """Draw a thin line from a measured point to its dimension line."""
+    page.lines("foot", [[start, end]])
+
+
+def below(
+    page: Page, start: complex, end: complex, text: str, row: float, *, sign: float = -1.0
+) -> None:
+    """Dimension a length on a horizontal axis, some em below it (sign -1) or above it (1)."""
+    shift = sign * row * 1j * page.em
+    for point in (start, end):
+        witness(page, point, point + 1.15 * shift)
+    length(page, start + shift, end + shift, text, towards=sign * 1j)
+
+
+def angle(
+    page: Page, vertex: complex, start: complex, turn: float, text: str, share: float = 0.45
+) -> None:
+    """Draw the arc of a turn about a vertex, with an arrow in its sense and a text beside it.
+
+    Parameters
+    ----------
+    start : a point on the first leg
+    turn : rad, positive anticlockwise
+    share : radius of the arc as a fraction of the first leg
+    """
+    leg = share * (start - vertex)
+    parts = 2 + ceil(abs(turn) / 0.02)
+    arc = [vertex + leg * exp(1j * turn * i / parts) for i in range(parts + 1)]
+    page.lines("turn", [arc])
+    page.lines("foot", [[vertex, vertex + 1.25 * (arc[-1] - vertex)]])
+    page.arrow("turn", arc[-2], arc[-1], shaft=False)
+    if text:
+        page.letter([(arc[len(arc) // 2], text, "turn")])
+
+
+def right_angle(page: Page, vertex: complex, leg: complex, other: complex) -> None:
+    """Draw the small square of a right angle between two legs."""
+    one, two = (0.9 * page.em * z / abs(z) for z in (leg, other))
+    page.lines("foot", [[vertex + one, vertex + one + two, vertex + two]])

@@ -1,0 +1,111 @@
+"""Placement of letters beside their points, without overlap."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+import numpy.typing as npt
+
+from .paper import Box, Boxes, Points
+
+NEAR = 2.0
+"""Farthest distance of a letter from its point without a leader, in em."""
+
+_WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
+_RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em
+_ANGLES = 16
+_GAPS = np.repeat(_RINGS, _ANGLES)
+_DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """Centres of letters, whether each is led and free of others, shape (frames, letters)."""
+
+    centres: Points
+    led: npt.NDArray[np.bool_]
+    free: npt.NDArray[np.bool_]
+
+
+def text_box(centre: complex, text: str, em: float) -> Box:
+    """Return the box of a text, of one or more lines, with its centre and size of type."""
+    rows = re.sub(r"[${}^_\\]|\\[a-z]+", "", text).split("\n")
+    widest = max(1, *map(len, rows))
+    return Box(centre, complex(0.5 * _WIDTH * widest + 0.15, 0.5 * _HEIGHT * len(rows)) * em)
+
+
+def place(
+    points: Points,
+    texts: Sequence[str],
+    em: float,
+    view: Box,
+    segments: Points,
+    taken: Sequence[Box] = (),
+) -> Placed:
+    """Place letters beside their points.
+
+    Letters with the closest neighbours are placed first. Each takes the best of 144 positions about its
+    point: close to it, not over other letters, points or lines, and nearer to it than to others. Where
+    no place is free within `NEAR`, one farther away is taken, with a leader.
+
+    Parameters
+    ----------
+    points : of the letters in each frame, shape (frames, letters)
+    texts : of the letters
+    em : size of the type in units of the sheet
+    view : the visible part of the sheet; letters stay inside
+    segments : ends of the lines that letters must avoid, shape (segments, 2); with several frames, none
+    taken : boxes of texts that are already there
+    """
+    count = len(texts)
+    halves = np.array([text_box(0j, text, em).half for text in texts], complex)
+    fixed = Boxes.of(taken)
+    boxes = np.zeros((len(points), count), complex)
+    led, free = np.zeros(boxes.shape, bool), np.ones(boxes.shape, bool)
+    near = (abs(points[:, :, None] - points[:, None, :]) < 2.5 * em).sum(axis=(0, 2))
+    order = np.argsort(-near, kind="stable")
+    dots = np.array(0.15 * em * (1 + 1j))
+    for done, i in enumerate(order):
+        at, size = points[:, i, None], halves[i]
+        # the gap is that between the point and the nearest edge of the letter
+        reach = np.minimum(
+            size.real / np.maximum(abs(_DIRECTIONS.real), 1e-9),
+            size.imag / np.maximum(abs(_DIRECTIONS.imag), 1e-9),
+        )
+        away = (reach + (_GAPS - 0.5) * em) * _DIRECTIONS
+        centres = at + away
+        mine = Boxes(centres[:, :, None], size)
+        before = order[:done]
+        over = mine.overlap(Boxes(boxes[:, None, before], halves[before])).sum(axis=2)
+        over = over + mine.overlap(fixed).sum(axis=2) if len(taken) else over
+        cost = (
+            0.7 * _GAPS
+            + 100.0 * (over > 0.0)
+            + 40.0 * over / em**2
+            + 4.0 * (mine.overlap(Boxes(points[:, None, :], dots)) > 0.0).sum(axis=2)
+            + 2.0 * (abs(points[:, None, :] - centres[:, :, None]) < abs(away)[:, None]).sum(axis=2)
+            + 200.0 * ~Boxes(centres, size).within(view)
+            + 6.0 * (_GAPS > NEAR)
+        )
+        if len(segments):
+            close = segments[_about(at[0, 0], _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
+            crossed = Boxes(centres[0, :, None], size).inside(close[:, 0], close[:, 1])
+            cost = cost + 1.5 * crossed.sum(axis=1) / em
+        best = cost.argmin(axis=1)
+        boxes[:, i] = centres[np.arange(len(points)), best]
+        led[:, i] = _GAPS[best] > NEAR
+        free[:, i] = over[np.arange(len(points)), best] == 0.0
+    return Placed(boxes, led, free)
+
+
+def _about(point: complex, half: complex, segments: Points) -> npt.NDArray[np.bool_]:
+    """Return the segments that may come within a distance of a point."""
+    near = np.ones(len(segments), bool)
+    apart = segments - point
+    for part, reach in ((apart.real, half.real), (apart.imag, half.imag)):
+        near &= (part.min(axis=1) <= reach) & (part.max(axis=1) >= -reach)
+    return near

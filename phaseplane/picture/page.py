@@ -1,0 +1,575 @@
+"""A page: everything that one picture shows, as plain data that any canvas can draw.
+
+A page is filled part by part and remembers its lines and texts, so that later letters avoid them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from math import ceil, floor
+from typing import Literal
+
+import numpy as np
+
+from phaseplane.constructions.construction import FLIGHT
+from phaseplane.constructions.primitives import Axis, Curve, Drawing, Frame, Mark, Plane, Scheme
+from phaseplane.constructions.sheet import events_of, round_step
+
+from .layers import Layer, is_main, layers_at
+from .letters import place, text_box
+from .paper import Box, Points, Strip, arcs, table
+from .quantities import display_unit
+from .styles import style_of
+from .words import LETTER_OF_EVENT, bracketed, level_text, number, typeset
+
+TYPE = 9.0
+"""Size of the type, points: 1 em of a page."""
+CURVES = ("auxiliary", "line", "shortcut")
+"""The roles of the curves that belong to the planes, and not to the turn angles."""
+_LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
+
+_RECEDING = 0.45  # opacity of what earlier stages drew
+_RECENT = 200  # steps of a long motion that are drawn in full
+
+Kind = Literal["letter", "value", "name", "label", "dimension"]
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Polylines of one role; `weight` multiplies their width, `strength` is their opacity."""
+
+    role: str
+    strips: tuple[Strip, ...]
+    weight: float = 1.0
+    strength: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Dots:
+    """Points of one role; `weight` multiplies their diameter, `strength` is their opacity."""
+
+    role: str
+    points: tuple[complex, ...]
+    weight: float = 1.0
+    strength: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Arrow:
+    """A straight arrow with a head at its tip, or at both ends."""
+
+    role: str
+    start: complex
+    tip: complex
+    both: bool = False
+    shaft: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A text about its centre.
+
+    Parameters
+    ----------
+    size : of the type, em of the page
+    kind : what it is; letters name points
+    point : what a letter names, and `led` whether a line leads from it to the letter
+    upright : whether it reads upwards
+    """
+
+    role: str
+    text: str
+    centre: complex
+    size: float = 1.0
+    kind: Kind = "label"
+    point: complex | None = None
+    led: bool = False
+    upright: bool = False
+
+    def box(self, em: float) -> Box:
+        """Return its box, for a page with this size of type."""
+        half = text_box(self.centre, self.text, self.size * em).half
+        if "frac" in self.text:  # two lines high
+            half = complex(half.real, 2.0 * half.imag)
+        return Box(self.centre, complex(half.imag, half.real) if self.upright else half)
+
+
+Item = Lines | Dots | Arrow | Text
+
+
+@dataclass(frozen=True, slots=True)
+class Graduation:
+    """Ticks of an axis in its own unit, the display unit, and the number of these in its own."""
+
+    values: list[float]
+    unit: str
+    factor: float
+
+
+def motions_of(drawing: Drawing) -> list[Points]:
+    """Return the state points of each plane, including the end of the motion if the last step has it."""
+    names = [plane.state for plane in drawing.planes]
+    states = table(drawing.frames, names)
+    ends = [f"{name}'" for name in names]
+    if all(name in drawing.frames[-1].points for name in ends):
+        states = np.concatenate([states, table(drawing.frames[-1:], ends)])
+    return list(states.T)
+
+
+def paths_of(drawing: Drawing, motions: Sequence[Points]) -> list[Points]:
+    """Return the way from each state point to the next, shape (steps, vertices): chords, or the arcs
+    on which the rule has stepped.
+    """
+    ways = []
+    for plane, motion in zip(drawing.planes, motions, strict=True):
+        ends = np.stack([motion[:-1], motion[1:]], 1)
+        centres = [_centre(drawing.schemes[frame.scheme], plane) for frame in drawing.frames]
+        if any(centres) and len(ends):
+            middle = np.array(
+                [f.points[c] if c else np.inf for f, c in zip(drawing.frames, centres, strict=True)]
+            )[: len(ends)]
+            swept = np.isfinite(middle) & (abs(middle - ends[:, 0]) < 1e3 * abs(np.ptp(ends)))
+            curved = arcs(*(np.where(swept, z, 0) for z in (middle, ends[:, 0], ends[:, 1])))
+            part = np.linspace(0.0, 1.0, curved.shape[1])
+            straight = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * part
+            # an arc that misses the next point is of a step that was cut short
+            missed = ends[:, 1] - curved[:, -1]
+            meets = abs(missed) < 0.02 * abs(ends[:, 1] - ends[:, 0])
+            curved = curved + missed[:, None] * part
+            ends = np.where((swept & meets)[:, None], curved, straight)
+        ways.append(ends)
+    return ways
+
+
+def _centre(scheme: Scheme, plane: Plane) -> str:
+    """Return the centre of the arc on which a state point moves; empty if it moves on a line."""
+    ends = (plane.state, f"{plane.state}'")
+    return next((a.centre for a in scheme.arcs if (a.start, a.end) == ends), "")
+
+
+def reach_of(axis: Axis, motion: Points) -> tuple[float, float]:
+    """Return the smallest and largest value of a motion on an axis, always including zero."""
+    values = ((motion - axis.origin) * axis.direction.conjugate()).real / axis.scale
+    values = values[np.isfinite(values)]
+    return float(values.min(initial=0.0)), float(values.max(initial=0.0))
+
+
+def graduation_of(axis: Axis, motion: Points, least: float = 0.0) -> Graduation:
+    """Return round values over the range of the motion, at least `least` m of paper apart."""
+    low, high = reach_of(axis, motion)
+    unit, factor = display_unit(axis.unit, high - low)
+    span = max((high - low) / 6.0, least / axis.scale) * factor
+    interval = round_step(span or 1.0, 1)
+    first, last = ceil(low * factor / interval - 0.6), floor(high * factor / interval + 0.6)
+    values = [i * interval / factor for i in range(first, last + 1) if i]
+    return Graduation(values, unit, factor)
+
+
+@dataclass
+class Page:
+    """A picture under way.
+
+    Parameters
+    ----------
+    drawing : the construction it shows
+    view : the visible part of the sheet
+    em : size of the type, m of paper
+    motions : the state points of each plane; default: those of the drawing
+    """
+
+    drawing: Drawing
+    view: Box
+    em: float
+    motions: list[Points] = field(default_factory=list)
+    items: list[Item] = field(default_factory=list)
+    taken: list[Box] = field(default_factory=list)
+    title: str = ""
+    words: str = ""
+
+    def __post_init__(self) -> None:
+        """Read the motions once."""
+        self.motions = self.motions or motions_of(self.drawing)
+        self._segments = [np.zeros((0, 2), complex)]
+        self._ways: list[Points] = []
+
+    @property
+    def ways(self) -> list[Points]:
+        """The way from each state point to the next in each plane, shape (steps, vertices)."""
+        self._ways = self._ways or paths_of(self.drawing, self.motions)
+        return self._ways
+
+    def following(self) -> Page:
+        """Return an empty page of the same view, whose letters keep clear of what is on this one."""
+        page = Page(self.drawing, self.view, self.em, self.motions, taken=list(self.taken))
+        page._segments, page._ways = [self.segments], self._ways
+        return page
+
+    # What is on the page.
+
+    def of(self, kind: type[Item]) -> Iterator[Item]:
+        """Return the items of one type, in the order of drawing."""
+        return (item for item in self.items if isinstance(item, kind))
+
+    @property
+    def texts(self) -> list[Text]:
+        """All texts."""
+        return [item for item in self.items if isinstance(item, Text)]
+
+    @property
+    def roles(self) -> list[str]:
+        """The roles of all lines, each once, in the order of drawing."""
+        return list(dict.fromkeys(i.role for i in self.items if isinstance(i, Lines)))
+
+    @property
+    def segments(self) -> Points:
+        """Ends of all lines drawn so far, shape (segments, 2)."""
+        self._segments = [np.concatenate(self._segments)]
+        return self._segments[0]
+
+    def legend(self) -> list[tuple[str, str]]:
+        """Return the roles in the legend, with their words."""
+        found: dict[str, str] = {}
+        for role in self.roles:
+            words = _legend_words(self.drawing, role)
+            if words and words not in found.values():
+                found[role] = typeset(words)
+        return list(found.items())
+
+    # Primitive parts.
+
+    def spare(self, strip: Strip) -> None:
+        """Record a polyline that later letters must avoid."""
+        points = np.asarray(strip, complex)
+        self._segments.append(np.stack((points[:-1], points[1:]), axis=1))
+
+    def lines(
+        self, role: str, strips: Sequence[Strip], weight: float = 1.0, strength: float = 1.0
+    ) -> None:
+        """Draw polylines of one role."""
+        strips = [strip for strip in strips if len(strip) > 2 or strip[0] != strip[1]]
+        if not strips:
+            return
+        self.items.append(Lines(role, tuple(strips), weight, strength))
+        for strip in strips:
+            self.spare(strip)
+
+    def dots(
+        self, role: str, points: Sequence[complex], weight: float = 1.0, strength: float = 1.0
+    ) -> None:
+        """Draw points of one role."""
+        self.items.append(Dots(role, tuple(points), weight, strength))
+
+    def arrow(self, role: str, start: complex, tip: complex, **more: bool) -> None:
+        """Draw an arrow."""
+        self.items.append(Arrow(role, start, tip, **more))
+        self.spare((start, tip))
+
+    def write(self, text: Text) -> None:
+        """Write a text at its place."""
+        self.items.append(text)
+        self.taken.append(text.box(self.em))
+
+    def write_if_free(self, text: Text) -> bool:
+        """Write a text unless another is there or it is out of view; return whether it was written."""
+        box = text.box(self.em)
+        free = self.view.contains(box) and not any(box.overlap(other) for other in self.taken)
+        if free:
+            self.write(text)
+        return free
+
+    def letter(
+        self,
+        named: Sequence[tuple[complex, str, str]],
+        size: float = _LETTER,
+        *,
+        lines: bool = True,
+    ) -> None:
+        """Write letters beside points; each has a position, a text and a role.
+
+        Parameters
+        ----------
+        lines : whether letters avoid lines, too
+        """
+        if not named:
+            return
+        em = size * self.em
+        segments = self.segments if lines else np.zeros((0, 2), complex)
+        points = np.array([[z for z, *_ in named]])
+        placed = place(points, [t for _, t, _ in named], em, self.view, segments, self.taken)
+        for (z, text, role), centre, led, free in zip(
+            named, placed.centres[0], placed.led[0], placed.free[0], strict=True
+        ):
+            if free:  # better no letter than two on one another
+                self.put(Text(role, text, complex(centre), size, "letter", z, bool(led)))
+
+    def put(self, letter: Text) -> None:
+        """Write a letter at its place, with the leader that it may need."""
+        self.write(letter)
+        if letter.led and letter.point is not None:
+            end = letter.box(self.em).nearest(letter.point)
+            self.items.append(Lines("foot", ((letter.point, end),), 0.7))
+
+    # The planes.
+
+    def axes_of_planes(self) -> None:
+        """Draw the axes with arrows, ticks, values and names."""
+        known = [
+            (plane, motion, graduation_of(plane.displacement, motion, 2.2 * self.em),
+             graduation_of(plane.scaled_velocity, motion, 1.6 * self.em))
+            for plane, motion in zip(self.drawing.planes, self.motions, strict=True)
+        ]  # fmt: skip
+        values: list[Text] = []
+        for plane, motion, along, up in known:
+            values += self._horizontal(plane, along)
+            values += self._vertical(plane, motion, up)
+        for text in values:
+            self.write_if_free(text)
+
+    def _horizontal(self, plane: Plane, graduation: Graduation) -> list[Text]:
+        """Draw the y axis across the whole view, because feet of normals are far out on it."""
+        axis, em = plane.displacement, self.em
+        sense = axis.direction.real
+        edge = self.view.half.real - 0.5 * em
+        start = complex(self.view.centre.real - sense * edge, axis.origin.imag)
+        tip = complex(self.view.centre.real + sense * edge, axis.origin.imag)
+        self.arrow("axis", start, tip)
+        self._ticks(axis, graduation, 0.35j * em)
+        # one word per line, to keep clear of the motion
+        rows = plane.name.split("_")
+        name = "\n".join(rows) + f" {typeset(axis.label)}{bracketed(graduation.unit)}"
+        self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
+        return [
+            _value(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values
+        ]
+
+    def _vertical(self, plane: Plane, motion: Points, graduation: Graduation) -> list[Text]:
+        """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
+        axis, em = plane.scaled_velocity, self.em
+        ends = [0.0, *graduation.values, *reach_of(axis, motion)]
+        start, tip = axis.at(min(ends)) - 0.8j * em, axis.at(max(ends)) + 1.6j * em
+        self.arrow("axis", start, tip)
+        self._ticks(axis, graduation, 0.35 * em)
+        # on the side of the axis away from the motion
+        side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
+        name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+        self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
+        texts = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
+        return [_value(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
+
+    def y_axis(self, plane: Plane) -> None:
+        """Draw only the y axis, across a view that may not contain the origin."""
+        axis, reach_of_view = plane.displacement, self.view.half.real - 0.5 * self.em
+        sense = axis.direction.real
+        middle = complex(self.view.centre.real, axis.origin.imag)
+        tip = middle + sense * reach_of_view
+        self.arrow("axis", middle - sense * reach_of_view, tip)
+        self._name(tip - 1.0j * self.em, typeset(axis.label), sense)
+
+    def _name(self, edge: complex, name: str, sense: float) -> None:
+        """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view."""
+        text = Text("axis", name, edge, 8.5 / TYPE, "name")
+        half = text.box(self.em).half
+        low, high = self.view.grown(-0.3 * self.em).corners
+        x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
+        for up in (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8):
+            if self.write_if_free(replace(text, centre=complex(x, edge.imag + up * self.em))):
+                return
+
+    def _ticks(self, axis: Axis, graduation: Graduation, half: complex) -> None:
+        places = [axis.at(value) for value in graduation.values]
+        strips = tuple((z - half, z + half) for z in places if self.view.holds(z))
+        if strips:
+            self.items.append(Lines("axis", strips, 0.9))
+
+    def curves(self, roles: Sequence[str] | None = CURVES) -> None:
+        """Draw the fixed curves of the given roles, or of all, with their labels."""
+        chosen = [c for c in self.drawing.curves if roles is None or c.role in roles]
+        for curve in chosen:
+            self.lines(curve.role, [curve.vertices])
+        highest = max((c.vertices[0].imag for c in chosen if c.role == "line"), default=0.0)
+        low, high = (z.real for z in self.view.corners)
+        for curve in chosen:
+            end = curve.vertices[-1]
+            if curve.role == "line":
+                side = 0.75j if end.imag == highest else -0.75j
+                edge = min(high - 0.04 * (high - low), end.real - 0.5 * self.em)
+                for shift in range(0, 40, 2):
+                    centre = complex(edge - shift * self.em, end.imag) + side * self.em
+                    if self.write_if_free(Text("line", typeset(curve.label), centre)):
+                        break
+            elif curve.role == "axis":
+                self.write_if_free(_value(end - 0.8j * self.em, curve.label))
+            elif curve.role not in ("auxiliary", "shortcut"):
+                words = typeset(curve.label)
+                self.write_if_free(Text(curve.role, words, end + 1.2 * self.em))
+        for curve in _distinct([c for c in chosen if c.role == "auxiliary" and c.label]):
+            self._along(curve)
+        for curve in chosen:
+            if curve.role == "shortcut":
+                self.letter([(curve.vertices[-1], typeset(curve.label), "shortcut")], _VALUE)
+
+    def _along(self, curve: Curve) -> None:
+        """Write the label of a curve on it, as near to its end as possible, if there is room."""
+        plane = self._plane_of(curve)
+        unit, factor = display_unit(
+            plane.displacement.unit,
+            float(np.ptp(reach_of(plane.displacement, self._motion(plane)))),
+        )
+        text = level_text(curve.label, unit, factor)
+        for vertex in reversed(curve.vertices):
+            if self.write_if_free(Text("auxiliary", text, vertex, _VALUE)):
+                return
+
+    def _motion(self, plane: Plane) -> Points:
+        return self.motions[self.drawing.planes.index(plane)]
+
+    def _plane_of(self, curve: Curve) -> Plane:
+        """Return the plane whose displacement a curve's label names, else the first."""
+        named = curve.label.partition(" =")[0]
+        planes = self.drawing.planes
+        return next((p for p in planes if p.displacement.label == named), planes[0])
+
+    def trails(self, steps: int | None = None, strength: float = 1.0) -> None:
+        """Draw the motion in all planes, up to a number of steps or to its end."""
+        ways = [way[:steps] for way in self.ways]
+        if ways and len(ways[0]) > 2 * _RECENT:  # a long motion would be a blot
+            self.lines("trail", [joined(way[:-_RECENT]) for way in ways], 0.4, 0.5 * strength)
+            ways = [way[-_RECENT:] for way in ways]
+        self.lines("trail", [joined(way) for way in ways if len(way)], 1.0, strength)
+
+    # A step.
+
+    def step(
+        self,
+        frame: Frame,
+        *,
+        stage: int | None = None,
+        repeated: bool = False,
+        turn: bool = False,
+        thin: float = 1.0,
+    ) -> None:
+        """Draw the lines and points of one step.
+
+        Parameters
+        ----------
+        stage : the present stage, which stands out; later ones are left out. All stages if None
+        repeated : include the construction that the rule repeats
+        turn : include the arcs of the turn angles
+        thin : factor of all widths and opacities
+        """
+        layers = layers_at(self.drawing, frame)
+        if stage is not None:
+            layers = [layer for layer in layers if layer.stage <= stage]
+        for layer in layers:
+            weight, strength = thin, thin
+            if stage is not None:
+                weight, strength = (2.0, 1.0) if layer.stage == stage else (0.8, _RECEDING)
+            wanted = [i for i in range(len(layer)) if _wanted(layer, i, repeated, turn)]
+            for role in dict.fromkeys(layer.roles[i] for i in wanted):
+                chosen = [layer.vertices[0, i] for i in wanted if layer.roles[i] == role]
+                if layer.kind == "points":
+                    seen = [complex(z[0]) for z in chosen if self.view.holds(complex(z[0]))]
+                    self.dots(role, seen, min(weight, 1.5), strength)
+                else:
+                    self.lines(role, chosen, weight, strength)
+
+    def letters(self, frame: Frame, marks: Sequence[Mark] | None = None) -> None:
+        """Write the letters of one step; those of points out of view are at the rim, with the distance.
+
+        Parameters
+        ----------
+        marks : the points to be lettered; default: those of the step itself, and the origins
+        """
+        named: list[tuple[complex, str, str]] = []
+        far: list[tuple[complex, str, str]] = []
+        for mark in self.drawing.schemes[frame.scheme].marks if marks is None else marks:
+            z = frame.points[mark.point]
+            if mark.label and (marks is not None or is_main(mark.point)):
+                (named if self.view.holds(z) else far).append((z, typeset(mark.label), mark.role))
+        origins = [
+            (plane.displacement.origin, typeset("O" + plane.number), "axis")
+            for plane in (self.drawing.planes if marks is None else ())
+        ]
+        self.letter(named + [at for at in origins if self.view.holds(at[0])])
+        for z, text, role in far:
+            self._at_the_rim(z, text, role)
+
+    def _at_the_rim(self, z: complex, text: str, role: str) -> None:
+        """Mark a point out of view with an arrow at the rim, its letter and its distance from there."""
+        rim = self.view.grown(-0.4 * self.em).nearest(z)
+        if not np.isfinite(z):
+            return
+        inwards = 1.4 * self.em * (z - rim) / abs(z - rim)
+        self.arrow(role, rim - inwards, rim)
+        words = f"{text} {number(100.0 * abs(z - rim), 3)} cm"
+        self.letter([(rim - inwards, words, role)], 1.0, lines=False)
+
+    def events(self, known: int | None = None) -> None:
+        """Mark the events of the first `known` frames in every plane, or of all."""
+        named = [
+            (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind), "event")
+            for frame in self.drawing.frames[:known]
+            for event in (events_of(frame, self.drawing.planes) if frame.event else ())
+            for plane in event.planes
+            if self.view.holds(frame.points[plane.state])
+        ]
+        if named:
+            self.dots("event", [z for z, *_ in named])
+            self.letter(named if len(named) <= 24 else [])
+
+    def numbers(self, frames: Sequence[Frame]) -> None:
+        """Write the numbers of the state points, up to the successors of the last step."""
+        for plane in self.drawing.planes:
+            points = [(frame.points[plane.state], str(frame.step), "state") for frame in frames]
+            last = frames[-1]
+            points.append((last.points[plane.state + "'"], str(last.step + 1), "state"))
+            self.dots("state", [z for z, *_ in points], 0.6)
+            # lines are everywhere here, so numbers avoid only letters and points
+            self.letter(points, _VALUE, lines=False)
+
+
+def joined(way: Points) -> Points:
+    """Return the ways of several steps as one polyline."""
+    return np.append(way[:, :-1].ravel(), way[-1, -1])
+
+
+def _wanted(layer: Layer, item: int, repeated: bool, turn: bool) -> bool:
+    name = layer.names[item]
+    of_turn = name.startswith(("W", "N"))
+    if of_turn:
+        return turn and layer.kind != "points"
+    return repeated or layer.is_main(item)
+
+
+def _value(centre: complex, text: str) -> Text:
+    return Text("value", text, centre, _VALUE, "value")
+
+
+def _distinct(curves: Sequence[Curve]) -> list[Curve]:
+    """Return labelled curves, those that coincide as one with both labels."""
+    found: list[Curve] = []
+    for curve in curves:
+        for i, other in enumerate(found):
+            if len(other.vertices) == len(curve.vertices) and np.allclose(
+                other.vertices, curve.vertices, rtol=0.0, atol=1e-9
+            ):
+                found[i] = replace(other, label=f"{other.label} and {curve.label}")
+                break
+        else:
+            found.append(curve)
+    return found
+
+
+def _legend_words(drawing: Drawing, role: str) -> str:
+    """Return the words of a role in the legend of a drawing; empty for none."""
+    words = style_of(role).words
+    if role == "line":
+        labels = [curve.label for curve in drawing.curves if curve.role == "line"]
+        return f"lines {labels[0]} to {labels[-1]}" if len(labels) > 2 else words
+    if role != "excitation":
+        return words
+    if any(name.endswith("road_elevation") for f in drawing.frames[:1] for name in f.readings):
+        flies = any(FLIGHT in key for key in drawing.schemes)
+        return words if flies else "road"
+    return "load" if drawing.planes[0].displacement.unit == "m" else "change of f"

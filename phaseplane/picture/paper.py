@@ -1,0 +1,177 @@
+"""Geometry on the sheet: boxes, arcs and tables of points.
+
+Points are complex numbers in metres of paper: x to the right, y upwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from math import ceil
+from operator import itemgetter
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.constructions.primitives import Frame
+
+Points = npt.NDArray[np.complex128]
+Lengths = npt.NDArray[np.floating]
+Strip = Sequence[complex] | Points
+
+# Radians of arc between two vertices: the chord then differs from the arc by 0.1 % of its radius.
+_ARC_RESOLUTION = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A rectangle: its centre and half its width and height."""
+
+    centre: complex
+    half: complex
+
+    @property
+    def corners(self) -> tuple[complex, complex]:
+        """The lower left and the upper right corner."""
+        return self.centre - self.half, self.centre + self.half
+
+    @property
+    def size(self) -> float:
+        """The larger of width and height."""
+        return 2.0 * max(self.half.real, self.half.imag)
+
+    def overlap(self, other: Box) -> float:
+        """Return the area common to both."""
+        apart = self.centre - other.centre
+        reach = self.half + other.half
+        across, up = reach.real - abs(apart.real), reach.imag - abs(apart.imag)
+        return across * up if across > 0.0 and up > 0.0 else 0.0
+
+    def holds(self, point: complex) -> bool:
+        """Return whether a point is inside."""
+        apart = point - self.centre
+        return abs(apart.real) <= self.half.real and abs(apart.imag) <= self.half.imag
+
+    def contains(self, other: Box) -> bool:
+        """Return whether another box is wholly inside."""
+        return Box(self.centre, self.half - other.half).holds(other.centre)
+
+    def grown(self, margin: float) -> Box:
+        """Return the box with a margin on every side."""
+        return Box(self.centre, self.half + margin * (1 + 1j))
+
+    def nearest(self, point: complex) -> complex:
+        """Return the point of the box that is nearest to a point."""
+        apart, half = point - self.centre, self.half
+        x = max(-half.real, min(half.real, apart.real))
+        y = max(-half.imag, min(half.imag, apart.imag))
+        return self.centre + complex(x, y)
+
+
+@dataclass(frozen=True, slots=True)
+class Boxes:
+    """Rectangles by their centres and half-sizes, arrays of any shapes that numpy broadcasts."""
+
+    centres: Points
+    halves: Points
+
+    @classmethod
+    def of(cls, boxes: Sequence[Box]) -> Boxes:
+        """Return boxes as one-dimensional arrays."""
+        row = np.array([(box.centre, box.half) for box in boxes], complex).reshape(-1, 2)
+        return cls(row[:, 0], row[:, 1])
+
+    def overlap(self, other: Boxes) -> Lengths:
+        """Return the areas common to each box and another."""
+        apart, reach = self.centres - other.centres, self.halves + other.halves
+        across = np.maximum(0.0, reach.real - abs(apart.real))
+        return across * np.maximum(0.0, reach.imag - abs(apart.imag))
+
+    def within(self, view: Box) -> npt.NDArray[np.bool_]:
+        """Return whether each box is wholly in a view."""
+        apart, room = self.centres - view.centre, view.half - self.halves
+        return (abs(apart.real) <= room.real) & (abs(apart.imag) <= room.imag)
+
+    def inside(self, starts: Points, ends: Points) -> Lengths:
+        """Return the length of each segment inside each box."""
+        ways, begins = ends - starts, starts - self.centres
+        low: Lengths = np.zeros(())
+        high: Lengths = np.ones(())
+        for step, position, half in (
+            (ways.real, begins.real, self.halves.real),
+            (ways.imag, begins.imag, self.halves.imag),
+        ):
+            # a segment parallel to a side gives infinities: unbounded inside, empty outside
+            with np.errstate(divide="ignore", invalid="ignore"):
+                one, other = (-half - position) / step, (half - position) / step
+            low = np.maximum(low, np.fmin(one, other))
+            high = np.minimum(high, np.fmax(one, other))
+        return abs(ways) * np.maximum(0.0, high - low)
+
+
+def corners(points: Points) -> Points:
+    """Return the lower left and the upper right corner of the range of each row of points."""
+    x, y = points.real, points.imag
+    ends = x.min(axis=-1) + 1j * y.min(axis=-1), x.max(axis=-1) + 1j * y.max(axis=-1)
+    return np.stack(ends, axis=-1)
+
+
+def bounds(points: Points, margin: float = 0.05) -> tuple[Points, Points]:
+    """Return centres and half-sizes of the smallest boxes around each row, shape (..., points)."""
+    low, high = np.moveaxis(corners(points), -1, 0)
+    size = high - low
+    border = margin * np.maximum(size.real, size.imag)
+    return (low + high) / 2, size / 2 + np.where(border > 0.0, border, 0.01) * (1 + 1j)
+
+
+def around(points: Iterable[complex] | Points, margin: float = 0.05) -> Box:
+    """Return the smallest box around all finite points, with a margin as a part of its larger side."""
+    z = np.asarray(points if isinstance(points, np.ndarray) else list(points), complex)
+    centre, half = bounds(z[np.isfinite(z)], margin)
+    return Box(complex(centre), complex(half))
+
+
+def arcs(centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike) -> Points:
+    """Return polylines along the shorter arcs about `centre` from `start` to the rays through `end`.
+
+    Parameters
+    ----------
+    centre, start, end : points, all of the same shape
+
+    Returns
+    -------
+    the vertices in an additional last dimension, equally many for all arcs
+    """
+    centre, start, end = (np.asarray(z, complex) for z in (centre, start, end))
+    radius = start - centre
+    with np.errstate(invalid="ignore"):
+        turn = np.angle((end - centre) * radius.conj())
+    largest = np.max(np.abs(turn), initial=0.0, where=np.isfinite(turn))
+    fraction = np.linspace(0.0, 1.0, ceil(largest / _ARC_RESOLUTION) + 2)
+    return centre[..., None] + radius[..., None] * np.exp(1j * turn[..., None] * fraction)
+
+
+def table(frames: Sequence[Frame], names: Sequence[str]) -> Points:
+    """Return the named points of the frames, shape (frames, names).
+
+    Raises
+    ------
+    ValueError : if a frame lacks a point.
+    """
+    if not names:
+        return np.zeros((len(frames), 0), complex)
+    read = itemgetter(*names)
+    rows = (read(frame.points) for frame in frames)
+    values = rows if len(names) == 1 else chain.from_iterable(rows)
+    try:
+        return np.fromiter(values, complex, len(frames) * len(names)).reshape(-1, len(names))
+    except KeyError as error:
+        step = next(frame.step for frame in frames if error.args[0] not in frame.points)
+        raise ValueError(f"step {step} of the construction has no point {error}") from None
+
+
+def vertices(points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """Return complex points as pairs x, y, in an additional last dimension."""
+    z = np.ascontiguousarray(points, complex)
+    return z.view(float).reshape(*z.shape, 2)

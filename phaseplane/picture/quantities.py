@@ -1,0 +1,110 @@
+"""The quantities of variables, and the units in which they are shown, the same on every canvas."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+
+from phaseplane.constructions.primitives import Drawing
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A quantity and its display unit.
+
+    Parameters
+    ----------
+    name : of the quantity
+    unit : in which it is shown
+    factor : number of display units in the SI unit
+    si : the SI unit
+    endings : endings of the names of its variables
+    """
+
+    name: str
+    unit: str
+    factor: float
+    si: str
+    endings: tuple[str, ...] = ()
+
+
+_DEGREES = 57.29577951308232
+_CENTIMETRES = Quantity(
+    "displacement", "cm", 100.0, "m", ("displacement", "deflection", "elevation", "drift", "_set")
+)
+QUANTITIES = (
+    _CENTIMETRES,
+    Quantity("velocity", "m/s", 1.0, "m/s", ("velocity", "_rate")),
+    Quantity("acceleration", "m/s²", 1.0, "m/s2", ("acceleration",)),
+    Quantity("force", "N", 1.0, "N", ("force",)),
+    Quantity("energy", "J", 1.0, "J", ("energy",)),
+    Quantity("angle", "°", _DEGREES, "rad", ("angle",)),
+)
+_LENGTHS = ((2.0, "m", 1.0), (0.01, "cm", 100.0), (0.0, "mm", 1000.0))
+
+
+def display_unit(unit: str, span: float) -> tuple[str, float]:
+    """Return the unit in which values over this span are shown, and its number in one `unit`."""
+    if unit != "m":
+        return unit_text(unit), 1.0
+    return next((name, factor) for least, name, factor in _LENGTHS if span >= least)
+
+
+@cache
+def unit_text(unit: str) -> str:
+    """Return a unit as it is printed: m/s2 becomes m/s², kgf.s2/cm becomes kgf·s²/cm."""
+    raised = re.sub(
+        r"(?<=[A-Za-z])\^?(-?\d)",
+        lambda m: m[1].translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")),
+        unit,
+    )
+    return raised.replace(".", "·").replace("*", "·")
+
+
+def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity | None:
+    """Return the quantity of a variable by its unit, else by the end of its name; None if unknown.
+
+    A unit that is not among those of the table is a quantity of its own.
+    """
+    if units is not None and name in units:
+        unit = units[name]
+        known = next((quantity for quantity in QUANTITIES if quantity.si == unit), None)
+        return known or (Quantity(unit_text(unit), unit_text(unit), 1.0, unit) if unit else None)
+    return _by_ending(name)
+
+
+@cache
+def _by_ending(name: str) -> Quantity | None:
+    return next((quantity for quantity in QUANTITIES if name.endswith(quantity.endings)), None)
+
+
+def read_off(drawing: Drawing, span: float) -> dict[str, Quantity | None]:
+    """Return the quantities of the readings of a construction.
+
+    Lengths are in the unit of the axes; those of a plain equation have no unit, and its rates 1/s.
+
+    Parameters
+    ----------
+    span : of the displacements on the axes
+    """
+    axis = drawing.planes[0].displacement
+    unit, factor = display_unit(axis.unit, span)
+    found = {name: _by_ending(name) for name in drawing.frames[0].readings}
+    if axis.unit == "m":
+        length = replace(_CENTIMETRES, unit=unit, factor=factor)
+        return {name: length if q is _CENTIMETRES else q for name, q in found.items()}
+    plain = {"m": axis.unit, "m/s": "1/s", "m/s2": "1/s²"}
+    return {
+        name: q and replace(q, unit=plain.get(q.si, q.unit), factor=1.0)
+        for name, q in found.items()
+    }
+
+
+def rate_of(displacement: str) -> str:
+    """Return the FMUs' name of the rate of change of a displacement."""
+    for ending, rate in (("displacement", "velocity"), ("_angle", "_rate")):
+        if displacement.endswith(ending):
+            return displacement.removesuffix(ending) + rate
+    return f"{displacement}_rate"

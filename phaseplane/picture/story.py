@@ -1,0 +1,236 @@
+"""A construction told stage by stage: the empty sheet, some steps in full, and the whole motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from phaseplane.constructions.primitives import Drawing, Frame, Mark
+from phaseplane.constructions.sheet import events_of
+
+from . import dimensions
+from .page import CURVES, Arrow, Page, joined
+from .paper import Box, Points, around
+from .quantities import Quantity
+from .views import room_for_letters
+from .words import (
+    event_texts,
+    markdown,
+    protocol,
+    readings_table,
+    step_head,
+    time_words,
+    typeset,
+)
+
+FEWEST, MOST = 40, 60
+"""Ticks of a story, where the schemes allow it."""
+_TOLD = ("lift_off", "touchdown")
+_EMPTY = "The empty sheet: axes and auxiliary curves"
+_HELP = (
+    "**How to use this view.** Space plays and stops, the arrow keys go one tick back or on; the "
+    "timeline *stage* tells how a few steps are drawn, *step* and *t* go through all of them. Drag to "
+    "move the sheet, turn the wheel to zoom, double-click to see all of it again."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One tick of a story: what is drawn in place of the tick before, and what is said.
+
+    Parameters
+    ----------
+    page : the sheet, without what stays
+    arms : the turn angles on their common arm
+    text : in Markdown
+    caption : the same in one sentence of plain text
+    step : index of the step; that of the end after the last one
+    time : s
+    """
+
+    page: Page
+    arms: Page
+    text: str
+    caption: str
+    step: int
+    time: float
+
+
+def arms_page(drawing: Drawing) -> Page:
+    """Return the common arm of the turn angles, divided in centimetres of paper."""
+    curves = [curve for curve in drawing.curves if curve.role not in CURVES]
+    vertices = [z for curve in curves for z in curve.vertices]
+    view = around(vertices, 0.1) if vertices else Box(0j, 0.1 + 0.1j)
+    page = Page(drawing, view, view.size / 30.0)
+    page.curves(list(dict.fromkeys(c.role for c in curves)))
+    return page
+
+
+def story_of(
+    drawing: Drawing,
+    stays: Page,
+    arms: Page,
+    quantities: Mapping[str, Quantity | None],
+    steps: Sequence[int] = (),
+) -> Iterator[Tick]:
+    """Yield the ticks of a story.
+
+    Parameters
+    ----------
+    stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
+    quantities : of the readings
+    steps : indices of the steps that are told; default: telling ones, lift-off and touchdown
+    """
+    first = drawing.frames[0]
+    yield Tick(stays.following(), arms.following(), _introduction(drawing), _EMPTY, 0, first.time)
+    for index in told_steps(drawing, steps):
+        frame = drawing.frames[index]
+        for event in events_of(frame, drawing.planes):
+            page = _page(stays, index)
+            page.events(index + 1)
+            happened = event_texts(event)[1]
+            said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
+            caption = f"{time_words(frame.time)}: {happened}"
+            yield Tick(page, arms.following(), said, caption, index, frame.time)
+        yield from staged(drawing, stays, arms, index)
+    last = drawing.frames[-1]
+    page = _page(stays, len(drawing.frames))
+    page.events()
+    page.dots("state", [motion[-1] for motion in stays.motions], 1.6)
+    read = readings_table(drawing.instants[-1].readings, quantities)
+    said = f"**The whole motion**: {len(drawing.frames)} steps. {_FURTHER}\n\n{read}"
+    caption = f"The whole motion: {len(drawing.frames)} steps"
+    count = len(drawing.frames)
+    yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
+
+
+def staged(drawing: Drawing, stays: Page, arms: Page, index: int) -> Iterator[Tick]:
+    """Yield the ticks of one step: its stages, one after the other."""
+    lettered = _lettered(stays, drawing.frames[index], index)
+    for stage in range(len(_stages(drawing, drawing.frames[index]))):
+        yield _tick(drawing, stays, arms, lettered, index, stage)
+
+
+_FURTHER = "The timelines *step* and *t* go through all of them."
+
+
+def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
+    """Return the indices of the steps that a story tells, in their order."""
+    count = len(drawing.frames)
+    if steps:
+        return sorted({step for step in steps if 0 <= step < count})
+
+    def cost(index: int) -> int:
+        frame = drawing.frames[index]
+        return len(drawing.schemes[frame.scheme].stages) + bool(frame.event)
+
+    found: list[int] = []
+    for kind in _TOLD:
+        at = (i for i, f in enumerate(drawing.frames) if kind in f.event)
+        found += [i for i in [next(at, -1)] if i >= 0]
+    mode = drawing.frames[0].scheme
+    ordinary = [i for i, frame in enumerate(drawing.frames) if frame.scheme == mode]
+    room = room_for_letters(drawing, [drawing.frames[i] for i in ordinary])
+    room = np.nan_to_num(room, nan=0.0, posinf=0.0)
+    left = MOST - 2 - sum(map(cost, found))
+    parts = max(3, min(12, left // max(1, cost(ordinary[0]))))
+    spans = np.array_split(np.arange(len(ordinary)), min(parts, len(ordinary)))
+    for span in spans:
+        best = ordinary[int(span[room[span].argmax()])]
+        if best not in found and (left >= cost(best) or len(found) < 3):
+            found.append(best)
+            left -= cost(best)
+    return sorted(set(found))
+
+
+def _introduction(drawing: Drawing) -> str:
+    lines = [c for c in drawing.curves if c.role == "line"]
+    top = drawing.planes[0].displacement.origin.imag
+    words = [
+        f"# {markdown(typeset(drawing.title))}",
+        "The empty sheet: the axes of the phase planes",
+    ]
+    if any(curve.role == "auxiliary" for curve in drawing.curves):
+        words[1] += " and the auxiliary curves of damping and spring"
+    words[1] += "."
+    if lines:
+        distances = ", ".join(
+            f"{typeset(c.label)} {100 * abs(top - c.vertices[0].imag):.4g} cm" for c in lines
+        )
+        axis = typeset(drawing.planes[0].displacement.label)
+        words.append(f"The projection lines, from the {axis} axis: {distances}.")
+    scales = ", ".join(
+        f"{typeset(p.displacement.label)} {p.displacement.scale:.4g} : 1" for p in drawing.planes
+    )
+    words.append(f"Scales: {scales}." if drawing.planes[0].displacement.unit == "m" else "")
+    return "\n\n".join([*filter(None, words), _HELP])
+
+
+def _page(stays: Page, index: int) -> Page:
+    """Return a page with the motion up to a step."""
+    page = stays.following()
+    if index:
+        page.lines("trail", [_thinned(way[:index]) for way in stays.ways], 1.0, 0.8)
+    return page
+
+
+def _thinned(way: Points, most: int = 1000) -> Points:
+    points = joined(way)
+    return np.append(points[:: max(1, len(points) // most)], points[-1])
+
+
+def _lettered(stays: Page, frame: Frame, index: int) -> Page:
+    """Return a page with P and D of a step lettered, which keep their places through its stages."""
+    page = _page(stays, index)
+    page.step(frame, repeated=True)
+    page.letters(frame, _kept(stays.drawing, frame, len(_stages(stays.drawing, frame))))
+    return page
+
+
+def _stages(drawing: Drawing, frame: Frame) -> tuple[str, ...]:
+    return drawing.schemes[frame.scheme].stages
+
+
+def _kept(drawing: Drawing, frame: Frame, stage: int) -> list[Mark]:
+    """Return the points whose letters stay once they are drawn: P and D."""
+    marks = drawing.schemes[frame.scheme].marks
+    return [m for m in marks if m.stage < stage and m.role in ("state", "normal")]
+
+
+def _tick(
+    drawing: Drawing, stays: Page, arms: Page, lettered: Page, index: int, stage: int
+) -> Tick:
+    frame = drawing.frames[index]
+    scheme = drawing.schemes[frame.scheme]
+    page = _page(stays, index)
+    page.step(frame, stage=stage, repeated=True)
+    states = [frame.points[plane.state] for plane in drawing.planes]
+    page.dots("here", states)
+    page.dots("state", states, 1.3)
+    kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
+    for letter in lettered.texts:
+        if letter.text.split(" ")[0] in kept:
+            page.put(letter)
+    page.items += [item for item in lettered.items if isinstance(item, Arrow)]
+    new = [m for m in scheme.marks if m.stage == stage and typeset(m.label) not in kept]
+    fresh = lettered.following()
+    fresh.letters(frame, new)
+    for letter in fresh.texts:
+        page.put(letter)
+    page.items += [item for item in fresh.items if isinstance(item, Arrow)]
+    turning = [arc for arc in scheme.arcs if arc.stage == stage and arc.start.startswith("N")]
+    if turning:
+        for plane in drawing.planes:
+            turn = -plane.displacement.direction.real * plane.angular_frequency * frame.duration
+            d, p = frame.points[plane.foot], frame.points[plane.state]
+            dimensions.angle(page, d, p, turn, "", 0.4)
+    beside = arms.following()
+    beside.step(frame, stage=stage, turn=True)
+    beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
+    said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage)}"
+    caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: " + typeset(
+        scheme.stages[stage]
+    )
+    return Tick(page, beside, said, caption, index, frame.time)

@@ -1,0 +1,141 @@
+"""One table of styles: the hue, width and words of every role, and the hue of every part of a car.
+
+Every hue comes in two shades: one for light paper, one for dark. A canvas whose ground is not known, such
+as the viewer's, takes the shade between them that is legible on both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+Shade = Literal["light", "dark", "either"]
+
+_EITHER = 0.198  # relative luminance whose contrast to white and to the dark paper is the same
+
+
+@dataclass(frozen=True, slots=True)
+class Hue:
+    """A colour in its shades for light and for dark paper, as #rrggbb."""
+
+    light: str
+    dark: str
+
+    def on(self, shade: Shade) -> str:
+        """Return the shade for light paper, for dark paper, or the one that is legible on either."""
+        if shade == "either":
+            return _between(self.light, self.dark)
+        return self.light if shade == "light" else self.dark
+
+
+BLUE = Hue("#1f6fb2", "#5fa8e8")
+ORANGE = Hue("#b8500f", "#f08a3c")
+GREEN = Hue("#14774f", "#3cc48d")
+RED = Hue("#c22f2f", "#f27070")
+TEAL = Hue("#0f7480", "#35bccb")
+PINK = Hue("#ad3f7d", "#e583b8")
+OCHRE = Hue("#7d6210", "#cfae3f")
+VIOLET = Hue("#7450b8", "#ab8fe6")
+GREY = Hue("#666b73", "#a0a6af")
+INK = Hue("#222222", "#e8e8e8")
+PAPER = Hue("#ffffff", "#15181c")
+GRID = Hue("#e4e4e4", "#2c3138")
+SHADE = Hue("#e9eef5", "#243040")
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """The style of a role.
+
+    Parameters
+    ----------
+    hue : colour of lines, points and letters
+    width, dash : of lines, in points
+    size : diameter of points, in points
+    words : in a legend; roles without words have no entry
+    """
+
+    hue: Hue = GREY
+    width: float = 0.8
+    dash: Literal["-", "--", ":"] = "-"
+    size: float = 3.0
+    words: str = ""
+
+
+ROLES = {
+    "trail": Style(BLUE, 1.8, words="integral curve"),
+    "run": Style(VIOLET, 1.5, words="motion of the run"),
+    "state": Style(BLUE, 1.5, size=5.0),
+    "here": Style(INK, size=10.0),
+    "axis": Style(INK, 0.9),
+    "value": Style(),
+    "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve (of y)"),
+    "line": Style(TEAL, 1.0, "--", words="lines I, II"),
+    "shortcut": Style(RED, 1.0, "--", words="flight to x2 = x2st"),
+    "foot": Style(width=0.7, dash=":"),
+    "construction": Style(width=0.7),
+    "excitation": Style(PINK, 2.0, words="road and weight"),
+    "projection": Style(VIOLET, 0.8, words="projection"),
+    "normal": Style(ORANGE, 1.4, size=4.0, words="normal"),
+    "arc": Style(GREEN, 1.6, words="step P to P'"),
+    "turn": Style(RED, 1.0, words="turn angle"),
+    "successor": Style(GREEN, 1.6, size=4.5, words="step P to P'"),
+    "event": Style(RED, 1.6, size=7.0),
+}
+_UNKNOWN = Style()
+
+PARTS = {
+    "body": BLUE,
+    "wheel": ORANGE,
+    "suspension": GREEN,
+    "tyre": VIOLET,
+    "contact": PINK,
+    "road": OCHRE,
+    "kinetic": BLUE,
+    "stored": GREEN,
+    "dissipated": ORANGE,
+    "supplied": PINK,
+}
+"""The hue of each part of a car and of each energy, by the words in the names of their variables."""
+_OTHERS = (BLUE, ORANGE, GREEN, VIOLET, TEAL, PINK, OCHRE, RED, GREY)
+
+
+def style_of(role: str) -> Style:
+    """Return the style of a role; unknown roles are drawn like construction lines."""
+    return ROLES.get(role, _UNKNOWN)
+
+
+def hue_of(variable: str, number: int = 0) -> Hue:
+    """Return the hue of a variable by the part it belongs to, else the hue with this number."""
+    words = variable.split("_")
+    return next((PARTS[w] for w in words if w in PARTS), _OTHERS[number % len(_OTHERS)])
+
+
+def luminance(colour: str) -> float:
+    """Return the relative luminance of a colour #rrggbb, from 0 (black) to 1 (white)."""
+    red, green, blue = (
+        c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in _channels(colour)
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    """Return the contrast of two colours, from 1 to 21."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def _channels(colour: str) -> list[float]:
+    return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+
+
+@lru_cache
+def _between(light: str, dark: str) -> str:
+    """Return the mixture of two shades with the luminance that is legible on any ground."""
+    shades = [
+        "#" + "".join(f"{round(255 * (a + part / 200 * (b - a))):02x}" for a, b in pairs)
+        for pairs in (list(zip(_channels(light), _channels(dark), strict=True)),)
+        for part in range(201)
+    ]
+    return min(shades, key=lambda shade: abs(luminance(shade) - _EITHER))

@@ -1,0 +1,146 @@
+"""Which part of the sheet is shown, and which step says most."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from phaseplane.constructions.primitives import Drawing, Frame, Plane
+
+from .layers import is_main
+from .page import CURVES, graduation_of, motions_of, reach_of
+from .paper import Box, Lengths, Points, around, bounds, corners, table
+
+_NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
+_FEET = 0.1  # share of the feet at either end that may be out of view
+_CLEAR = 0.12  # distance of two letters that is enough, relative to half the diagonal
+_AT_REST = 0.1  # m of paper shown around a motion at rest
+
+
+def frame_at(drawing: Drawing, index: int | None) -> Frame:
+    """Return the frame with this index, or one whose letters have room."""
+    if index is None:
+        return telling_frame(drawing)
+    if not 0 <= index < len(drawing.frames):
+        raise ValueError(f"no frame {index}; the drawing has frames 0 to {len(drawing.frames) - 1}")
+    return drawing.frames[index]
+
+
+def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
+    """Return the step whose letters are farthest apart relative to the size of its sheet.
+
+    Parameters
+    ----------
+    mode : mode of the step; default: that of the first
+    """
+    mode = mode or drawing.frames[0].scheme
+    frames = [frame for frame in drawing.frames if frame.scheme == mode]
+    return frames[int(room_for_letters(drawing, frames).argmax())]
+
+
+def room_for_letters(drawing: Drawing, frames: Sequence[Frame]) -> Lengths:
+    """Return how clear of each other the letters of steps of one mode are on their sheet."""
+    mode = frames[0].scheme
+    names = [m.point for m in drawing.schemes[mode].marks if is_main(m.point) and m.label]
+    points = table(frames, [name for name in names if not name.endswith("'")])
+    one, other = np.triu_indices(points.shape[1], 1)
+    seen = table(frames, _seen(drawing, mode))
+    _, halves = bounds(_shown(drawing, seen))
+    gaps = abs(points[:, one] - points[:, other]) / abs(halves)[:, None]
+    room: Lengths = np.minimum(gaps, _CLEAR).sum(axis=1) + 1e-3 * gaps.sum(axis=1)
+    return room
+
+
+def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
+    """Return the part of the sheet with the whole motion and some steps, with a margin."""
+    points = [frame.points[name] for frame in frames for name in _seen(drawing, frame.scheme)]
+    if turn:
+        points += [
+            vertex
+            for curve in drawing.curves
+            if curve.role not in CURVES
+            for vertex in curve.vertices
+        ]
+    return around(_shown(drawing, np.array(points)))
+
+
+def whole_view(drawing: Drawing) -> Box:
+    """Return the part of the sheet with the whole motion and most feet of its normals."""
+    return around(_framed(drawing, drawing.planes), 0.06)
+
+
+def plane_view(drawing: Drawing, plane: Plane) -> Box:
+    """Return the part of the sheet with one plane."""
+    return around(_framed(drawing, (plane,)), 0.06)
+
+
+def _framed(drawing: Drawing, planes: Sequence[Plane]) -> Points:
+    motions = dict(zip(drawing.planes, motions_of(drawing), strict=True))
+    points: list[Points] = []
+    for plane in planes:
+        motion = motions[plane]
+        motion = motion[np.isfinite(motion)]
+        points += [motion, np.array([plane.displacement.origin])]
+        points.append(np.array([axis.at(v) for axis in (plane.displacement, plane.scaled_velocity)
+                       for v in graduation_of(axis, motion).values], complex))  # fmt: skip
+    known = corners(np.concatenate(points))
+    size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
+    feet = [
+        f.points[plane.foot]
+        for f in drawing.frames
+        for plane in planes
+        if plane.foot in f.points and np.isfinite(f.points[plane.foot])
+    ]
+    if feet:
+        x = np.quantile(np.array(feet).real, [_FEET, 1.0 - _FEET])
+        low, high = known.real.min() - 0.25 * size, known.real.max() + 0.25 * size
+        height = planes[0].displacement.origin.imag
+        known = np.append(known, [complex(np.clip(v, low, high), height) for v in x])
+    centre = complex(known.mean())
+    rest = (
+        [centre - _AT_REST * (1 + 1j), centre + _AT_REST * (1 + 1j)] if np.ptp(known) == 0 else []
+    )
+    return np.append(known, rest)
+
+
+def _seen(drawing: Drawing, scheme: str) -> list[str]:
+    """Return the names of the points of a step that must be visible."""
+    marks = drawing.schemes[scheme].marks
+    return [m.point for m in marks if is_main(m.point) and not m.point.startswith("S")]
+
+
+def _shown(drawing: Drawing, points: Points) -> Points:
+    """Return the corners of views that show these points, shape (..., points), and the motion."""
+    motion = corners(motion_points(drawing))
+    known = np.concatenate((points, np.broadcast_to(motion, (*points.shape[:-1], 2))), axis=-1)
+    return np.concatenate((corners(known), name_room(drawing, known)), axis=-1)
+
+
+def name_room(drawing: Drawing, points: Points) -> Points:
+    """Return how far the y axes extend beyond the motion for their names, m of paper.
+
+    Parameters
+    ----------
+    points : shape (..., points)
+
+    Returns
+    -------
+    shape (..., planes)
+    """
+    room = _NAME * np.ptp(points.imag, axis=-1)[..., None]
+    axes = [plane.displacement for plane in drawing.planes]
+    ends = [
+        axis.at(reach_of(axis, m)[1]) for axis, m in zip(axes, motions_of(drawing), strict=True)
+    ]
+    return np.array(ends) + room * np.array([axis.direction for axis in axes])
+
+
+def motion_points(drawing: Drawing) -> Points:
+    """Return the motion in all planes, with the origins and the values on the y-bar axes."""
+    points = []
+    for plane, motion in zip(drawing.planes, motions_of(drawing), strict=True):
+        axis = plane.scaled_velocity
+        values = [axis.at(value) for value in graduation_of(axis, motion).values]
+        points += [motion, np.array([plane.displacement.origin, *values])]
+    return np.concatenate(points)

@@ -1,0 +1,255 @@
+"""All words on a picture: letters as they are typeset, events, readings, and the stages of a step.
+
+Texts are plain: they use Unicode's subscripts and primes, which every canvas draws faster than parsed
+mathematics.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from unicodedata import normalize
+
+from phaseplane.constructions.primitives import Drawing, Frame, Plane, Scheme
+from phaseplane.constructions.sheet import Event, events_of
+
+from .quantities import Quantity
+
+MINUS = "\N{MINUS SIGN}"
+_BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
+_INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
+_GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
+_LETTER = re.compile("(?!I$)([A-Za-z]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
+_LEVEL = re.compile(r"[a-z]\d* = (-?[\d.e+-]+)(?: (\w+))?")
+# A letter that stands alone, with its number and its rates: P1', xi''/Omega^2, x2st.
+_SYMBOL = re.compile(
+    r"(?<![A-Za-z])(dtau|tau|xi|Omega|kappa|I{2,3}(?=\d)|[A-Za-zΩξτδκ])"
+    r"(m?\d+|m(?=\b))?(st\b)?('{1,2})?(?:(?<=\d)|(?![A-Za-z']))(\^2)?"
+)
+_EVENTS = {
+    "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
+    "touchdown": ("V {}touchdown", "The {}wheel touches down (V)."),
+    "jolt": ("jump of the road", "The road jumps, and the state points with it."),
+}
+LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J"}
+
+
+@lru_cache(maxsize=4096)
+def typeset(text: str) -> str:
+    """Return a letter or a sentence as it is set: A1* becomes A₁*, xi''/Omega^2 becomes ξ̈/Ω².
+
+    The name of an axis, y1'/Ω1, becomes its definition, and the label of a level, y1 = 2 cm, its value.
+    """
+    speed = re.fullmatch(r"([a-z])(\d*)'/Ω(\d*)", text)
+    if speed:
+        bar, dot = (normalize("NFC", speed[1] + accent) + speed[2] for accent in (_BAR, _DOT))
+        return f"{bar} = {dot}/Ω{speed[3]}".translate(_INDICES)
+    level = _LEVEL.fullmatch(text)
+    if level:
+        return " ".join(filter(None, level.groups())).replace("-", MINUS)
+    return _SYMBOL.sub(_symbol, text.replace("y-bar", normalize("NFC", "y" + _BAR)))
+
+
+def _symbol(match: re.Match[str]) -> str:
+    name, index, state, primes, square = match.groups()
+    letter = _GREEK.get(name, name)
+    if not any((index, state, primes, square)) and letter == name:
+        return match[0]
+    if primes and (letter == "ξ" or (letter.islower() and (len(primes) == 2 or square))):
+        letter, primes = normalize("NFC", letter + (_DOT if len(primes) == 1 else _DOTS)), ""
+    return (
+        letter
+        + (index or "").translate(_INDICES)
+        + ("ₛₜ" if state else "")
+        + (primes or "").replace("'", "\N{PRIME}")
+        + ("²" if square else "")
+    )
+
+
+def is_letter(text: str) -> bool:
+    """Return whether a text is the letter of a point or an angle, which is set in italics."""
+    return _LETTER.fullmatch(text) is not None
+
+
+def level_text(label: str, unit: str, factor: float) -> str:
+    """Return the value on the label of a curve of equal y, in a display unit with this factor.
+
+    The label of curves that coincide, joined by " and ", becomes ±2.
+    """
+    values = []
+    for part in label.split(" and "):
+        found = _LEVEL.fullmatch(part)
+        if found is None:
+            return typeset(label)
+        metres = float(found[1]) / (100.0 if found[2] == "cm" else 1.0)
+        values.append(metres * factor if found[2] else metres)
+    opposite = len(values) == 2 and values[0] == -values[1]
+    text = "±" + number(abs(values[0])) if opposite else ", ".join(map(number, values))
+    return f"{text} {unit}".rstrip()
+
+
+def number(value: float, digits: int = 6) -> str:
+    """Return a number as text, with a minus sign."""
+    return f"{value:.{digits}g}".replace("-", MINUS)
+
+
+def in_words(name: str) -> str:
+    """Return a variable's name in words."""
+    return name.replace("_", " ")
+
+
+def bracketed(unit: str) -> str:
+    """Return a unit to follow a name; empty for a plain number."""
+    return f" [{unit}]" if unit not in ("", "1") else ""
+
+
+def time_words(time: float) -> str:
+    """Return a time in s as text."""
+    return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
+
+
+def event_texts(event: Event) -> tuple[str, str]:
+    """Return the lettering of an event, and its description."""
+    if event.kind not in _EVENTS:
+        return in_words(event.name), in_words(event.name)
+    mark, sentence = _EVENTS[event.kind]
+    axle = in_words(event.axle)
+    return mark.format(axle), sentence.format(axle)
+
+
+def markdown(text: str) -> str:
+    """Return the text with Markdown's special characters escaped, as in A*."""
+    return re.sub(r"([\\`*_{}\[\]<>#|~])", r"\\\1", text)
+
+
+@lru_cache(maxsize=4096)
+def _row(name: str) -> str:
+    return markdown(in_words(name))
+
+
+def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:
+    """Return the readings as a Markdown table."""
+    rows = []
+    for name, value in readings.items():
+        quantity = quantities.get(name)
+        factor, unit = (quantity.factor, quantity.unit) if quantity else (1.0, "")
+        rows.append(f"| {_row(name)} | {factor * value:.4g} {unit} |")
+    head = "| read off the sheet | |\n|---|---|\n"
+    return head + "\n".join(rows).replace("-", MINUS) if rows else ""
+
+
+def step_head(drawing: Drawing, frame: Frame) -> str:
+    """Return number, mode, time and events of a step, in Markdown."""
+    events = " ".join(event_texts(event)[1] for event in events_of(frame, drawing.planes))
+    mode = f", {_row(frame.scheme)}" if len(drawing.schemes) > 1 else ""
+    return (
+        f"**Step {frame.step} of {len(drawing.frames)}{mode}**: "
+        f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {markdown(events)}"
+    ).rstrip()
+
+
+def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity | None]) -> str:
+    """Return the description and the readings of a step, in Markdown."""
+    return f"{step_head(drawing, frame)}\n\n{readings_table(frame.readings, quantities)}"
+
+
+def protocol(drawing: Drawing, frame: Frame, present: int) -> str:
+    """Return all stages of a step as a list, the present one bold, those drawn with their lengths."""
+    scheme = drawing.schemes[frame.scheme]
+    lines = []
+    for stage, words in enumerate(scheme.stages):
+        line = f"{stage + 1}. {markdown(typeset(words))}"
+        if stage == present:
+            line = f"{stage + 1}. **{markdown(typeset(words))}**"
+        if stage <= present:
+            found = "; ".join(measured(drawing, scheme, frame, stage))
+            line += f"\n   {markdown(found)}" if found else ""
+        lines.append(line)
+    return "\n".join(lines)
+
+
+def measured(drawing: Drawing, scheme: Scheme, frame: Frame, stage: int) -> list[str]:
+    """Return the lengths measured in a stage, each with what follows from it.
+
+    Displacements and velocities follow from AP57 eqs. 21 and 22, accelerations from eq. 23, arcs from
+    eq. 8.
+    """
+    points = frame.points
+    found: list[str] = []
+    marked = {mark.point for mark in scheme.marks if mark.stage == stage}
+    normals = {s.start for s in scheme.strokes if s.role == "normal" and s.stage == stage}
+    for plane in drawing.planes:
+        if plane.state in marked:
+            found += _state(plane, points[plane.state], frame, "")
+    for stroke in scheme.strokes:
+        if stroke.stage == stage and stroke.role == "excitation":
+            length = abs(points[stroke.end] - points[stroke.start])
+            found.append(f"{_pair(stroke.start, stroke.end)} = {_centimetres(length)}")
+    for plane in drawing.planes:
+        if plane.foot in marked or (plane.foot in normals and plane.foot not in _shown(scheme)):
+            found.append(_acceleration(plane, frame))
+        if plane.foot in normals:
+            length = abs(points[plane.state] - points[plane.foot])
+            found.append(f"{_pair(plane.foot, plane.state)} = {_centimetres(length)}")
+    found += [_turned(plane, frame) for plane in drawing.planes if _turns(scheme, plane, stage)]
+    for plane in drawing.planes:
+        successor = f"{plane.state}'"
+        if successor in marked:
+            found += _state(plane, points[successor], frame, "'")
+    return found
+
+
+def _shown(scheme: Scheme) -> set[str]:
+    return {mark.point for mark in scheme.marks}
+
+
+def _turns(scheme: Scheme, plane: Plane, stage: int) -> bool:
+    """Return whether the turn angle of a plane is drawn in this stage."""
+    return any(arc.stage == stage and arc.start == f"N{plane.number}" for arc in scheme.arcs)
+
+
+def _state(plane: Plane, z: complex, frame: Frame, prime: str) -> list[str]:
+    axis, rate = plane.displacement, plane.scaled_velocity
+    foot = axis.at(axis.read(z))
+    n, o, upper = plane.number, f"O{plane.number}", prime
+    y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
+    name = axis.label
+    per_second = "m/s" if axis.unit == "m" else "1/s"
+    speed = plane.angular_frequency * y_bar.real / rate.scale
+    unit, factor = (" cm", 100.0) if axis.unit == "m" else ("", 1.0)
+    value = number(factor * axis.read(foot), 4)
+    if prime:
+        return [f"{typeset(plane.state + upper)}: {typeset(name)} = {value}{unit}"]
+    return [
+        f"{_pair(o, 'Q' + n)} = {_centimetres(y.real)} gives {typeset(name)} = {value}{unit}",
+        f"{_pair('Q' + n, plane.state)} = {_centimetres(y_bar.real)} gives its rate "
+        f"{number(speed, 4)} {per_second}",
+    ]
+
+
+def _acceleration(plane: Plane, frame: Frame) -> str:
+    axis = plane.displacement
+    foot, point = frame.points[plane.foot], frame.points[plane.state]
+    value = axis.read(foot) - axis.read(point)
+    unit = "m/s²" if axis.unit == "m" else "1/s²"
+    length = _centimetres(axis.scale * value)
+    letter = typeset(f"{axis.label[0]}{plane.number}''")
+    return (
+        f"{_pair('Q' + plane.number, plane.foot)} = {length} gives {letter} = "
+        f"{number(plane.angular_frequency**2 * value, 4)} {unit}"
+    )
+
+
+def _turned(plane: Plane, frame: Frame) -> str:
+    turn = plane.angular_frequency * frame.duration
+    arc = turn * abs(frame.points[plane.state] - frame.points[plane.foot])
+    return f"{typeset('dtau' + plane.number)} = {number(turn, 3)} rad, arc {_centimetres(arc)}"
+
+
+def _pair(start: str, end: str) -> str:
+    return typeset(start) + typeset(end)
+
+
+def _centimetres(length: float) -> str:
+    return f"{number(100.0 * length, 3)} cm"

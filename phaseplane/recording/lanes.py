@@ -1,0 +1,77 @@
+"""Contact, yielding and stops over time, as lanes of coloured bands under the plots."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
+from phaseplane.picture.words import in_words
+
+from .columns import Clock, colours, rgba, seconds
+from .content import Content
+
+LANES = "/lanes"
+_CALM, _LOUD = "calm", "loud"
+
+
+def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.bool_]]]:
+    """Return the lanes: by name, the words of its two states, the hue of the second, and when it is."""
+    histories = {
+        name: np.asarray(column, float)
+        for name, column in content.histories.items()
+        if name.endswith(("airborne", "yielding", "displacement"))
+    }
+    found = {}
+    for name, column in histories.items():
+        if name.endswith("airborne"):
+            wheel = f"{in_words(name.removesuffix('airborne'))}wheel"
+            found[wheel] = ("on the road", "off the road", RED, column > 0.5)
+        elif name.endswith("yielding"):
+            found["spring"] = ("elastic", "yielding", ORANGE, column > 0.5)
+    axles = content.vehicle.axles if content.vehicle else ()
+    for axle in axles:
+        if axle.body not in histories or axle.wheel not in histories:
+            continue
+        travel = histories[axle.body] - histories[axle.wheel]
+        for words, gap, side in (
+            ("bump stop", axle.bump_gap, -1.0), ("rebound stop", axle.rebound_gap, 1.0)
+        ):  # fmt: skip
+            if gap is not None:
+                name = words if len(axles) == 1 else f"{axle.name} {words}"
+                found[name] = ("free", "touches", ORANGE, side * travel > gap)
+    return found
+
+
+def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
+    """Log the changes of state in every lane."""
+    times = np.asarray(content.histories.get("time", ()), float)
+    if not len(times):
+        return
+    for name, (calm, loud, hue, active) in lanes_of(content).items():
+        path = f"{LANES}/{name.replace(' ', '_')}"
+        recording.log(
+            path,
+            rr.StateConfiguration(
+                values=[_CALM, _LOUD],
+                labels=[calm, loud],
+                colors=colours([rgba(GREEN, 0.35), rgba(hue)]),
+            ),
+            static=True,
+        )
+        for mask, columns in clock.within(times):
+            states = active[mask]
+            new = np.append([True], states[1:] != states[:-1])
+            rows = np.flatnonzero(mask)[new]
+            on = [seconds(times[rows])]
+            if len(columns) > 1:
+                steps = np.searchsorted(clock.times, times[rows] - 1e-9)
+                on.append(
+                    rr.TimeColumn(
+                        "step", sequence=clock.steps[np.minimum(steps, len(clock.times) - 1)]
+                    )
+                )
+            recording.send_columns(
+                path, on, rr.StateChange.columns(state=np.where(states[new], _LOUD, _CALM).tolist())
+            )

@@ -1,0 +1,232 @@
+"""The construction of every step on the timelines `t` and `step`, in whole columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import rerun as rr
+
+from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.sheet import events_of
+from phaseplane.picture.layers import Layer, is_main, layers_of
+from phaseplane.picture.letters import text_box
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Box, Boxes, Points, table
+from phaseplane.picture.quantities import Quantity
+from phaseplane.picture.styles import style_of
+from phaseplane.picture.words import LETTER_OF_EVENT, step_text, typeset
+
+from .canvas import placed_letters
+from .columns import (
+    Clock,
+    Integers,
+    Reals,
+    colours,
+    legible,
+    line_style,
+    point_style,
+    radii,
+    rgba,
+    seconds,
+    strips,
+    xy,
+)
+
+SHEET, ARMS = "/sheet", "/arms"
+EVENTS, WORDS = f"{SHEET}/events", "/words"
+SLICE = 4096
+"""Steps that are encoded at once."""
+_MOST_LETTERED = 24  # events
+_REPEATED = 0.4  # opacity of what a rule repeats
+
+
+def send_steps(
+    recording: rr.RecordingStream, drawing: Drawing, page: Page, clock: Clock, first: int, last: int
+) -> None:
+    """Log the construction of a range of steps.
+
+    An empty row clears a scheme where a step of another one begins.
+
+    Raises
+    ------
+    ValueError : if a frame lacks a point of its scheme.
+    """
+    schemes = [frame.scheme for frame in drawing.frames[first : last + 1]]
+    for key in drawing.schemes:
+        drawn = np.array([i for i in range(last - first) if schemes[i] == key], np.int64)
+        left = [i + 1 for i in drawn if i + 1 < len(schemes) and schemes[i + 1] != key]
+        if not drawn.size:
+            continue
+        rows = first + np.concatenate([left, drawn]).astype(np.int64)
+        shown = np.repeat([0, 1], [len(left), len(drawn)])
+        order = np.argsort(rows, kind="stable")
+        columns, shown = clock.columns(rows[order]), shown[order]
+        path = f"{SHEET}/steps/{key}"
+        layers = layers_of(drawing, key, first, last)
+        for name, root, part in _parts(layers):
+            style, column, items = part
+            recording.log(f"{root}/steps/{key}/{name}", style, static=True)
+            recording.send_columns(
+                f"{root}/steps/{key}/{name}", columns, [*column.partition(items * shown)]
+            )
+        _send_letters(recording, f"{path}/letters", drawing, layers, page, columns, shown)
+
+
+def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple]]:
+    """Yield each entity: its name, its root, and its style, columns and items in a step."""
+    lines = [layer for layer in layers if layer.kind == "lines"]
+    if lines:
+        roles = [role for layer in lines for role in layer.roles]
+        strengths = [
+            1.0 if layer.is_main(i) else _REPEATED for layer in lines for i in range(len(layer))
+        ]
+        z = np.concatenate([layer.vertices for layer in lines], 1)
+        column = rr.LineStrips2D.columns(strips=strips(z.reshape(-1, 2)))
+        yield "lines", SHEET, (line_style(roles, strengths), column, len(roles))
+    for layer in (layer for layer in layers if layer.kind == "arcs"):
+        of_turn = layer.names[0].startswith("N")
+        z = layer.vertices.reshape(-1, layer.vertices.shape[-1])
+        column = rr.LineStrips2D.columns(strips=strips(z))
+        style = line_style(list(layer.roles))
+        yield f"arcs{layer.stage + 1}", ARMS if of_turn else SHEET, (style, column, len(layer))
+    points = [layer for layer in layers if layer.kind == "points"]
+    if points:
+        roles = [role for layer in points for role in layer.roles]
+        z = np.concatenate([layer.vertices[..., 0] for layer in points], 1)
+        column = rr.Points2D.columns(positions=xy(z.ravel()))
+        yield "points", SHEET, (point_style(roles, 1.2), column, len(roles))
+
+
+def _send_letters(
+    recording: rr.RecordingStream, path: str, drawing: Drawing, layers: Sequence[Layer],
+    page: Page, columns: list[rr.TimeColumn], shown: Integers,
+) -> None:  # fmt: skip
+    """Log the letters of P and D, those that do not lie on another one."""
+    kept = [
+        (layer, i)
+        for layer in layers
+        if layer.kind == "points"
+        for i, role in enumerate(layer.roles)
+        if role in ("state", "normal") and layer.labels[i] and is_main(layer.names[i])
+    ]
+    if not kept:
+        return
+    texts = [typeset(layer.labels[i]) for layer, i in kept]
+    centres = np.stack([layer.vertices[:, i, 0] for layer, i in kept], 1)
+    above = [1.0 if layer.roles[i] == "state" else -1.0 for layer, i in kept]
+    centres = centres + np.array([0.5 * (a > 0.0) + 1.1j * a for a in above]) * page.em
+    free = free_letters(centres, texts, page.em, page.view, page.taken)
+    letters, counts = placed_letters(centres, free, texts, page.em)
+    for role in ("state", "normal"):
+        chosen = [i for i, (layer, k) in enumerate(kept) if layer.roles[k] == role]
+        if not chosen:
+            continue
+        letters, counts = placed_letters(
+            centres[:, chosen], free[:, chosen], [texts[i] for i in chosen], page.em
+        )
+        some = np.zeros(len(shown), np.int64)
+        some[shown > 0] = counts
+        hues = colours([rgba(style_of(role).hue)])
+        style = rr.Points2D.from_fields(colors=hues, radii=[0.0], show_labels=True)
+        recording.log(f"{path}/{role}", style, static=True)
+        recording.send_columns(f"{path}/{role}", columns, letters.partition(some))
+
+
+def free_letters(
+    centres: Points, texts: Sequence[str], em: float, view: Box, taken: Sequence[Box]
+) -> npt.NDArray[np.bool_]:
+    """Return which letters can be read: those in view and not on another, shape as centres."""
+    halves = np.array([text_box(0j, text, em).half for text in texts])
+    boxes = Boxes(centres, halves)
+    free = boxes.within(view)
+    fixed = Boxes.of(taken)
+    for i in range(len(texts)):
+        mine = Boxes(centres[:, i, None], halves[i])
+        over = mine.overlap(Boxes(centres[:, :i], halves[:i])) * free[:, :i]
+        free[:, i] &= ~(over > 0.0).any(axis=1) & ~(mine.overlap(fixed) > 0.0).any(axis=1)
+    return free
+
+
+def send_here(
+    recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
+) -> None:
+    """Log the moving points: each of two sizes, so that it stands out from its trail."""
+    names = [plane.state for plane in drawing.planes]
+    z = table(drawing.frames[first:last], names)
+    rows = np.arange(first, last)
+    if last == len(drawing.frames) and all(f"{n}'" in drawing.frames[-1].points for n in names):
+        z = np.concatenate([z, table(drawing.frames[-1:], [f"{n}'" for n in names])])
+        rows = np.append(rows, last)
+    pair = np.stack([z, z], 1).reshape(len(z), -1)
+    roles = ["here"] * len(names) + ["state"] * len(names)
+    recording.log(f"{SHEET}/steps/here", point_style(roles, 1.3), static=True)
+    recording.send_columns(
+        f"{SHEET}/steps/here",
+        clock.columns(rows),
+        rr.Points2D.columns(positions=xy(pair.ravel())).partition([len(roles)] * len(rows)),
+    )
+
+
+def send_point(recording: rr.RecordingStream, path: str, times: Reals, z: Points) -> None:
+    """Log a point that moves over `t`, of two sizes."""
+    recording.log(path, point_style(["here", "state"], 1.3), static=True)
+    pair = np.stack([z, z], 1)
+    recording.send_columns(
+        path,
+        [seconds(times)],
+        rr.Points2D.columns(positions=xy(pair.ravel())).partition([2] * len(z)),
+    )
+
+
+def send_events(
+    recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
+) -> None:
+    """Log marks in the planes of each event in a range of steps."""
+    found = {i: _marks(drawing.frames[i], drawing) for i in range(first, last)}
+    found = {i: marks for i, marks in found.items() if marks}
+    if not found:
+        return
+    several = len(found) > _MOST_LETTERED
+    flat = [mark for marks in found.values() for mark in marks]
+    recording.log(
+        EVENTS,
+        rr.Points2D.from_fields(
+            colors=colours([rgba(style_of("event").hue)]),
+            radii=radii([style_of("event").size]),
+            show_labels=True,
+        ),
+        static=True,
+    )
+    recording.send_columns(
+        EVENTS,
+        clock.columns(np.array(list(found))),
+        rr.Points2D.columns(
+            positions=xy([z for z, _ in flat]),
+            labels=["" if several else legible(text) for _, text in flat],
+        ).partition([len(marks) for marks in found.values()]),
+    )
+
+
+def _marks(frame: Frame, drawing: Drawing) -> list[tuple[complex, str]]:
+    if not frame.event:
+        return []
+    return [
+        (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind))
+        for event in events_of(frame, drawing.planes)
+        for plane in event.planes
+    ]
+
+
+def send_words(
+    recording: rr.RecordingStream, drawing: Drawing, quantities: dict[str, Quantity | None],
+    clock: Clock, first: int, last: int,
+) -> None:  # fmt: skip
+    """Log the description of steps and their readings."""
+    style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
+    recording.log(WORDS, style_only, static=True)
+    texts = [legible(step_text(drawing, f, quantities)) for f in drawing.frames[first:last]]
+    recording.send_columns(
+        WORDS, clock.columns(np.arange(first, last)), rr.TextDocument.columns(text=texts)
+    )

@@ -1,0 +1,182 @@
+"""The description of a picture: ticks, arcs, letters, words and styles, without any canvas."""
+
+from __future__ import annotations
+
+import cmath
+from dataclasses import replace
+from itertools import combinations
+from math import pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from recorded import (
+    CONTACT_SCHEME,
+    PLANES,
+    Recorded,
+    content,
+    drawing,
+    frame,
+)
+
+from phaseplane.constructions import Axis, Curve, Mark
+from phaseplane.picture.canvas import Echo, draw
+from phaseplane.picture.letters import NEAR, place, text_box
+from phaseplane.picture.page import graduation_of
+from phaseplane.picture.paper import Box, arcs
+from phaseplane.picture.quantities import display_unit, unit_text
+from phaseplane.picture.story import arms_page, story_of, told_steps
+from phaseplane.picture.styles import INK, PAPER, PARTS, ROLES, Hue, contrast
+from phaseplane.picture.words import level_text, typeset
+from phaseplane.recording import record
+from phaseplane.recording.columns import legible
+from phaseplane.recording.motion import pages_of
+
+
+@given(
+    low=st.floats(-100.0, 0.0),
+    span=st.floats(1e-3, 100.0),
+    part=st.floats(0.02, 0.5),
+    unit=st.sampled_from(["m", "rad"]),
+    scale=st.floats(0.01, 100.0),
+    direction=st.sampled_from([1 + 0j, -1 + 0j, 1j]),
+)
+def test_ticks_stand_where_their_label_says(
+    *, low: float, span: float, part: float, unit: str, scale: float, direction: complex
+) -> None:
+    axis = Axis("y", unit, 0.1 - 0.2j, direction, scale)
+    reach = max(low + span, 0.0) - min(low, 0.0)
+    least = part * reach * scale
+    motion = np.array([axis.at(low), axis.at(low + span)])
+    graduation = graduation_of(axis, motion, least)
+    assert (graduation.unit, graduation.factor) in {
+        display_unit(unit, reach * (1.0 + e)) for e in (-1e-9, 0.0, 1e-9)
+    }
+    steps = np.diff(sorted([*graduation.values, 0.0])) * graduation.factor
+    if len(steps):
+        assert steps == pytest.approx(np.full(len(steps), steps[0]), rel=1e-3)
+        assert f"{steps[0]:.1e}"[:3] in ("1.0", "2.0", "5.0")
+        assert 0.999 * least <= steps[0] / graduation.factor * scale
+        assert min([*graduation.values, 0.0]) >= min(low, 0.0) - steps[0] / graduation.factor
+        assert max([*graduation.values, 0.0]) <= max(low + span, 0.0) + steps[0] / graduation.factor
+
+
+angles = st.floats(-pi + 1e-3, pi - 1e-3)
+
+
+@given(radius=st.floats(1e-3, 10.0), start=angles, turn=angles, far=st.floats(0.1, 10.0))
+def test_arcs_are_the_shorter_ones(radius: float, start: float, turn: float, far: float) -> None:
+    centre = np.array([[0.3 - 0.7j]])
+    begin = centre + radius * np.exp(1j * start)
+    end = centre + far * np.exp(1j * (start + turn))
+    polyline = arcs(centre, begin, end)[0, 0]
+    spokes = polyline - centre[0, 0]
+    assert abs(spokes) == pytest.approx(np.full(len(spokes), radius))
+    assert polyline[0] == pytest.approx(begin[0, 0])
+    assert cmath.phase(spokes[-1] / (end - centre)[0, 0]) == pytest.approx(0.0, abs=1e-9)
+    assert np.sum(np.angle(spokes[1:] / spokes[:-1])) == pytest.approx(turn)
+    assert np.max(abs(np.angle(spokes[1:] / spokes[:-1]))) <= 0.1
+
+
+@given(
+    places=st.lists(st.complex_numbers(max_magnitude=0.9), min_size=1, max_size=12),
+    clusters=st.booleans(),
+)
+def test_letters_do_not_overlap_and_are_near_or_led(
+    *, places: list[complex], clusters: bool
+) -> None:
+    points = np.array([places]) * (1e-3 if clusters else 1.0)
+    texts = [f"A{i}" for i in range(len(places))]
+    em, view = 0.04, Box(0j, 1 + 1j)
+    made = place(points, texts, em, view, np.zeros((0, 2), complex))
+    boxes = [text_box(c, t, em) for c, t in zip(made.centres[0], texts, strict=True)]
+    shown = [box for box, free in zip(boxes, made.free[0], strict=True) if free]
+    assert all(one.overlap(other) == 0.0 for one, other in combinations(shown, 2))
+    assert made.free.all()
+    for point, box, led in zip(points[0], boxes, made.led[0], strict=True):
+        assert led or abs(box.nearest(point) - point) <= NEAR * em
+
+
+def test_a_story_in_order() -> None:
+    stays = pages_of(content())[0]
+    canvas = Echo()
+    ticks = list(story_of(drawing(), stays, arms_page(drawing()), {}))
+    draw(canvas, stays, (tick.page for tick in ticks))
+    assert canvas.ended
+    assert canvas.stays is stays
+    assert len(canvas.frames) == len(ticks)
+    assert not canvas.frames[0].items  # the empty sheet
+    assert [tick.step for tick in ticks] == sorted(tick.step for tick in ticks)
+    assert {25, 40} <= set(told_steps(drawing()))  # lift-off and touchdown
+    assert "The wheel leaves the road (U)." in [t.caption.partition(": ")[2] for t in ticks]
+    assert told_steps(drawing(), (3, 7, 1000)) == [3, 7]
+    before = 0.0
+    for tick in ticks:
+        assert tick.time >= before
+        before = tick.time
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("by xi''/Omega2^2 over the step: H2.", "by ξ̈/Ω₂² over the step: H₂."),
+        ("D1P1 and D2P2", "D₁P₁ and D₂P₂"),
+        ("b x2st", "b x₂ₛₜ"),
+        ("II1", "II₁"),
+        ("rule delta, step 2.5 ms", "rule delta, step 2.5 ms"),
+    ],
+)
+def test_sentences_are_typeset(text: str, wanted: str) -> None:
+    assert typeset(text) == wanted
+
+
+def test_curves_that_coincide_have_one_label() -> None:
+    assert level_text("x = 2 and x = -2", "", 1.0) == "±2"
+    assert level_text("y1 = 0.2 cm", "mm", 1000.0) == "2 mm"
+
+
+def test_units_are_printed() -> None:
+    assert unit_text("m/s2") == "m/s²"
+    assert unit_text("kgf.s2/cm") == "kgf·s²/cm"
+    assert unit_text("rad/s^2") == "rad/s²"
+
+
+def test_no_text_holds_a_character_that_ends_the_viewer(tmp_path: Path) -> None:
+    strange = "a\N{BRAILLE PATTERN BLANK}b"
+    plane = replace(PLANES[0], displacement=replace(PLANES[0].displacement, label=strange))
+    scheme = replace(
+        CONTACT_SCHEME, stages=(strange,) * 3, marks=(Mark("state", "P1", 0, strange),)
+    )
+    odd = replace(
+        drawing(25),
+        title=strange,
+        planes=(plane,),
+        curves=(Curve("line", (0j, 1 + 0j), strange),),
+        schemes={"contact": scheme},
+        frames=(replace(frame(0), readings={strange: 1.0}, event=strange), frame(1)),
+    )
+    times = {"time": [0.0, 1.0], f"{strange}_displacement": [0.0, 1.0]}
+    record(odd, tmp_path / "f.rrd", times)
+    texts = [text for text in Recorded(tmp_path / "f.rrd").words() if "a?b" in text]
+    assert len(texts) >= 5
+    assert all(text == legible(text) for text in Recorded(tmp_path / "f.rrd").words())
+
+
+def test_what_the_viewer_can_show_is_kept() -> None:
+    kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
+    assert legible(kept) == kept
+    assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
+
+
+HUES = {**{role: style.hue for role, style in ROLES.items()}, **PARTS}
+
+
+@pytest.mark.parametrize("name", HUES)
+def test_hues_stand_out_on_their_ground(name: str) -> None:
+    hue: Hue = HUES[name]
+    assert contrast(hue.light, PAPER.light) >= 4.5
+    assert contrast(hue.dark, PAPER.dark) >= 4.5
+    assert min(contrast(hue.on("either"), g) for g in (PAPER.light, PAPER.dark)) >= 4.0
+    assert INK.on("light") == INK.light

@@ -1,0 +1,94 @@
+"""The pictures of every case that comes along, asserted from their description."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from itertools import combinations
+
+import numpy as np
+import pytest
+from phaseplane.scenarios.draw.constructions import constructed
+from phaseplane.scenarios.draw.planes import CONSTRUCTED
+from phaseplane.scenarios.errors import DrawingError, InputError
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.scene.names import case_names
+
+from phaseplane.constructions.primitives import Drawing
+from phaseplane.figures.canvas import new_page
+from phaseplane.figures.planes import step_page
+from phaseplane.figures.style import PLAIN
+from phaseplane.picture.letters import NEAR
+from phaseplane.picture.page import Page
+from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of
+from phaseplane.picture.views import frame_at
+from phaseplane.recording import Content
+from phaseplane.recording.motion import pages_of
+from phaseplane.recording.steps import free_letters
+
+LONGEST = 1.0  # s of each case
+PANES = ((880, 640), (1680, 1340))  # of the sheet in windows of 1366 x 768 and 2560 x 1440
+
+
+def drawing_of(name: str) -> Drawing:
+    """The construction of a case, or of its first second."""
+    scene = load_scene(name, [], expect=False)
+    if scene.fmu.model not in CONSTRUCTED:
+        pytest.skip("has no construction")
+    time = min(scene.construction_time, LONGEST)
+    settings = asdict(scene.construction)
+    try:
+        return constructed(scene.fmu.model, scene.all_parameters, settings, time)
+    except (DrawingError, InputError, ArithmeticError) as error:
+        pytest.skip(str(error))
+
+
+def check_letters(page: Page, stays: Page | None = None) -> None:
+    """No text lies on another, and no letter without a leader is far from its point."""
+    texts = [*(stays.texts if stays is not None else ()), *page.texts]
+    for one, other in combinations(texts, 2):
+        assert one.box(page.em).overlap(other.box(page.em)) < 1e-12, (one.text, other.text)
+    for text in page.texts:
+        if text.kind == "letter" and not text.led:
+            assert text.point is not None
+            gap = abs(text.box(page.em).nearest(text.point) - text.point)
+            assert gap <= NEAR * text.size * page.em * 1.001, text.text
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
+    drawing = drawing_of(name)
+    page = step_page(drawing, frame_at(drawing, None), PLAIN)
+    page.events()
+    page.letters(frame_at(drawing, None))
+    check_letters(page)
+
+    stays, *_ = pages_of(Content(name, drawing))
+    ticks = list(story_of(drawing, stays, arms_page(drawing), {}))
+    assert len(ticks) <= MOST + 2
+    if len(drawing.frames) > FEWEST:
+        assert len(ticks) >= FEWEST - 4
+    for tick in ticks:
+        check_letters(tick.page, stays)
+
+    motion = np.concatenate(stays.motions)
+    curves = complex(np.ptp(motion.real), np.ptp(motion.imag))
+    for width, height in PANES:
+        scale = min(width / stays.view.half.real, height / stays.view.half.imag) / 2.0
+        assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
+
+
+@pytest.mark.parametrize("name", case_names())
+def test_planes_do_not_overlap(name: str) -> None:
+    drawing = drawing_of(name)
+    page = new_page(drawing, pages_of(Content(name, drawing))[0].view, PLAIN)
+    spans = [(m.imag.min(), m.imag.max()) for m in page.motions]
+    for (low, high), (other_low, other_high) in combinations(spans, 2):
+        assert high <= other_low or other_high <= low
+
+
+def test_letters_that_move_are_shown_only_where_they_are_free() -> None:
+    drawing = drawing_of("ap57")
+    stays, *_ = pages_of(Content("ap57", drawing))
+    z = np.array([[0j, 0j], [0j, 10 * stays.em + 0j]])
+    free = free_letters(z, ["A", "B"], stays.em, stays.view, [])
+    assert free.tolist() == [[True, False], [True, True]]
