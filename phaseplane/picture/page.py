@@ -25,8 +25,9 @@ from .words import LETTER_OF_EVENT, bracketed, level_text, number, typeset
 
 TYPE = 9.0
 """Size of the type, points: 1 em of a page."""
-CURVES = ("auxiliary", "line", "shortcut")
-"""The roles of the curves that belong to the planes, and not to the turn angles."""
+CURVES = ("auxiliary", "line", "shortcut", "trail")
+"""The roles of the curves that belong to the planes, and not to the turn angles; a trail is one from
+another start."""
 _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
 _RECEDING = 0.45  # opacity of what earlier stages drew
@@ -400,14 +401,14 @@ class Page:
                         break
             elif curve.role == "axis":
                 self.write_if_free(_value(end - 0.8j * self.em, curve.label))
-            elif curve.role not in ("auxiliary", "shortcut"):
+            elif curve.role not in ("auxiliary", "shortcut", "trail"):
                 words = typeset(curve.label)
                 self.write_if_free(Text(curve.role, words, end + 1.2 * self.em))
         for curve in _distinct([c for c in chosen if c.role == "auxiliary" and c.label]):
             self._along(curve)
         for curve in chosen:
-            if curve.role == "shortcut":
-                self.letter([(curve.vertices[-1], typeset(curve.label), "shortcut")], _VALUE)
+            if curve.role in ("shortcut", "trail") and self.view.holds(curve.vertices[-1]):
+                self.letter([(curve.vertices[-1], typeset(curve.label), curve.role)], _VALUE)
 
     def _along(self, curve: Curve) -> None:
         """Write the label of a curve on it, as near to its end as possible, if there is room."""

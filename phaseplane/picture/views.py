@@ -84,6 +84,7 @@ def _framed(drawing: Drawing, planes: Sequence[Plane]) -> Points:
         points += [motion, np.array([plane.displacement.origin])]
         points.append(np.array([axis.at(v) for axis in (plane.displacement, plane.scaled_velocity)
                        for v in graduation_of(axis, motion).values], complex))  # fmt: skip
+    points += [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
     known = corners(np.concatenate(points))
     size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
     feet = [
@@ -143,4 +144,5 @@ def motion_points(drawing: Drawing) -> Points:
         axis = plane.scaled_velocity
         values = [axis.at(value) for value in graduation_of(axis, motion).values]
         points += [motion, np.array([plane.displacement.origin, *values])]
-    return np.concatenate(points)
+    others = [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
+    return np.concatenate(points + others)
