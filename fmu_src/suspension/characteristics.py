@@ -1,8 +1,9 @@
 """Force characteristics of springs, dampers, stops and tyres, as chains of pieces.
 
 Every law of an element (a line, a cubic spring, a damper with blow-off, a table, an end stop) is a
-chain of cubic pieces, each with an optional saturating term. One representation therefore gives
-force, tangent, potential and corners, and the integrator evaluates the same numbers.
+chain of cubic pieces, each with an optional saturating term, a power, or a function of one's own. One
+representation therefore gives force, tangent, potential and corners, and the integrator evaluates the
+same numbers.
 
 The argument is a deflection in m (springs) or a rate in m/s (dampers). Extension is positive, and
 so is a force that pulls the two ends together (AP57 section 2).
@@ -11,18 +12,39 @@ so is a force that pulls the two ends together (AP57 section 2).
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
-from math import exp, inf, isfinite, log, log1p, sinh, tanh
+from math import copysign, exp, inf, isfinite, log, log1p, sinh, tanh
 from typing import NamedTuple
+
+from .signals import GAUSS
+
+_PARTS = 6  # of a quadrature between two corners; with five nodes each, order 10
+
+
+class Own(NamedTuple):
+    """A function of one's own: its value, its derivative, and its integral from 0; see `function`."""
+
+    force: Callable[[float], float]
+    tangent: Callable[[float], float]
+    integral: Callable[[float], float]
+
+    def scaled(self, factor: float) -> Own:
+        """Return the function times a factor."""
+        return Own(*(partial(_product, factor, part) for part in self))
+
+
+def _product(factor: float, function: Callable[[float], float], x: float) -> float:
+    return factor * function(x)
 
 
 class Piece(NamedTuple):
-    """One piece: c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale), s = x - origin.
+    """One piece, valid from `start` upwards, of s = x - origin.
 
-    It is valid from `start` upwards; `scale` > 0.
+    c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s),
+    with `scale` > 0 and `exponent` > 0
     """
 
     start: float
@@ -30,29 +52,46 @@ class Piece(NamedTuple):
     coefficients: tuple[float, float, float, float]
     saturation: float = 0.0
     scale: float = 1.0
+    power: float = 0.0
+    exponent: float = 1.0
+    own: Own | None = None
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether it is a line."""
+        curved = any(self.coefficients[2:]) or self.saturation or self.power
+        return not curved and self.own is None
 
     def force(self, x: float) -> float:
         s = x - self.origin
         c0, c1, c2, c3 = self.coefficients
         force = c0 + s * (c1 + s * (c2 + s * c3))
-        return force + self.saturation * tanh(s / self.scale) if self.saturation else force
+        if self.saturation:
+            force += self.saturation * tanh(s / self.scale)
+        if self.power:
+            force += copysign(self.power * abs(s) ** self.exponent, s * self.power)
+        return force + self.own.force(s) if self.own else force
 
     def tangent(self, x: float) -> float:
         s = x - self.origin
         _, c1, c2, c3 = self.coefficients
         tangent = c1 + s * (2.0 * c2 + s * 3.0 * c3)
-        if not self.saturation:
-            return tangent
-        w = exp(-2.0 * abs(s / self.scale))
-        return tangent + self.saturation / self.scale * 4.0 * w / (1.0 + w) ** 2
+        if self.saturation:
+            w = exp(-2.0 * abs(s / self.scale))
+            tangent += self.saturation / self.scale * 4.0 * w / (1.0 + w) ** 2
+        if self.power:
+            tangent += self.power * self.exponent * abs(s) ** (self.exponent - 1.0)
+        return tangent + self.own.tangent(s) if self.own else tangent
 
     def antiderivative(self, x: float) -> float:
         s = x - self.origin
         c0, c1, c2, c3 = self.coefficients
         integral = s * (c0 + s * (c1 / 2.0 + s * (c2 / 3.0 + s * c3 / 4.0)))
-        if not self.saturation:
-            return integral
-        return integral + self.saturation * self.scale * log_cosh(s / self.scale)
+        if self.saturation:
+            integral += self.saturation * self.scale * log_cosh(s / self.scale)
+        if self.power:
+            integral += self.power / (self.exponent + 1.0) * abs(s) ** (self.exponent + 1.0)
+        return integral + self.own.integral(s) if self.own else integral
 
 
 def log_cosh(u: float) -> float:
@@ -117,7 +156,10 @@ class Characteristic:
     @property
     def is_zero(self) -> bool:
         """Whether the force is zero everywhere, so that the element may be left out."""
-        return not any(any(piece.coefficients) or piece.saturation for piece in self.pieces)
+        return not any(
+            any(piece.coefficients) or piece.saturation or piece.power or piece.own
+            for piece in self.pieces
+        )
 
     def argument(self, force: float) -> float:
         """Return the least x at which a rising law has this force; infinite if there is none.
@@ -128,8 +170,8 @@ class Characteristic:
             end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
             if end < inf and piece.force(end) < force:
                 continue
-            c0, c1, c2, c3 = piece.coefficients
-            if c2 == c3 == piece.saturation == 0.0:
+            c0, c1, _, _ = piece.coefficients
+            if piece.is_straight:
                 if c0 == force:
                     return piece.origin
                 return piece.origin + (force - c0) / c1 if c1 > 0.0 else inf
@@ -155,7 +197,12 @@ class Characteristic:
         for piece in self.pieces:
             c0, c1, c2, c3 = (factor * c for c in piece.coefficients)
             pieces.append(
-                piece._replace(coefficients=(c0, c1, c2, c3), saturation=factor * piece.saturation)
+                piece._replace(
+                    coefficients=(c0, c1, c2, c3),
+                    saturation=factor * piece.saturation,
+                    power=factor * piece.power,
+                    own=piece.own and piece.own.scaled(factor),
+                )
             )
         return Characteristic(tuple(pieces))
 
@@ -166,7 +213,7 @@ class Characteristic:
         """
         here = bisect_right(self.corners, 0.0)
         piece = self.pieces[here]
-        if piece.saturation:
+        if piece.saturation or piece.power or piece.own:
             return self
         _, c1, c2, c3 = _about(piece, 0.0)
         level = piece._replace(origin=0.0, coefficients=(0.0, c1, c2, c3))
@@ -177,7 +224,8 @@ class Characteristic:
 
         Raises
         ------
-        ValueError : both saturate, about different points or over different scales; use two elements.
+        ValueError : both saturate, about different points or over different scales, or both have powers
+            or functions of one's own; use two elements.
         """
         starts = (-inf, *sorted({*self.corners, *other.corners}))
         return Characteristic(
@@ -187,23 +235,31 @@ class Characteristic:
 
 def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
     """Return the sum of two pieces, from `start` on."""
-    saturating = [piece for piece in (one, other) if piece.saturation]
-    if len({(piece.origin, piece.scale) for piece in saturating}) > 1:
+    bound = [piece for piece in (one, other) if piece.saturation or piece.power or piece.own]
+    if len(bound) == 2 and not _saturate_alike(*bound):
         raise ValueError(
-            "two laws that saturate about different points or over different scales cannot be added; "
-            "use two elements"
+            "two laws that saturate about different points or over different scales, or have powers or "
+            "functions of one's own, cannot be added; use two elements"
         )
-    origin = min((piece.origin for piece in saturating or (one, other)), key=abs)
-    a0, a1, a2, a3 = _about(one, origin)
-    b0, b1, b2, b3 = _about(other, origin)
-    saturation = sum(piece.saturation for piece in saturating)
-    scale = saturating[0].scale if saturating else 1.0
-    return Piece(start, origin, (a0 + b0, a1 + b1, a2 + b2, a3 + b3), saturation, scale)
+    curved = bound[0] if bound else min((one, other), key=lambda piece: abs(piece.origin))
+    a0, a1, a2, a3 = _about(one, curved.origin)
+    b0, b1, b2, b3 = _about(other, curved.origin)
+    return curved._replace(
+        start=start,
+        coefficients=(a0 + b0, a1 + b1, a2 + b2, a3 + b3),
+        saturation=sum(piece.saturation for piece in bound),
+    )
+
+
+def _saturate_alike(one: Piece, other: Piece) -> bool:
+    """Return whether the sum of two curved pieces is a piece."""
+    more = one.power or other.power or one.own or other.own
+    return (one.origin, one.scale) == (other.origin, other.scale) and not more
 
 
 def _about(piece: Piece, origin: float) -> tuple[float, float, float, float]:
     """Return the coefficients of the same cubic about another origin."""
-    cubic = piece._replace(saturation=0.0)
+    cubic = piece._replace(saturation=0.0, power=0.0, own=None)
     _, _, c2, c3 = piece.coefficients
     s = origin - piece.origin
     return (cubic.force(origin), cubic.tangent(origin), c2 + 3.0 * c3 * s, c3)
@@ -276,6 +332,104 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
         return Characteristic((rebound,))
     bump = Piece(-inf, 0.0, straight, force, force / bump_rate)
     return Characteristic((bump, rebound._replace(start=0.0)))
+
+
+def power(coefficient: float, exponent: float, linear_below: float = 0.0) -> Characteristic:
+    """Return a power law coefficient |x|^exponent sgn x, as of flow through an orifice (exponent 2).
+
+    Parameters
+    ----------
+    coefficient : N per unit of x to the power of the exponent
+    exponent : > 0; below 1 the slope at zero is infinite, and needs `linear_below`
+    linear_below : within this distance of zero the law is the chord through zero instead
+
+    Raises
+    ------
+    ValueError : an exponent that is not positive, or below 1 without `linear_below`; a number that is
+        not finite.
+    """
+    for name, value in (("coefficient", coefficient), ("exponent", exponent),
+                        ("linear_below", linear_below)):  # fmt: skip
+        if not isfinite(value):
+            raise ValueError(f"power law: {name} = {value:g} must be finite")
+    if not exponent > 0.0 or linear_below < 0.0:
+        raise ValueError(
+            f"power law: exponent = {exponent:g} must be positive and linear_below = "
+            f"{linear_below:g} at least 0"
+        )
+    if exponent < 1.0 and linear_below == 0.0:
+        raise ValueError(
+            f"power law: with exponent = {exponent:g} below 1 the slope at zero is infinite; give "
+            "linear_below, the distance from zero within which the law is a line"
+        )
+    if exponent == 1.0:
+        return linear(coefficient)
+    outer = Piece(-inf, 0.0, (0.0, 0.0, 0.0, 0.0), power=coefficient, exponent=exponent)
+    if linear_below == 0.0:
+        smooth = exponent % 2.0 == 1.0  # a polynomial; others have a jump of a derivative at zero
+        return Characteristic((outer,) if smooth else (outer, outer._replace(start=0.0)))
+    chord = coefficient * linear_below ** (exponent - 1.0)
+    inner = Piece(-linear_below, 0.0, (0.0, chord, 0.0, 0.0))
+    return Characteristic((outer, inner, outer._replace(start=linear_below)))
+
+
+def function(
+    force: Callable[[float], float],
+    tangent: Callable[[float], float],
+    corners: Sequence[float] = (),
+    potential: Callable[[float], float] | None = None,
+) -> Characteristic:
+    """Return a law given by functions of one's own.
+
+    The integrator calls them from its steps, which take some ten times as long as with the other laws.
+    What they raise ends the run and is raised there.
+
+    Parameters
+    ----------
+    force : N over m or m/s; continuous
+    tangent : its derivative
+    corners : arguments at which the derivative or a higher one jumps, ascending; steps end there
+    potential : integral of the force from 0; by default found by quadrature
+
+    Raises
+    ------
+    ValueError : corners that do not ascend.
+
+    Examples
+    --------
+    >>> from math import sin, cos
+    >>> from phaseplane.suspension import characteristics
+    >>> from phaseplane.suspension.systems import Element
+    >>> pendulum = Element("weight", (1.0,), characteristics.function(sin, cos))
+    """
+    for x, x_next in pairwise(corners):
+        if not x < x_next:
+            raise ValueError(f"corners must ascend, but {x_next:g} follows {x:g}")
+    if not all(map(isfinite, corners)):
+        raise ValueError("corners must be finite numbers")
+    own = Own(force, tangent, potential or _Quadrature(force, tuple(corners)))
+    flat = (0.0, 0.0, 0.0, 0.0)
+    return Characteristic(tuple(Piece(start, 0.0, flat, own=own) for start in (-inf, *corners)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Quadrature:
+    """The integral of a force from 0, by the rule of Gauss between its corners."""
+
+    force: Callable[[float], float]
+    corners: tuple[float, ...]
+
+    def __call__(self, x: float) -> float:
+        low, high = min(x, 0.0), max(x, 0.0)
+        joints = [low, *(c for c in self.corners if low < c < high), high]
+        total = 0.0
+        for a, b in pairwise(joints):
+            width = (b - a) / _PARTS
+            for k in range(_PARTS):
+                total += width * sum(
+                    weight * self.force(a + width * (k + node)) for node, weight in GAUSS
+                )
+        return total if x > 0.0 else -total
 
 
 def hat(points: Sequence[float], k: int) -> Characteristic:

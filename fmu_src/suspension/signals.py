@@ -14,7 +14,7 @@ from itertools import pairwise
 from math import cos, inf, sin
 from typing import NamedTuple
 
-_GAUSS = (  # five nodes on (0, 1) and their weights
+GAUSS = (  # five nodes on (0, 1) and their weights
     (0.04691007703066802, 0.11846344252809454),
     (0.23076534494715845, 0.23931433524968324),
     (0.5, 0.28444444444444444),
@@ -90,7 +90,7 @@ class Segment(NamedTuple):
         sums = sum(
             weight * cos(p0 + s * (p1 + s * p2))
             for i in range(panels)
-            for node, weight in _GAUSS
+            for node, weight in GAUSS
             for s in (s0 + part * (i + node),)
         )
         return total + self.amplitude * part * sums

@@ -41,6 +41,7 @@ class Element:
     modulation : factor on the damper over deflection (1, m), for damping Phi = D(v) m(d)
     friction : dry (Coulomb) friction, N: this force against the rate while it slips, at most this
         force while it sticks
+    breakaway : the force at which such friction begins to slip, N, at least `friction`; 0: that
     contact : contact rule of an element with a limit. `gap`: there is no force where the element is
         longer than its free length; contact ends when N falls to zero or the gap opens, and begins
         when the gap closes or, below the free length, N would become positive. `force`: contact
@@ -50,7 +51,7 @@ class Element:
     Raises
     ------
     ValueError : an element that yields and has a nonlinear spring or damper, a limit, or a hardening
-        that is not below its spring rate; an unknown contact rule.
+        that is not below its spring rate; an unknown contact rule; a breakaway force below friction.
     """
 
     name: str
@@ -65,6 +66,7 @@ class Element:
     friction: float = 0.0
     modulation: Characteristic = ALWAYS
     contact: str = "gap"
+    breakaway: float = 0.0
 
     def __post_init__(self) -> None:
         if self.contact not in CONTACTS:
@@ -74,6 +76,11 @@ class Element:
         if not 0.0 <= self.friction < inf:
             raise ValueError(
                 f"{self.name}: friction = {self.friction:g} must be at least 0 and finite"
+            )
+        if self.breakaway and not (self.friction > 0.0 and self.friction <= self.breakaway < inf):
+            raise ValueError(
+                f"{self.name}: breakaway = {self.breakaway:g} must be at least friction = "
+                f"{self.friction:g}, which must be positive, and finite"
             )
         if self.yield_force == inf:
             return

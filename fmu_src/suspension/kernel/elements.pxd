@@ -9,7 +9,7 @@ cdef class Elements(Laws):
     # the system
     cdef readonly int n, rows, elements
     cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
-    cdef double[::1] opening
+    cdef double[::1] opening, breakaway
     cdef int[::1] row_signal, element_row, yields, modulated
     cdef bint always_straight
     cdef int switchable  # number of branches that can change

@@ -23,7 +23,7 @@ if not cython.compiled:
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION = 0, 1, 2, 3, 4
 KINDS = ("spring", "damper", "modulation", "contact", "friction")
 _KINDS = 5
-_LAWS, _PIECE = 3, 9  # as in laws
+_LAWS, _PIECE = 3, 12  # as in laws
 
 _ELASTIC = 1  # the middle piece of an element that yields
 _CREEP = 1e-12  # m/s, below which friction keeps sticking when signals change
@@ -49,6 +49,7 @@ class Elements(Laws):
         self.yields, self.modulated = integers([0] * elements), integers([0] * elements)
         self.friction, self.limit, self.free_length, self.free_energy = vectors(4, elements)
         self.opening = doubles([0.0] * elements)  # deflection beyond which there is a gap
+        self.breakaway = doubles([0.0] * elements)  # friction up to which it sticks
         self.initial_set, self.spring_rate = vectors(2, elements)
         self.branch, self.departing = (
             integers([0] * _KINDS * elements),
@@ -109,7 +110,8 @@ class Elements(Laws):
             self.initial_set[e] = x[at + 6]
             self.spring_rate[e] = x[at + 7]
             self.opening[e] = x[at + 8]
-            at += 9
+            self.breakaway[e] = x[at + 9]
+            at += 10
         self.list_switchable()
         return at
 
@@ -292,7 +294,7 @@ class Elements(Laws):
             return self.limit[e] if side > 0 else -1e300
         if kind == _FRICTION:
             if now == 0:
-                return side * self.friction[e]
+                return side * self.breakaway[e]
             return 0.0 if now == -side else side * 1e300
         if self.yields[e] and kind != _MODULATION:
             spring = self.branch[_KINDS * e + _SPRING]
@@ -548,4 +550,5 @@ def element_numbers(element):
         element.permanent_set,
         element.spring.tangent(0.0) if yields else 0.0,
         element.opening,
+        max(element.friction, element.breakaway),
     ]

@@ -256,7 +256,7 @@ def not_straight(system):
     for element in system.elements:
         for what in ("spring", "damper", "modulation"):
             for piece in getattr(element, what).pieces:
-                if piece.saturation or any(piece.coefficients[2:]):
+                if not piece.is_straight:
                     return f"the {what} of {element.name!r} is curved"
         if any(piece.coefficients[1] for piece in element.modulation.pieces):
             return f"the damper of {element.name!r} depends on deflection"

@@ -180,9 +180,16 @@ class Integrator(March):
             with cython.nogil:
                 status = self._advance(until, stop)
             if status != _PAUSED:
+                self._raise_failure(status)
                 return status
             if not self._may_go_on(until):
                 return _TOO_MANY
+
+    def _raise_failure(self, status):
+        """Raise what a function of an element has raised, if the run has ended for it."""
+        failure, self.net.failure = self.net.failure, None
+        if status != 0 and failure is not None:
+            raise failure
 
     def _look_at_pace(self):
         """Start to measure the pace of the run."""
@@ -220,6 +227,7 @@ class Integrator(March):
         Raises
         ------
         ValueError : if an array is too short.
+        Exception : what a function of an element has raised.
         """
         self.prepare(1, times, displacements, velocities, accelerations, forces)
         self._look_at_pace()
@@ -233,6 +241,7 @@ class Integrator(March):
                 break
         self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         self.count = self.places = 0
+        self._raise_failure(status)
         return status
 
     def prepare(self, runs, times, displacements, velocities=None, accelerations=None, forces=None):
@@ -547,6 +556,7 @@ class Rows:
                 break
             if not one._may_go_on(one.instants[one.count - 1]):
                 self._end(_TOO_MANY)
+        one._raise_failure(max([self.status[k] for k in range(self.made)]))
         return [
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
             for k in range(self.made)

@@ -1,9 +1,9 @@
 cimport cython
-from libc.math cimport exp, fabs, log1p, sinh, tanh
+from libc.math cimport exp, fabs, log1p, pow, sinh, tanh
 from .signals cimport Signals
 
-cdef int _LAWS, _PIECE
-cdef double _LOG_2
+cdef int _LAWS, _PIECE, _FORCE, _SLOPE, _INTEGRAL
+cdef double _LOG_2, _NEAR
 
 cdef class Laws(Signals):
     cdef double[::1] piece
@@ -11,18 +11,22 @@ cdef class Laws(Signals):
     cdef int[::1] straight  # whether each piece is straight
     cdef double value, slope  # of the law last asked for
     cdef double[::1] low, high  # range in which each piece is curved
+    cdef list functions  # in Python, one for each piece, or None
+    cdef readonly object failure
 
     @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
     cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
+    cdef double own(self, int p, int what, double s) noexcept with gil
     @cython.locals(at=int, s=double, c1=double, c2=double, c3=double, value=double, slope=double, u=double)
     cdef void law_and_slope(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, slope=double)
     cdef double law_slope(self, int p, double x) noexcept nogil
-    @cython.locals(at=int, s=double, curvature=double, scale=double, u=double)
+    @cython.locals(at=int, s=double, curvature=double, scale=double, u=double, exponent=double,
+                   near=double, before=double)
     cdef double law_curvature(self, int p, double x) noexcept nogil
-    @cython.locals(at=int, s=double, end=double, energy=double)
+    @cython.locals(at=int, s=double, end=double, energy=double, exponent=double)
     cdef double potential(self, int p, double x) noexcept nogil
     @cython.locals(k=int, first=int)
     cdef int piece_at(self, int law, double x) noexcept nogil
@@ -33,3 +37,6 @@ cdef class Laws(Signals):
 cdef double sech_squared(double u) noexcept nogil
 @cython.locals(x=double, w=double)
 cdef double log_cosh(double u) noexcept nogil
+@cython.locals(force=double)
+cdef double power_of(double power, double exponent, double s) noexcept nogil
+cdef double power_slope(double power, double exponent, double s) noexcept nogil

@@ -1,4 +1,8 @@
-"""The laws of all elements: chains of pieces, each a cubic plus a saturating term."""
+"""The laws of all elements: chains of pieces.
+
+A piece is c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s),
+s = x - origin. The last term is a function in Python, which is called with the lock of the interpreter.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,12 @@ from .arrays import doubles, integers, vectors
 from .signals import Signals
 
 if not cython.compiled:
-    from math import exp, fabs, log1p, sinh, tanh
+    from math import exp, fabs, log1p, pow, sinh, tanh
 
 _LAWS = 3  # of each element: spring, damper, modulation of the damper
-_PIECE = 9  # numbers stored for one piece of a law
+_PIECE = 12  # numbers stored for one piece of a law
+_FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # what is asked of a function in Python
+_NEAR = 1e-5  # relative distance for its second derivative
 _LOG_2 = 0.6931471805599453
 
 
@@ -32,6 +38,8 @@ class Laws(Signals):
         self.first = integers(accumulate(count, initial=0))
         self.piece = doubles([0.0] * _PIECE * sum(count))
         self.straight = integers([1] * sum(count))
+        self.functions = [own for element in system.elements for own in functions_of(element)]
+        self.failure = None  # what a function has raised
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = vectors(2, sum(count))
 
@@ -43,13 +51,15 @@ class Laws(Signals):
             self.piece[_PIECE * first + i] = x[at + i]
         for p in range(first, last):
             k = p * _PIECE
-            curved = self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0
-            self.straight[p] = not (curved or self.piece[k + 6] != 0.0)
+            curved = (
+                self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0 or self.piece[k + 9] != 0.0
+            )
+            self.straight[p] = not (curved or self.piece[k + 6] != 0.0 or self.piece[k + 11] != 0.0)
             self.low[p], self.high[p] = -1e300, 1e300
         for law in range(_LAWS * e, _LAWS * (e + 1)):
             for p in range(self.first[law], self.first[law] + self.count[law]):
                 k = p * _PIECE
-                if self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0:
+                if self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0 or self.piece[k + 9] != 0.0:
                     if p > self.first[law]:
                         self.low[p] = self.piece[k]
                     if p + 1 < self.first[law] + self.count[law]:
@@ -57,7 +67,7 @@ class Laws(Signals):
         return at + _PIECE * (last - first)
 
     def law(self, p, x):
-        """Return c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) of piece p, s = x - origin."""
+        """Return the force of piece p at x."""
         at = p * _PIECE
         s = x - self.piece[at + 1]
         if self.straight[p]:
@@ -71,7 +81,19 @@ class Laws(Signals):
         )
         if self.piece[at + 6] != 0.0:
             force += self.piece[at + 6] * tanh(s / self.piece[at + 7])
+        if self.piece[at + 9] != 0.0:
+            force += power_of(self.piece[at + 9], self.piece[at + 10], s)
+        if self.piece[at + 11] != 0.0:
+            force += self.own(p, _FORCE, s)
         return force
+
+    def own(self, p, what, s):
+        """Return what is asked of the function of piece p at s; NaN if it fails."""
+        try:
+            return float(self.functions[p][what](s))
+        except Exception as error:
+            self.failure = self.failure or error
+            return float("nan")
 
     def law_and_slope(self, p, x):
         """Set `value` to the force of piece p at x, `slope` to its slope (of tanh by 1 - tanh^2)."""
@@ -84,6 +106,12 @@ class Laws(Signals):
             u = tanh(s / self.piece[at + 7])
             value += self.piece[at + 6] * u
             slope += self.piece[at + 6] / self.piece[at + 7] * (1.0 - u * u)
+        if self.piece[at + 9] != 0.0:
+            value += power_of(self.piece[at + 9], self.piece[at + 10], s)
+            slope += power_slope(self.piece[at + 9], self.piece[at + 10], s)
+        if self.piece[at + 11] != 0.0:
+            value += self.own(p, _FORCE, s)
+            slope += self.own(p, _SLOPE, s)
         self.value = value + slope * (x - self.piece[at + 1] - s)
         self.slope = slope
 
@@ -95,6 +123,10 @@ class Laws(Signals):
         slope = self.piece[at + 3] + s * (2.0 * self.piece[at + 4] + 3.0 * s * self.piece[at + 5])
         if self.piece[at + 6] != 0.0:
             slope += self.piece[at + 6] / self.piece[at + 7] * sech_squared(s / self.piece[at + 7])
+        if self.piece[at + 9] != 0.0:
+            slope += power_slope(self.piece[at + 9], self.piece[at + 10], s)
+        if self.piece[at + 11] != 0.0:
+            slope += self.own(p, _SLOPE, s)
         return slope
 
     def law_curvature(self, p, x):
@@ -107,6 +139,13 @@ class Laws(Signals):
             scale = self.piece[at + 7]
             u = s / scale
             curvature -= 2.0 * self.piece[at + 6] / scale / scale * tanh(u) * sech_squared(u)
+        if self.piece[at + 9] != 0.0 and s != 0.0:
+            exponent = self.piece[at + 10]
+            curvature += (exponent - 1.0) / s * power_slope(self.piece[at + 9], exponent, s)
+        if self.piece[at + 11] != 0.0:
+            near = _NEAR * (1.0 + fabs(s))
+            before = self.own(p, _SLOPE, s - near)
+            curvature += (self.own(p, _SLOPE, s + near) - before) / (2.0 * near)
         return curvature
 
     def potential(self, p, x):
@@ -128,6 +167,11 @@ class Laws(Signals):
         )
         if self.piece[at + 6] != 0.0:
             energy += self.piece[at + 6] * self.piece[at + 7] * log_cosh(s / self.piece[at + 7])
+        if self.piece[at + 9] != 0.0:
+            exponent = self.piece[at + 10] + 1.0
+            energy += self.piece[at + 9] / exponent * pow(fabs(s), exponent)
+        if self.piece[at + 11] != 0.0:
+            energy += self.own(p, _INTEGRAL, s)
         return energy
 
     def piece_at(self, law, x):
@@ -157,6 +201,25 @@ def log_cosh(u):
         w = sinh(x)
         return 0.5 * log1p(w * w)
     return x + log1p(exp(-2.0 * x)) - _LOG_2
+
+
+def power_of(power, exponent, s):
+    """Return power |s|^exponent with the sign of s."""
+    force = power * pow(fabs(s), exponent)
+    return force if s > 0.0 else -force
+
+
+def power_slope(power, exponent, s):
+    """Return the slope of `power_of`."""
+    return power * exponent * pow(fabs(s), exponent - 1.0)
+
+
+def functions_of(element):
+    """Return the function of each piece of an element's laws, or None."""
+    if element.yield_force < 1e300:
+        return [None] * sum(pieces_of(element))
+    laws = element.spring, element.damper, element.modulation
+    return [piece.own for law in laws for piece in law.pieces]
 
 
 def pieces_of(element):
@@ -191,6 +254,7 @@ def _numbers(law, potentials):
     for piece, potential in zip(law.pieces, potentials, strict=False):
         numbers += (piece.start, piece.origin, *piece.coefficients)
         numbers += (piece.saturation, piece.scale, potential)
+        numbers += (piece.power, piece.exponent, 0.0 if piece.own is None else 1.0)
     return numbers
 
 
@@ -203,7 +267,7 @@ def _flow_pieces(element):
     line = element.yield_force * (1.0 - flow / rate)
     low, high = ((rate * free + side * line) / (rate - flow) for side in (-1.0, 1.0))
     return [
-        -float("inf"), 0.0, -line, flow, 0.0, 0.0, 0.0, 1.0, 0.0,
-        low, free, 0.0, rate, 0.0, 0.0, 0.0, 1.0, 0.0,
-        high, 0.0, line, flow, 0.0, 0.0, 0.0, 1.0, 0.0,
+        -float("inf"), 0.0, -line, flow, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0,
+        low, free, 0.0, rate, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0,
+        high, 0.0, line, flow, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0,
     ]  # fmt: skip

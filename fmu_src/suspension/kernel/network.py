@@ -12,7 +12,7 @@ import cython
 
 from .arrays import doubles, integers, vectors
 from .elements import Elements, element_numbers
-from .laws import pieces_of
+from .laws import functions_of, pieces_of
 from .signals import signal_numbers
 
 if not cython.compiled:
@@ -21,7 +21,7 @@ if not cython.compiled:
     from .linear import decompose, solve
 
 _DAMPER, _MODULATION, _CONTACT, _KINDS = 1, 2, 3, 5  # as in elements
-_LAWS, _PIECE = 3, 9  # as in laws
+_LAWS, _PIECE = 3, 12  # as in laws
 
 
 class Network(Elements):
@@ -393,6 +393,7 @@ def _shape(element):
         element.direction,
         element.road,
         pieces_of(element),
+        functions_of(element),
         element.limit < 1e300,
         element.friction > 0.0,
     )

@@ -38,6 +38,7 @@ class Routine:
     parameters : names and types, without `self`
     variables : types of its local variables
     nogil : whether it is promised to be free of Python
+    with_gil : whether it takes the lock of the interpreter to call Python
     """
 
     name: str
@@ -45,6 +46,7 @@ class Routine:
     parameters: Mapping[str, str]
     variables: Mapping[str, str]
     nogil: bool
+    with_gil: bool = False
 
 
 @dataclass(slots=True)
@@ -139,7 +141,12 @@ def _routine(text: str, variables: Mapping[str, str]) -> Routine | None:
             name = given[2] if given else item.partition("=")[0]
             parameters[name.strip()] = _tidy(given[1]) if given else "object"
     return Routine(
-        called[1], _tidy(head[1] or "object"), parameters, dict(variables), "nogil" in called[3]
+        called[1],
+        _tidy(head[1] or "object"),
+        parameters,
+        dict(variables),
+        "nogil" in called[3],
+        "with gil" in called[3],
     )
 
 

@@ -88,6 +88,14 @@ class Sources:
         """Every routine of the small language, by class in C (empty for a function) and name."""
         return {(d.owner, d.types.name): d for m in self.modules for d in self._defined(m)}
 
+    def calls_python(self, owner: str, name: str) -> bool:
+        """Return whether a method calls a function in Python: it is declared `with gil`."""
+        parts = self.bases(owner) if owner in self.records else []
+        return any(
+            name in self.records[part].methods and self.records[part].methods[name].with_gil
+            for part in parts
+        )
+
     def _defined(self, module: Module) -> Iterator[Definition]:
         for node in module.tree.body:
             if isinstance(node, ast.FunctionDef) and node.name in module.declared.functions:

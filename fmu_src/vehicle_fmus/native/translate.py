@@ -731,6 +731,8 @@ class _Routine:
         return self._joined(text, "int" if integers else "double", _PRIMARY, given)
 
     def _call(self, node: ast.Call, key: tuple[str, str], owner: list[C]) -> C:
+        if self.kernel.calls_python(*key):
+            return C("NAN", "double")  # of a function that only a host in Python can have
         if key not in self.kernel.routines:
             raise self._wrong(node, f"{key[1]} is no routine of the language")
         self.calls.add(key)
