@@ -5,6 +5,9 @@ from . import recording as recording
 from . import scenarios as scenarios
 from . import suspension as suspension
 from . import vehicle_fmus as vehicle_fmus
+from .scenarios.design.job import Study as Study
+from .scenarios.design.job import fit_parameters as fit_parameters
+from .scenarios.design.job import optimise as optimise
 from .scenarios.desk.picture import Picture as Picture
 from .scenarios.desk.run import Run as Run
 from .scenarios.desk.run import run as run

@@ -15,6 +15,8 @@ from .commands.console import Commands, Entry
 COMMANDS = {
     "run": Entry("run.run", "Run SCENE: a case (see `list`), a scene file, or any .fmu file."),
     "sweep": Entry("sweeping.sweep", "Run a scene many times, varied as in SWEEP."),
+    "optimise": Entry("design.optimise", "Find the best parameters of a scene within bounds."),
+    "fit": Entry("design.fit", "Fit parameters of a scene to measured signals."),
     "replay": Entry("replay.replay", "Draw the construction of a SCENE or of a run's RESULTS."),
     "portrait": Entry("modelling.portrait", "Draw the phase portrait of SCENE."),
     "list": Entry("listing.list_cases", "List the scenes and sweeps in the package."),

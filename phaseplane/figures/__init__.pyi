@@ -21,6 +21,7 @@ from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8
 from .stability import GrowthMap as GrowthMap
 from .stability import stability_sheet as stability_sheet
+from .studies import pareto as pareto
 from .style import Look as Look
 from .style import save as save
 from .sweeps import sweep as sweep

@@ -311,11 +311,30 @@ def load_plan(reference: str | Path) -> Plan:
     InputError : if the file is not valid; one line with file, key, value and what is allowed.
     """
     path = find_sweep(str(reference))
+    return plan_of(path, read_content(path))
+
+
+def read_content(path: Path) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Raises
+    ------
+    InputError : if it cannot be read.
+    """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError) as error:
         why = getattr(error, "strerror", None) or f"not TOML: {error}"
         raise InputError(one_line(f"cannot read {path}: {why}")) from None
+
+
+def plan_of(path: Path, content: Mapping[str, Any]) -> Plan:
+    """Return the plan of a sweep with a given content, whose paths are relative to that of the file.
+
+    Raises
+    ------
+    InputError : as `load_plan`.
+    """
     try:
         said = read_table(SweepFile, content)
     except RefusedError as error:

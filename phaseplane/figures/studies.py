@@ -1,0 +1,86 @@
+"""Pictures of design studies: one measure against another, and the trade-off of the two."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+
+from phaseplane.figures.style import BLUE, GREY, ORANGE, RED, dress, new_figure, palette_for
+
+Pair = tuple[npt.ArrayLike, npt.ArrayLike]
+
+
+def pareto(
+    runs: Pair,
+    labels: tuple[str, str],
+    *,
+    front: Pair = ((), ()),
+    marked: Mapping[str, tuple[float, float]] | None = None,
+    limits: tuple[Sequence[float], Sequence[float]] = ((), ()),
+    title: str = "",
+    dark: bool = False,
+) -> Figure:
+    """Draw one measure against another for many runs, with the front that no run beats.
+
+    Parameters
+    ----------
+    runs : both measures of every run, shape (n,) each; NaN where a run has none
+    labels : of the two axes
+    front : both measures along the front, in order
+    marked : single runs by their labels
+    limits : bounds of each measure
+    title : title of the figure
+    dark : use a dark background
+
+    Raises
+    ------
+    ValueError : if there are no runs.
+    """
+    x, y = (np.asarray(column, float) for column in runs)
+    if not np.isfinite(x + y).any():
+        raise ValueError("no run has both measures")
+    palette = palette_for(dark)
+    figure = new_figure(7.0, 5.4, palette)
+    axes = figure.subplots()
+    axes.plot(x, y, ".", color=GREY, markersize=3.5, alpha=0.55, label="runs", zorder=2)
+    if np.size(front[0]):
+        axes.plot(
+            *front, ".-", color=BLUE, linewidth=1.6, markersize=7, label="trade-off", zorder=3
+        )
+    for (label, (a, b)), colour, marker in zip(
+        (marked or {}).items(), (ORANGE, RED), ("s", "*"), strict=False
+    ):
+        axes.plot([a], [b], marker, color=colour, markersize=8, label=label, zorder=4)
+    for limit in limits[0]:
+        axes.axvline(limit, color=RED, linewidth=1.0, linestyle="--", zorder=1)
+    for limit in limits[1]:
+        axes.axhline(limit, color=RED, linewidth=1.0, linestyle="--", zorder=1)
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    # what is far off, such as runs with the wheel in the air, does not flatten the rest
+    for values, near, set_limits in (
+        (
+            x,
+            (*np.ravel(front[0]), *(a for a, _ in (marked or {}).values()), *limits[0]),
+            axes.set_xlim,
+        ),
+        (
+            y,
+            (*np.ravel(front[1]), *(b for _, b in (marked or {}).values()), *limits[1]),
+            axes.set_ylim,
+        ),
+    ):
+        usual = [*np.nanpercentile(values, [0.0, 90.0]), *near]
+        margin = 0.06 * (max(usual) - min(usual)) or 1.0
+        set_limits(min(usual) - margin, max(usual) + margin)
+    dress(axes, palette, 8.5)
+    axes.set_axisbelow(True)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_color(palette.ink)
+    axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
+    if title:
+        axes.set_title(title, color=palette.ink, fontsize=11.0)
+    figure.tight_layout()
+    return figure

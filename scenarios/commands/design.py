@@ -1,0 +1,60 @@
+"""`phaseplane optimise` and `phaseplane fit`: parameters that are best, or that fit a measured signal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..design.job import Study, fit_parameters
+from ..design.job import optimise as find_optimum
+from ..results.folder import as_json
+from .console import DONE, FAILED, complain, json_option, progress_bar
+
+_output = click.option(
+    "-o",
+    "--output",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder for the results; replaced as a whole. [default: out/studies/FILE]",
+)
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_output
+@json_option
+def optimise(file: Path, output: Path | None, as_data: bool) -> int:
+    """Find the parameters of a scene that are best within bounds, as FILE says.
+
+    FILE gives a scene, the measure to minimise or maximise, the ranges of the parameters, and bounds on
+    other measures. Start an interrupted search again to continue it. Exit status 1 if no point keeps all
+    bounds.
+    """
+    with progress_bar(file.stem) as progress:
+        study = find_optimum(file, output, progress)
+    _tell(study, as_data)
+    if study.summary["feasible"]:
+        return DONE
+    complain(f"{file.stem}: no point keeps all bounds")
+    return FAILED
+
+
+@click.command()
+@click.argument("file", type=click.Path(path_type=Path))
+@_output
+@json_option
+def fit(file: Path, output: Path | None, as_data: bool) -> int:
+    """Fit parameters of a scene to measured signals, as FILE says.
+
+    FILE gives a scene, the ranges of the parameters, and the file of the signals with its columns and
+    units. Start an interrupted fit again to continue it.
+    """
+    with progress_bar(file.stem) as progress:
+        study = fit_parameters(file, output, progress)
+    _tell(study, as_data)
+    return DONE
+
+
+def _tell(study: Study, as_data: bool) -> None:
+    click.echo(as_json(study.summary) if as_data else study.report)

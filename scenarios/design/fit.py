@@ -1,0 +1,236 @@
+"""Parameters fitted to measured signals by least squares, with their confidence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from phaseplane.suspension.batch import run_many
+from phaseplane.suspension.units import nearest
+
+from ..errors import InputError, RunError, one_line, shown
+from ..results.signals import KEYS as SIGNAL_KEYS
+from ..results.signals import read_signals
+from ..sweeps.plan import Plan, read_content
+from .space import Points, Runs, Space, journaled
+
+KEYS = ("scene", "title", "vary", "measured", "search")
+_SEARCH = {"starts": 16, "seed": 1}
+_LEVEL = 0.95
+_STEPS = 60
+_ALIKE = 0.95  # correlation from which two parameters are hardly told apart
+
+
+@dataclass(frozen=True)
+class Task:
+    """Parameters to be fitted.
+
+    Parameters
+    ----------
+    space : the parameters and their ranges
+    time : times of the samples, s
+    signals : measured columns by the name of the output, SI
+    search : number of starts, seed
+    """
+
+    space: Space
+    time: Points
+    signals: Mapping[str, Points]
+    search: Mapping[str, int]
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted parameters.
+
+    Parameters
+    ----------
+    task : what was fitted
+    values : the parameters, SI
+    errors : half widths of their intervals of 95 % confidence, SI
+    correlation : of the parameters with each other
+    before, columns : the outputs with the scene's parameters and with the fitted ones
+    residual : root mean square of the difference over that of the signal, by output
+    at_bound : names of the parameters that end at a bound
+    made : number of runs made now
+    """
+
+    task: Task
+    values: Points
+    errors: Points
+    correlation: Points
+    before: Mapping[str, Points]
+    columns: Mapping[str, Points]
+    residual: Mapping[str, float]
+    at_bound: tuple[str, ...]
+    made: int
+
+    def alike(self) -> list[tuple[str, str, float]]:
+        """Return the pairs of parameters that the signals hardly tell apart, with their correlation."""
+        keys = self.task.space.plan.keys
+        return [
+            (a, b, float(self.correlation[i, j]))
+            for i, a in enumerate(keys) for j, b in enumerate(keys)
+            if i < j and abs(self.correlation[i, j]) > _ALIKE
+        ]  # fmt: skip
+
+
+def read_task(path: Path) -> Task:
+    """Read a fit.
+
+    Raises
+    ------
+    InputError : if the file or its signals are not valid; one line that says what is allowed.
+    """
+    content = read_content(path)
+    for key in content:
+        if key not in KEYS:
+            raise InputError(
+                one_line(f"{path}: unknown key {shown(key)}{nearest(key, KEYS)}; allowed: "
+                         f"{', '.join(KEYS)}")
+            )  # fmt: skip
+    measured = content.get("measured")
+    if not isinstance(measured, dict):
+        raise InputError(f"{path}: measured is missing; give a table with {', '.join(SIGNAL_KEYS)}")
+    space = Space.read(path, content, ["step_count"])
+    space.given()
+    scene = space.plan.scene
+    if not scene.fmu.is_ours or scene.fmu.path is not None:
+        raise InputError(f"{path}: scene: only models of this package can be fitted")
+    outputs = scene.fmu.outputs()
+    units = {name: variable.unit or "1" for name, variable in outputs.items()}
+    try:
+        columns = read_signals(measured, path.parent, units)
+    except InputError as error:
+        raise InputError(one_line(f"{path}: measured: {error}")) from None
+    during = (columns["time"] >= 0.0) & (columns["time"] <= scene.duration)
+    time = columns.pop("time")[during]
+    if len(time) <= len(space.plan.keys):
+        raise InputError(
+            f"{path}: measured: {len(time)} samples within 0 and {scene.duration:g} s of the scene; a "
+            "fit needs more samples than parameters; see time_shift"
+        )
+    search = {**_SEARCH, **content.get("search", {})}
+    for key, value in search.items():
+        if key not in _SEARCH or type(value) is not int or value < 1:
+            raise InputError(
+                one_line(f"{path}: search.{key} = {shown(value)}: must be a whole number; allowed: "
+                         f"{', '.join(_SEARCH)}")
+            )  # fmt: skip
+    return Task(space, time, {name: column[during] for name, column in columns.items()}, search)
+
+
+def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = None) -> Fit:
+    """Fit the parameters: least squares over all signals, each over its root mean square.
+
+    The best of several starts is followed to its minimum by a trust-region method within the bounds. The
+    confidence is that of linear regression there, widened for residuals that are correlated in time.
+
+    Raises
+    ------
+    RunError : if no run succeeds.
+    """
+    from scipy.optimize import least_squares  # noqa: PLC0415
+    from scipy.stats import qmc, t  # noqa: PLC0415
+
+    space, count = task.space, len(task.space.plan.keys)
+    target = np.concatenate([np.asarray(task.signals[name]) for name in task.signals])
+    weight = np.concatenate([
+        np.full(len(x), 1.0 / (np.sqrt(np.mean(np.square(x))) or 1.0)) for x in task.signals.values()
+    ])  # fmt: skip
+    expected = task.search["starts"] + 10 * (1 + 2 * count)
+
+    def told(runs: int) -> None:
+        if progress is not None:
+            progress(min(1.0, runs / expected))
+
+    def make(plan: Plan) -> Iterator[Sequence[float | None]]:
+        return _signals_of(plan, task)
+
+    said = (tuple(task.signals), task.time.tobytes(), target.tobytes())
+    with journaled(space, make, journal, said, told) as runs:
+        before = space.given()
+        sampler = qmc.Sobol(count, rng=task.search["seed"])
+        power = int(np.ceil(np.log2(task.search["starts"])))
+        starts = np.concatenate([before[None], sampler.random_base2(power)])
+        apart = np.sum(np.square(weight * (runs.at(starts) - target)), axis=1)
+        if not np.isfinite(apart).any():
+            raise RunError(f"{space.plan.file}: no run succeeds")
+        start = np.clip(starts[int(np.nanargmin(apart))], 1e-6, 1.0 - 1e-6)
+        found = least_squares(
+            lambda x: _residuals(runs, x, target, weight), start,
+            jac=lambda x: weight[:, None] * runs.slopes(x),
+            bounds=(0.0, 1.0), max_nfev=_STEPS, xtol=1e-10, ftol=1e-12,
+        )  # fmt: skip
+        left = _residuals(runs, found.x, target, weight)
+        covariance = _covariance(found.jac, left, len(task.signals))
+        freedom = max(len(left) - count, 1)
+        deviations = np.sqrt(np.diag(covariance))
+        scale = np.where(deviations > 0.0, deviations, 1.0)
+        fitted, unfitted = (_apart(runs.at(x)[0], task) for x in (found.x, before))
+        return Fit(
+            task, space.values(found.x),
+            float(t.ppf(0.5 + 0.5 * _LEVEL, freedom)) * deviations * space.widths,
+            covariance / np.outer(scale, scale), unfitted, fitted,
+            {
+                name: float(np.sqrt(np.mean(np.square(fitted[name] - x)) / np.mean(np.square(x))))
+                for name, x in task.signals.items()
+            },
+            tuple(
+                key for key, x in zip(space.plan.keys, found.x, strict=True)
+                if not 1e-4 < x < 1.0 - 1e-4
+            ),
+            runs.made,
+        )  # fmt: skip
+
+
+def _residuals(runs: Runs, x: Points, target: Points, weight: Points) -> Points:
+    found: Points = weight * (runs.at(x)[0] - target)
+    if not np.isfinite(found).all():
+        raise RunError(
+            f"{runs.space.plan.file}: a run fails near the minimum; narrow the ranges of [vary]"
+        )
+    return found
+
+
+def _covariance(jacobian: Points, left: Points, signals: int) -> Points:
+    """Return the covariance of the parameters, (J'J)^-1 s^2, for residuals correlated in time.
+
+    With a correlation r from sample to sample, n samples tell as much as n (1 - r) / (1 + r) do.
+    """
+    rows, count = jacobian.shape
+    variance = float(left @ left) / max(rows - count, 1)
+    parts = np.array_split(left, signals)
+    r = max(0.0, *(float(x[1:] @ x[:-1]) / (float(x @ x) or 1.0) for x in parts))
+    widened = (1.0 + min(r, 0.999)) / (1.0 - min(r, 0.999))
+    covariance: Points = np.linalg.pinv(jacobian.T @ jacobian) * variance * widened
+    return covariance
+
+
+def _signals_of(plan: Plan, task: Task) -> Iterator[Sequence[float | None]]:
+    """Yield the outputs of each run at the times of the samples, one after the other."""
+    names, scene = list(task.signals), plan.scene
+    early = task.time[0] > 0.0
+    times = np.insert(task.time, 0, 0.0) if early else task.time
+    sets = [
+        {**scene.start_values, **dict(zip(plan.keys, point, strict=True))} for point in plan.points
+    ]
+    if plan.road_length is not None:
+        sets = [{**one, "road.profile_length": plan.road_length} for one in sets]
+    for run in run_many(scene.fmu.model, sets, times.tolist(), names):
+        if run.failure:
+            yield [None] * (len(task.time) * len(names))
+        else:
+            yield np.concatenate([run.columns[n][int(early) :] for n in names]).tolist()
+
+
+def _apart(numbers: Points, task: Task) -> dict[str, Points]:
+    return dict(zip(task.signals, np.split(numbers, len(task.signals)), strict=True))
+
+
+def described(task: Task) -> dict[str, Any]:
+    """Return the units of the fitted parameters, and how many SI units each is."""
+    return dict(zip(task.space.plan.keys, task.space.plan.shown, strict=True))

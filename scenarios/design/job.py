@@ -1,0 +1,309 @@
+"""Run a design study and write its folder: runs, picture, and a scene with the parameters found."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from phaseplane.suspension.variables import Value
+
+from phaseplane import figures
+
+from ..errors import InputError, one_line
+from ..measures import catalogue
+from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.quantities import quantity, shown_in
+from ..results.report import aligned
+from ..results.tables import write_table
+from .fit import Fit, fit, read_task
+from .optimum import Optimum, read_problem, solve
+from .space import Space
+
+SCENE, TABLE, PICTURE = "scene.toml", "runs.csv", "study.png"
+Progress = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Study:
+    """The result of a design study.
+
+    Parameters
+    ----------
+    values : the parameters found, in SI
+    summary : the summary as plain data
+    report : the report in words
+    folder : the folder with the runs, the picture and `scene.toml`, a scene with the parameters found
+    """
+
+    values: Mapping[str, float]
+    summary: Mapping[str, Any]
+    report: str
+    folder: Path
+
+    def __str__(self) -> str:
+        return self.report
+
+
+def optimise(
+    file: str | os.PathLike[str],
+    folder: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> Study:
+    """Find the parameters that minimise or maximise a measure while others keep their bounds.
+
+    Parameters
+    ----------
+    file : a file with `scene`, `minimise` or `maximise`, `vary` and, if wanted, `constrain`, `against`
+    folder : folder to write to, replaced as a whole; `out/studies/<file>` if None
+    progress : called with the fraction done, 0 to 1
+
+    Raises
+    ------
+    InputError : if the file is not valid, or the folder must not be replaced.
+    RunError : if no run succeeds.
+    """
+    path = _file(file)
+    problem = read_problem(path)
+    place = _place(path, folder, "optimise")
+    found = solve(problem, _journal(place), progress)
+    return _written(place, problem.space, found.best, _optimum_told(found), _optimum_words(found),
+                    lambda draft: _draw_optimum(found, draft))  # fmt: skip
+
+
+def fit_parameters(
+    file: str | os.PathLike[str],
+    folder: str | os.PathLike[str] | None = None,
+    progress: Progress | None = None,
+) -> Study:
+    """Fit parameters of a scene to measured signals by least squares, with their confidence.
+
+    Parameters
+    ----------
+    file : a file with `scene`, `vary` and `measured`
+    folder, progress : as for `optimise`
+
+    Raises
+    ------
+    InputError : if the file or its signals are not valid, or the folder must not be replaced.
+    RunError : if no run succeeds.
+    """
+    path = _file(file)
+    task = read_task(path)
+    place = _place(path, folder, "fit")
+    found = fit(task, _journal(place), progress)
+    shares = task.space.shares(found.values.tolist())
+    return _written(place, task.space, shares, _fit_told(found), _fit_words(found),
+                    lambda draft: _draw_fit(found, draft))  # fmt: skip
+
+
+def _file(file: str | os.PathLike[str]) -> Path:
+    path = Path(file)
+    if not path.is_file():
+        raise InputError(one_line(f"no such file: {path}"))
+    return path
+
+
+def _place(path: Path, folder: str | os.PathLike[str] | None, kind: str) -> Place:
+    place = Place(
+        Path(folder) if folder else OUTPUT / "studies" / path.stem, kind, path,
+        named=folder is not None,
+    )  # fmt: skip
+    check_replaceable(place)
+    return place
+
+
+def _journal(place: Place) -> Path:
+    return place.folder.with_name(f".{place.folder.name}.{place.kind}.journal")
+
+
+def _written(
+    place: Place, space: Space, shares: Any, told: Mapping[str, Any], words: list[str],
+    draw: Callable[[Path], None],
+) -> Study:  # fmt: skip
+    values = dict(zip(space.plan.keys, space.values(shares).tolist(), strict=True))
+    problems = []
+    with replaced_whole(place) as draft:
+        (draft / SCENE).write_text(_scene(space, values, place.folder), encoding="utf-8")
+        try:
+            draw(draft)
+        except Exception as error:  # a picture that fails must not cost the study
+            problems.append(one_line(f"{PICTURE} was not drawn: {error}"))
+        summary = {
+            **told, "title": space.plan.title, "scene": space.plan.scene.name, "values": values,
+            "units": dict(zip(space.plan.keys, space.plan.units, strict=True)),
+            "problems": problems, "origin": place.origin,
+        }  # fmt: skip
+        summary["files"] = write_summary(summary, draft)
+    lines = [space.plan.title or space.plan.name, "", *words, *problems, ""]
+    lines += [str(place.folder / name) for name in summary["files"]]
+    return Study(values, summary, "\n".join(lines), place.folder)
+
+
+def _scene(space: Space, values: Mapping[str, float], folder: Path) -> str:
+    """Return a scene file with the parameters found."""
+    base = space.plan.reference
+    if base.endswith(".toml") and Path(base).is_file():
+        base = Path(os.path.relpath(Path(base).resolve(), folder.resolve())).as_posix()
+    lines = [f'extends = "{base}"', "", "[parameters]"]
+    return "\n".join([*lines, *(f"{key} = {value!r}" for key, value in values.items()), ""])
+
+
+def _value(space: Space, k: int, value: float) -> str:
+    unit, size = space.plan.shown[k]
+    return f"{value / size:.5g} {unit if unit != '1' else ''}".rstrip()
+
+
+# -- optimum ---------------------------------------------------------------------------------------
+
+
+def _optimum_told(found: Optimum) -> dict[str, Any]:
+    measures = found.problem.measures
+    return {
+        "objective": found.problem.objective,
+        "sense": "minimise" if found.problem.sign > 0 else "maximise",
+        "feasible": found.feasible,
+        "runs": len(found.points),
+        "made": found.made,
+        "measures": {
+            name: {"before": float(a), "found": float(b)}
+            for name, a, b in zip(measures, found.numbers_before, found.numbers, strict=True)
+        },
+        "trade_off": [
+            {
+                **dict(zip(found.problem.space.plan.keys, point, strict=True)),
+                **dict(zip(measures, numbers, strict=True)),
+            }
+            for point, numbers in zip(
+                found.problem.space.values(found.front[0]).tolist(), found.front[1].tolist(),
+                strict=True,
+            )
+        ],
+    }  # fmt: skip
+
+
+def _optimum_words(found: Optimum) -> list[str]:
+    problem, space = found.problem, found.problem.space
+    known = catalogue(space.plan.scene.fmu.outputs())
+    rows = [("parameter", "before", "found", "from", "to")]
+    for k, key in enumerate(space.plan.keys):
+        ends = (space.lows[k], space.lows[k] + space.widths[k])
+        points = (space.values(found.before)[k], space.values(found.best)[k], *ends)
+        rows.append((key, *(_value(space, k, float(x)) for x in points)))
+    measured = [("measure", "before", "found", "bound")]
+    for k, name in enumerate(problem.measures):
+        unit = known[name].unit
+        bound = problem.bounds.get(name)
+        limits = [] if bound is None else [
+            f"{word} {quantity(limit, unit)}"
+            for word, limit in (("at least", bound.min), ("at most", bound.max)) if limit is not None
+        ]  # fmt: skip
+        role = ("least" if problem.sign > 0 else "largest") if name == problem.objective else ""
+        values = (quantity(float(x[k]), unit) for x in (found.numbers_before, found.numbers))
+        measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
+    lines = [*aligned(rows), "", *aligned(measured), "", f"{len(found.points)} runs"]
+    if not found.feasible:
+        lines.append("no point keeps all bounds; the one found breaks them least")
+    return lines
+
+
+def _draw_optimum(found: Optimum, draft: Path) -> None:
+    problem, space = found.problem, found.problem.space
+    keys, measures = space.plan.keys, problem.measures
+    runs = np.column_stack([space.values(found.points), found.measured])
+    columns = dict(zip((*keys, *measures), runs.T, strict=True))
+    write_table(columns, {}, draft / TABLE)
+    known = catalogue(space.plan.scene.fmu.outputs())
+    others = [name for name in (problem.against, *problem.bounds) if name]
+    if not others or others[0] == problem.objective:
+        units = [unit for unit, _ in space.plan.shown]
+        sizes = [size for _, size in space.plan.shown]
+        varied = {
+            key: (unit, (columns[key] / size).tolist())
+            for key, unit, size in zip(keys, units, sizes, strict=True)
+        }
+        unit, factor = shown_in(known[problem.objective].unit)
+        taken = {problem.objective: (unit, (factor * columns[problem.objective]).tolist())}
+        figures.save(figures.sweep(varied, taken, title=space.plan.title), draft / PICTURE)
+        return
+    pair = (problem.objective, others[0])
+    shown = [shown_in(known[name].unit) for name in pair]
+    labels = [
+        f"{name.replace('_', ' ')} [{unit}]" if unit else name.replace("_", " ")
+        for name, (unit, _) in zip(pair, shown, strict=True)
+    ]
+    places = [measures.index(name) for name in pair]
+
+    def scaled(numbers: Any) -> Any:
+        table = np.atleast_2d(numbers)
+        return tuple(factor * table[:, k] for k, (_, factor) in zip(places, shown, strict=True))
+
+    limits = tuple(
+        [factor * limit for limit in (bound.min, bound.max) if limit is not None] if bound else []
+        for bound, (_, factor) in zip(
+            (problem.bounds.get(name) for name in pair), shown, strict=True
+        )
+    )
+    marked = {
+        "before": tuple(float(x[0]) for x in scaled(found.numbers_before)),
+        "found": tuple(float(x[0]) for x in scaled(found.numbers)),
+    }
+    picture = figures.pareto(
+        scaled(found.measured), (labels[0], labels[1]), front=scaled(found.front[1]),
+        marked=marked, limits=(limits[0], limits[1]), title=space.plan.title,
+    )  # fmt: skip
+    figures.save(picture, draft / PICTURE)
+
+
+# -- fit ---------------------------------------------------------------------------------------------
+
+
+def _fit_told(found: Fit) -> dict[str, Any]:
+    keys = found.task.space.plan.keys
+    return {
+        "half_widths": dict(zip(keys, found.errors.tolist(), strict=True)),
+        "confidence": 0.95,
+        "correlation": found.correlation.tolist(),
+        "residual": dict(found.residual),
+        "at_bound": list(found.at_bound),
+        "samples": len(found.task.time),
+        "made": found.made,
+    }
+
+
+def _fit_words(found: Fit) -> list[str]:
+    space = found.task.space
+    given: Mapping[str, Value] = space.plan.scene.all_parameters
+    rows = [("parameter", "before", "fitted", "within (95 %)")]
+    for k, key in enumerate(space.plan.keys):
+        unit, size = space.plan.shown[k]
+        rows.append(
+            (key, _value(space, k, float(given[key])), _value(space, k, float(found.values[k])),
+             f"+- {found.errors[k] / size:.2g} {unit if unit != '1' else ''}".rstrip())
+        )  # fmt: skip
+    left = [("signal", "difference left")]
+    left += [(name, f"{100.0 * share:.3g} %") for name, share in found.residual.items()]
+    lines = [*aligned(rows), "", *aligned(left)]
+    lines += [f"{name} ends at a bound of its range" for name in found.at_bound]
+    lines += [
+        f"the signals hardly tell {a} and {b} apart: their correlation is {r:.3f}"
+        for a, b, r in found.alike()
+    ]
+    return lines
+
+
+def _draw_fit(found: Fit, draft: Path) -> None:
+    task, time = found.task, found.task.time
+    units = {n: v.unit for n, v in task.space.plan.scene.fmu.outputs().items()}
+    columns = {"time": time}
+    for name, signal in task.signals.items():
+        columns |= {f"{name}.measured": signal, f"{name}.fitted": found.columns[name]}
+    write_table(columns, {}, draft / TABLE)
+    picture = figures.comparison(
+        {name: (signal, found.columns[name]) for name, signal in task.signals.items()},
+        (time, time), units, labels=("measured", "fitted"),
+    )  # fmt: skip
+    figures.save(picture, draft / PICTURE)

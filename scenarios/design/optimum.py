@@ -1,0 +1,321 @@
+"""The best parameters: an objective and constraints over measures, and the trade-off of two measures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from phaseplane.suspension.units import nearest
+
+from ..errors import InputError, RunError, one_line, shown
+from ..measures import catalogue
+from ..scene.expectations import Bounds, bounds_from
+from ..sweeps.plan import Plan, read_content
+from ..sweeps.running import run_chunk
+from .space import Points, Runs, Space, journaled
+
+KEYS = ("scene", "title", "minimise", "maximise", "against", "vary", "constrain", "search")
+_SEARCH = {"population": 8, "generations": 25, "seed": 1, "trade_offs": 9}
+_WORST = 1e30  # for a run that failed
+_CLOSE = 1e-6  # relative violation of a bound that counts as none
+_STEPS = 12  # of the local search
+_TOLERANCE = 1e-4  # relative to the objective
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An optimisation.
+
+    Parameters
+    ----------
+    space : the parameters and their ranges
+    objective : name of the measure
+    sign : 1 to minimise it, -1 to maximise it
+    against : name of a second measure to be traded off against it, or ""
+    bounds : bounds on measures
+    search : population (for each parameter), generations, seed, trade_offs
+    """
+
+    space: Space
+    objective: str
+    sign: float
+    against: str
+    bounds: Mapping[str, Bounds]
+    search: Mapping[str, int]
+
+    @property
+    def measures(self) -> tuple[str, ...]:
+        """The measures that every run needs."""
+        return self.space.plan.measures
+
+    def cost(self, numbers: Points, measure: str = "") -> Points:
+        """Return what is minimised, for each run; large where a run failed."""
+        column = numbers[:, self.measures.index(measure or self.objective)]
+        signed = abs(column) if (measure or self.objective).startswith("peak.") else column
+        return np.nan_to_num(self.sign * signed if not measure else signed, nan=_WORST)
+
+    def violations(self, numbers: Points, bounds: Mapping[str, Bounds] | None = None) -> Points:
+        """Return by how much each bound is broken, over its size, (runs, bounds); below 0 if it holds."""
+        rows = []
+        for name, bound in (self.bounds if bounds is None else bounds).items():
+            column = numbers[:, self.measures.index(name)]
+            for limit, side in ((bound.min, -1.0), (bound.max, 1.0)):
+                if limit is not None:
+                    broken = side * (column - limit) / (abs(limit) or 1.0)
+                    rows.append(np.nan_to_num(broken, nan=_WORST))
+        return np.array(rows).T.reshape(len(numbers), -1)
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The result of an optimisation.
+
+    Parameters
+    ----------
+    problem : the problem
+    before, best : the scene's point and the best one, in shares of the ranges
+    numbers_before, numbers : the measures of both
+    feasible : whether the best point keeps all bounds
+    front : points of the trade-off, and their measures, if there is one
+    points, measured : all runs
+    made : number of runs made now
+    """
+
+    problem: Problem
+    before: Points
+    best: Points
+    numbers_before: Points
+    numbers: Points
+    feasible: bool
+    front: tuple[Points, Points]
+    points: Points
+    measured: Points
+    made: int
+
+
+def read_problem(path: Path) -> Problem:
+    """Read an optimisation.
+
+    Raises
+    ------
+    InputError : if the file is not valid; one line with file, key, value and what is allowed.
+    """
+    content = read_content(path)
+    for key in content:
+        if key not in KEYS:
+            raise InputError(
+                one_line(f"{path}: unknown key {shown(key)}{nearest(key, KEYS)}; allowed: "
+                         f"{', '.join(KEYS)}")
+            )  # fmt: skip
+    wanted = [key for key in ("minimise", "maximise") if key in content]
+    if len(wanted) != 1:
+        raise InputError(f"{path}: give one of minimise and maximise, the name of a measure")
+    objective, against = content[wanted[0]], content.get("against", "")
+    constrained = content.get("constrain", {})
+    if not isinstance(constrained, dict):
+        raise InputError(f"{path}: constrain: must be a table of measures and their bounds")
+    flat = dict(_bounded(constrained))
+    names = [objective, *([against] if against else []), *flat]
+    if not all(isinstance(name, str) for name in names):
+        raise InputError(f"{path}: {wanted[0]} and against must be names of measures")
+    space = Space.read(path, content, list(dict.fromkeys(names)))
+    space.given()  # only parameters can be varied
+    known = catalogue(space.plan.scene.fmu.outputs())
+    bounds = {}
+    for name, raw in flat.items():
+        try:
+            bounds[name] = bounds_from(raw, known[name].unit)
+        except ValueError as error:
+            raise InputError(one_line(f"{path}: constrain.{name}: {error}")) from None
+    search = {**_SEARCH, **content.get("search", {})}
+    for key, value in search.items():
+        if key not in _SEARCH or type(value) is not int or value < (key == "population"):
+            raise InputError(
+                one_line(f"{path}: search.{key} = {shown(value)}: must be a whole number; allowed: "
+                         f"{', '.join(_SEARCH)}")
+            )  # fmt: skip
+    sign = 1.0 if wanted == ["minimise"] else -1.0
+    return Problem(space, objective, sign, against, bounds, search)
+
+
+def _bounded(table: Mapping[str, Any], prefix: str = "") -> Any:
+    for key, value in table.items():
+        if isinstance(value, dict) and not {"min", "max"} & set(value):
+            yield from _bounded(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def solve(
+    problem: Problem, journal: Path, progress: Callable[[float], None] | None = None
+) -> Optimum:
+    """Find the best parameters: a differential evolution, then a sequential quadratic programme.
+
+    Each generation, and the differences of each gradient, are one batch of runs.
+
+    Parameters
+    ----------
+    journal : file of the runs so far, from which an interrupted search continues
+    progress : called with the fraction done, 0 to 1
+
+    Raises
+    ------
+    RunError : if no run succeeds.
+    """
+    search, space = problem.search, problem.space
+    count = len(space.plan.keys)
+    expected = search["population"] * count * (search["generations"] + 1) + _STEPS * count
+
+    def told(runs: int) -> None:
+        if progress is not None:
+            progress(min(1.0, runs / expected))
+
+    with journaled(space, _measures_of, journal, problem.measures, told) as runs:
+        before = space.given()
+        at_start = runs.at(before)
+        evolved = _evolved(problem, runs)
+        starts = [evolved, *([before] if np.isfinite(at_start).all() else [])]
+        candidates = [start for s in starts for start in (s, _refined(problem, runs, s))]
+        best = _best(problem, runs, candidates)
+        numbers = runs.at(best)
+        if not np.isfinite(numbers).all():
+            raise RunError(f"{space.plan.file}: no run succeeds")
+        feasible = bool((problem.violations(numbers) <= _CLOSE).all())
+        wanted = problem.against and feasible
+        front = _trade_off(problem, runs, best) if wanted else (best[None][:0], numbers[:0])
+        everything = np.array(runs.points)
+        return Optimum(
+            problem, before, best, at_start[0], numbers[0],
+            feasible, front, everything, runs.at(everything), runs.made,
+        )  # fmt: skip
+
+
+def _measures_of(plan: Plan) -> list[tuple[float | None, ...]]:
+    rows = run_chunk(plan, range(len(plan.points)), "process")
+    return [
+        tuple(None if row.reason or x is None else float(x) for x in row.values) for row in rows
+    ]
+
+
+def _evolved(problem: Problem, runs: Runs) -> Points:
+    """Return the best point of a differential evolution."""
+    from scipy.optimize import NonlinearConstraint, differential_evolution  # noqa: PLC0415
+
+    count = len(problem.space.plan.keys)
+
+    def broken(x: Points) -> Points:
+        """Return the violations at one point, (bounds,), or at several, (bounds, points)."""
+        found = problem.violations(runs.at(x.T))
+        return found[0] if x.ndim == 1 else found.T
+
+    constraints = (NonlinearConstraint(broken, -np.inf, 0.0),) if problem.bounds else ()
+    found = differential_evolution(
+        lambda x: problem.cost(runs.at(x.T)), [(0.0, 1.0)] * count, vectorized=True,
+        updating="deferred", init="sobol", popsize=problem.search["population"],
+        maxiter=problem.search["generations"], rng=problem.search["seed"], polish=False,
+        constraints=constraints, tol=1e-4,
+    )  # fmt: skip
+    best: Points = found.x
+    return best
+
+
+def _refined(
+    problem: Problem, runs: Runs, start: Points, *,
+    measure: str = "", bounds: Mapping[str, Bounds] | None = None,
+) -> Points:  # fmt: skip
+    """Return the optimum nearest to a point, by sequential quadratic programming."""
+    from scipy.optimize import minimize  # noqa: PLC0415
+
+    size = float(abs(problem.cost(runs.at(start), measure)[0])) or 1.0
+
+    def cost(x: Points) -> float:
+        return float(problem.cost(runs.at(x), measure)[0]) / size
+
+    def slope(x: Points) -> Points:
+        return _differences(lambda points: problem.cost(runs.at(points), measure) / size, x)
+
+    constraints = []
+    if bounds or (bounds is None and problem.bounds):
+        constraints = [
+            {
+                "type": "ineq",
+                "fun": lambda x: -problem.violations(runs.at(x), bounds)[0],
+                "jac": lambda x: (
+                    -_differences(lambda points: problem.violations(runs.at(points), bounds), x)
+                ),
+            }
+        ]
+    found = minimize(
+        cost, start, jac=slope, bounds=[(0.0, 1.0)] * len(start), method="SLSQP",
+        constraints=constraints, options={"maxiter": _STEPS, "ftol": _TOLERANCE},
+    )  # fmt: skip
+    refined: Points = np.clip(found.x, 0.0, 1.0)
+    return refined
+
+
+def _differences(function: Callable[[Points], Points], x: Points, step: float = 1e-3) -> Points:
+    """Return the derivatives of a function of points, (values, parameters); one-sided at a bound."""
+    moved = np.tile(x, (2 * len(x), 1))
+    for k in range(len(x)):
+        moved[k, k] = min(x[k] + step, 1.0)
+        moved[len(x) + k, k] = max(x[k] - step, 0.0)
+    values = np.asarray(function(moved))
+    widths = (moved[: len(x)] - moved[len(x) :]).sum(axis=1)
+    slopes: Points = ((values[: len(x)] - values[len(x) :]).T / widths).squeeze()
+    return slopes.reshape(-1, len(x)) if values.ndim > 1 else slopes.reshape(len(x))
+
+
+def _best(
+    problem: Problem, runs: Runs, candidates: Sequence[Points], *,
+    measure: str = "", bounds: Mapping[str, Bounds] | None = None,
+) -> Points:  # fmt: skip
+    """Return the best of some points and of all runs: feasible first, then by cost."""
+    points = np.array([*candidates, *runs.points])
+    numbers = runs.at(points)
+    broken = np.maximum(problem.violations(numbers, bounds), 0.0)
+    broken = np.where(broken <= _CLOSE, 0.0, broken).sum(axis=1)
+    order = np.lexsort((problem.cost(numbers, measure), broken))
+    best: Points = points[order[0]]
+    return best
+
+
+def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Points]:
+    """Return points from the best one to the best by the second measure, none better in both.
+
+    Between the two ends the second measure is bounded, step by step, and the objective optimised.
+    """
+    against = problem.against
+    end = _best(
+        problem, runs,
+        [_refined(problem, runs, _best(problem, runs, [best], measure=against), measure=against)],
+        measure=against,
+    )  # fmt: skip
+    place = problem.measures.index(against)
+    first, last = (float(abs(runs.at(x)[0, place])) for x in (best, end))
+    found, start = [best], best
+    for limit in np.linspace(first, last, max(problem.search["trade_offs"], 2))[1:-1]:
+        bounds = {**problem.bounds, against: Bounds(max=float(limit))}
+        start = _best(problem, runs, [start], bounds=bounds)
+        start = _best(problem, runs, [_refined(problem, runs, start, bounds=bounds)], bounds=bounds)
+        found.append(start)
+    points = np.array([*found, end])
+    numbers = runs.at(points)
+    kept = undominated(np.column_stack([problem.cost(numbers), problem.cost(numbers, against)]))
+    return points[kept], numbers[kept]
+
+
+def undominated(costs: Points) -> Points:
+    """Return the indices of the rows that no other row beats in both columns, by the first column.
+
+    Parameters
+    ----------
+    costs : what is to be small, (points, 2)
+    """
+    order = np.lexsort((costs[:, 1], costs[:, 0]))
+    least = np.minimum.accumulate(costs[order, 1])
+    better = np.concatenate([[True], costs[order, 1][1:] < least[:-1]])
+    front: Points = order[better]
+    return front

@@ -1,0 +1,231 @@
+"""The parameters of a design study, between their bounds, and the runs made of them.
+
+A point is given in shares of the ranges, 0 to 1 each. Every run is kept in a journal, so that a study
+that is started again repeats none of them: its steps depend on nothing but the runs.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..errors import InputError, one_line, shown
+from ..simulate.versions import versions
+from ..sweeps.plan import Plan, plan_of
+
+Points = npt.NDArray[np.float64]
+Make = Callable[[Plan], Iterable[Sequence[float | None]]]
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """The parameters that are varied, and their bounds.
+
+    Parameters
+    ----------
+    plan : a plan with two runs, at the lower and at the upper bounds
+    """
+
+    plan: Plan
+
+    @classmethod
+    def read(cls, path: Path, content: Mapping[str, Any], measures: Sequence[str]) -> Space:
+        """Return the space of the keys `scene` and `vary` of a study.
+
+        Raises
+        ------
+        InputError : if they are not valid; one line with file, key, value and what is allowed.
+        """
+        given = content.get("vary")
+        plain = dict(_ranges(given)) if isinstance(given, dict) else {}
+        for key, ends in plain.items():
+            if not isinstance(ends, dict) or set(ends) != {"from", "to"}:
+                raise InputError(
+                    one_line(
+                        f"{path}: vary.{key} = {shown(ends)}: must be {{ from = ..., to = ... }}"
+                    )
+                )
+        plan = plan_of(
+            path,
+            {
+                "scene": content.get("scene", ""),
+                "title": content.get("title", ""),
+                "method": "list",
+                "measures": list(measures),
+                "vary": {key: {**ends, "count": 2} for key, ends in plain.items()},
+            },
+        )
+        for key, low, high in zip(plan.keys, *plan.points, strict=True):
+            if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
+                raise InputError(
+                    one_line(f"{path}: vary.{key}: must rise from a number to another")
+                )
+        return cls(plan)
+
+    @property
+    def lows(self) -> Points:
+        """The lower bounds, SI."""
+        return np.array(self.plan.points[0], float)
+
+    @property
+    def widths(self) -> Points:
+        """The widths of the ranges, SI."""
+        return np.array(self.plan.points[1], float) - self.lows
+
+    def values(self, shares: Points) -> Points:
+        """Return the values of points, SI, (points, parameters)."""
+        return self.lows + self.widths * np.asarray(shares)
+
+    def shares(self, values: Sequence[float]) -> Points:
+        """Return the shares of values, moved to the nearest bound where they are beyond one."""
+        found: Points = np.clip((np.array(values, float) - self.lows) / self.widths, 0.0, 1.0)
+        return found
+
+    def given(self) -> Points:
+        """Return the shares of the values that the scene has."""
+        parameters = self.plan.scene.all_parameters
+        missing = [key for key in self.plan.keys if key not in parameters]
+        if missing:
+            raise InputError(
+                f"{self.plan.file}: vary.{missing[0]}: only parameters can be designed"
+            )
+        return self.shares([float(parameters[key]) for key in self.plan.keys])
+
+    def runs(self, shares: Points) -> Plan:
+        """Return a plan with a run for each point."""
+        points = tuple(tuple(row) for row in self.values(shares).tolist())
+        return replace(self.plan, points=points)
+
+
+@dataclass
+class Runs:
+    """The runs of a study so far, by their points.
+
+    Parameters
+    ----------
+    space : the parameters
+    make : makes the runs of a plan, and yields the numbers of each
+    keep : stores a run in the journal
+    progress : called with the number of runs so far
+    """
+
+    space: Space
+    make: Make
+    keep: Callable[[Sequence[float], Sequence[float | None]], None]
+    progress: Callable[[int], None] | None = None
+    known: dict[bytes, tuple[float | None, ...]] = field(default_factory=dict)
+    points: list[tuple[float, ...]] = field(default_factory=list)
+    made: int = 0
+
+    def at(self, shares: Points) -> Points:
+        """Return the numbers of each point, (points, numbers); not a number where a run failed."""
+        rows = np.atleast_2d(np.asarray(shares, float))
+        new = list({row.tobytes(): row for row in rows if row.tobytes() not in self.known}.values())
+        found = iter(self.make(self.space.runs(np.array(new)))) if new else iter(())
+        for row, numbers in zip(new, found, strict=True):
+            self.add(row, numbers)
+            self.keep(row.tolist(), numbers)
+            self.made += 1
+            if self.progress is not None:
+                self.progress(len(self.points))
+        if not len(rows):
+            return np.empty((0, len(next(iter(self.known.values()), ()))))
+        return np.array([self.known[row.tobytes()] for row in rows], float)
+
+    def add(self, row: Points, numbers: Sequence[float | None]) -> None:
+        """Add a run that has been made."""
+        self.known[row.tobytes()] = tuple(numbers)
+        self.points.append(tuple(row.tolist()))
+
+    def slopes(self, shares: Points, step: float = 1e-3) -> Points:
+        """Return the derivatives of the numbers by the shares, (numbers, parameters), by differences.
+
+        All runs are made at once; one-sided at a bound.
+        """
+        ahead, behind = (np.tile(shares, (len(shares), 1)) for _ in range(2))
+        for k in range(len(shares)):
+            ahead[k, k] = min(shares[k] + step, 1.0)
+            behind[k, k] = max(shares[k] - step, 0.0)
+        found = self.at(np.concatenate([ahead, behind]))
+        rise = found[: len(shares)] - found[len(shares) :]
+        slopes: Points = (rise / (ahead - behind).sum(axis=1)[:, None]).T
+        return slopes
+
+
+@contextmanager
+def journaled(
+    space: Space,
+    make: Make,
+    journal: Path,
+    said: object,
+    progress: Callable[[int], None] | None = None,
+) -> Iterator[Runs]:
+    """Yield the runs of a study, with those that were made before it was interrupted.
+
+    Parameters
+    ----------
+    journal : file of the runs so far; it stays if the study is interrupted
+    said : everything else that decides what the runs give
+    progress : called with the number of runs so far
+
+    Raises
+    ------
+    KeyboardInterrupt : on Ctrl-C, with what to do.
+    """
+    text = repr((space.plan.hash, said, versions(), space.plan.scene.fmu.content))
+    key = sha256(text.encode()).hexdigest()[:24]
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    before = _before(journal, key)
+    with journal.open("a" if before is not None else "w", encoding="utf-8") as file:
+        if before is None:
+            _write(file, {"study": key})
+        runs = Runs(space, make, lambda *run: _write(file, run), progress)
+        for point, numbers in before or ():
+            runs.add(np.array(point), numbers)
+        try:
+            yield runs
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                f"after {len(runs.points)} runs; start it again to continue"
+            ) from None
+    journal.unlink()
+
+
+def _write(file: IO[str], what: object) -> None:
+    file.write(json.dumps(what) + "\n")
+    file.flush()
+
+
+def _before(journal: Path, key: str) -> list[tuple[list[float], list[float | None]]] | None:
+    """Return the runs in a journal; None if it is of another study."""
+    try:
+        first, *lines = journal.read_text(encoding="utf-8").splitlines()
+        if json.loads(first) != {"study": key}:
+            return None
+    except (OSError, ValueError):
+        return None
+    found = []
+    for line in lines:
+        try:
+            point, numbers = json.loads(line)
+        except ValueError:
+            continue  # the last line may be incomplete
+        found.append((point, numbers))
+    return found
+
+
+def _ranges(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of nested tables and their ranges."""
+    for key, value in table.items():
+        if isinstance(value, dict) and not {"from", "to"} & set(value):
+            yield from _ranges(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value

@@ -1,0 +1,120 @@
+"""Measured signals from files that bear their own names and units.
+
+file = "rig.csv"
+time = "t"
+columns = { body_acceleration = "acc_z" }
+units = { t = "ms", acc_z = "g" }
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from phaseplane.suspension.measured import Wanted, headings, read_columns
+from phaseplane.suspension.units import UnitError, nearest, to_si
+
+from ..errors import InputError, one_line, shown
+from .tables import read_table
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+KEYS = (
+    "file", "time", "columns", "units", "delimiter", "decimal", "offset", "time_shift",
+)  # fmt: skip
+
+
+def read_signals(
+    said: Mapping[str, Any], folder: Path, known: Mapping[str, str]
+) -> dict[str, npt.NDArray[np.float64]]:
+    """Return `time` and measured columns by the names of the outputs they are of, in SI.
+
+    Parameters
+    ----------
+    said : the keys of `KEYS`. `time` is the heading of the times; `columns` gives the heading of each
+        output, and is left out if they are the outputs' names; `units` gives the unit of each heading,
+        and is left out if a row below the heading gives them, or if they are SI; `offset` is added to the
+        column of an output, `time_shift` to the times
+    folder : the folder that the file's path is relative to
+    known : the SI units of the outputs by name
+
+    Raises
+    ------
+    InputError : if a key is not valid, or the file cannot be read.
+    """
+    for key in said:
+        if key not in KEYS:
+            raise InputError(
+                f"unknown key {shown(key)}{nearest(key, KEYS)}; allowed: {', '.join(KEYS)}"
+            )
+    if not isinstance(said.get("file"), str) or not said["file"]:
+        raise InputError(f"file = {shown(said.get('file'))}: must be the path of a file")
+    tables = {}
+    for key in ("columns", "units", "offset"):
+        tables[key] = said.get(key, {})
+        if not isinstance(tables[key], Mapping):
+            raise InputError(f"{key} = {shown(tables[key])}: must be a table")
+    path, delimiter = folder / said["file"], str(said.get("delimiter", ","))
+    heading = str(said.get("time", "time"))
+    if path.suffix != ".csv":
+        return _from_table(path, heading, tables, said, known)
+    try:
+        columns = tables["columns"] or {
+            name: name for name in headings(path, delimiter) if name in known and name != heading
+        }
+        for name in (*columns, *tables["offset"]):
+            if name not in known:
+                raise InputError(f"columns: no output {shown(name)}{nearest(name, known)}")
+        if not columns:
+            raise InputError("columns is missing, and no heading is the name of an output")
+        units, offsets = tables["units"], tables["offset"]
+        wanted = [
+            Wanted(heading, ("s",), str(units.get(heading, "")), _si(said, "time_shift", "s")),
+            *(
+                Wanted(column, (known[name],), str(units.get(column, "")),
+                       _si(offsets, name, known[name]))
+                for name, column in columns.items()
+            ),
+        ]  # fmt: skip
+        found = read_columns(
+            path, wanted, delimiter=delimiter, decimal=str(said.get("decimal", "."))
+        )
+    except OSError as error:
+        raise InputError(one_line(f"cannot read {path}: {error.strerror or error}")) from None
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(one_line(error, 300)) from None
+    return dict(zip(("time", *columns), map(np.array, found), strict=True))
+
+
+def _from_table(
+    path: Path, heading: str, tables: Mapping[str, Mapping[str, Any]], said: Mapping[str, Any],
+    known: Mapping[str, str],
+) -> dict[str, npt.NDArray[np.float64]]:  # fmt: skip
+    """Return the columns of a table of results, whose units are SI."""
+    found, _ = read_table(path)
+    columns = tables["columns"] or {
+        name: name for name in found if name in known and name != heading
+    }
+    for column in (heading, *columns.values()):
+        if column not in found:
+            raise InputError(f"{path} has no column {shown(column)}{nearest(column, found)}")
+    return {
+        "time": found[heading].astype(float) + _si(said, "time_shift", "s"),
+        **{
+            name: found[column].astype(float) + _si(tables["offset"], name, known[name])
+            for name, column in columns.items()
+        },
+    }
+
+
+def _si(given: Mapping[str, Any], key: str, unit: str) -> float:
+    value = given.get(key, 0.0)
+    try:
+        return to_si(value, unit) if isinstance(value, str) else float(value)
+    except (UnitError, TypeError, ValueError) as error:
+        raise InputError(f"{key} = {shown(value)}: {error}") from None

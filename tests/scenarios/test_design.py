@@ -1,0 +1,220 @@
+"""Design studies: optima within bounds, trade-offs, and fits to measured signals."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given
+from hypothesis import strategies as st
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.design.optimum import undominated
+from phaseplane.scenarios.design.space import Space, journaled
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.folder import read_summary
+from phaseplane.scenarios.results.signals import read_signals
+
+import phaseplane
+
+CAR = """
+fmu = "QuarterCar"
+duration = "0.6 s"
+[parameters]
+road.height = "2 cm"
+"""
+SEARCH = "[search]\npopulation = 4\ngenerations = 6\ntrade_offs = 4\n"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("car.toml").write_text(CAR)
+    return tmp_path
+
+
+def study(text, name="study.toml"):
+    Path(name).write_text(f'scene = "car.toml"\n{text}')
+    return name
+
+
+def test_the_stiffness_of_least_settling_time_is_that_of_a_scan(folder):
+    found = phaseplane.optimise(
+        study('minimise = "rms.body_displacement"\n[vary]\n'
+              "damper.rebound_rate = { from = 100, to = 8000 }\n" + SEARCH)
+    )  # fmt: skip
+    scan = np.linspace(100, 8000, 80)
+    costs = [
+        phaseplane.run(
+            "car.toml", {"damper.rebound_rate": x}, measures=["rms.body_displacement"]
+        ).measures["rms.body_displacement"]
+        for x in scan
+    ]
+    assert found.summary["measures"]["rms.body_displacement"]["found"] <= min(costs) * (1 + 1e-6)
+    again = phaseplane.run(found.folder / "scene.toml", measures=["rms.body_displacement"])
+    value = found.summary["measures"]["rms.body_displacement"]["found"]
+    assert again.measures["rms.body_displacement"] == pytest.approx(value, rel=1e-9)
+
+
+def test_bounds_are_kept_and_the_trade_off_falls(folder):
+    found = phaseplane.optimise(study(
+        'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
+        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        "[constrain]\nsuspension_travel = { max = '35 mm' }\n" + SEARCH
+    ))  # fmt: skip
+    assert found.summary["feasible"]
+    assert found.summary["measures"]["suspension_travel"]["found"] <= 0.035 * (1 + 1e-6)
+    pairs = [
+        (row["rms.body_acceleration"], row["dynamic_load_coefficient"])
+        for row in found.summary["trade_off"]
+    ]
+    assert len(pairs) >= 2
+    assert pairs == sorted(pairs)
+    assert [b for _, b in pairs] == sorted((b for _, b in pairs), reverse=True)
+    assert {"runs.csv", "scene.toml", "study.png", "summary.json"} == set(found.summary["files"])
+
+
+def test_what_cannot_be_met_is_said(folder):
+    name = study('minimise = "rms.body_acceleration"\n[vary]\n'
+                 "damper.rebound_rate = { from = 300, to = 6000 }\n"
+                 "[constrain]\nsuspension_travel = { max = '1 mm' }\n" + SEARCH)  # fmt: skip
+    told = CliRunner().invoke(main, ["optimise", name])
+    assert told.exit_code == 1
+    assert "no point keeps all bounds" in told.output
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=30))
+def test_the_front_is_what_nothing_beats(pairs):
+    costs = np.array(pairs, float)
+    front = {tuple(costs[k]) for k in undominated(costs)}
+    beaten = {
+        tuple(a) for a in costs
+        if any((b <= a).all() and (b < a).any() for b in costs)
+    }  # fmt: skip
+    assert front == {tuple(a) for a in costs} - beaten
+
+
+def test_a_study_that_is_interrupted_repeats_no_run(folder):
+    content = {"scene": "car.toml", "vary": {"speed": {"from": 5, "to": 20}}}
+    space = Space.read(folder / "study.toml", content, ["step_count"])
+    made = []
+
+    def make(plan):
+        made.extend(plan.points)
+        return [(x,) for (x,) in plan.points]
+
+    def interrupted():
+        with journaled(space, make, folder / "journal", "said") as runs:
+            runs.at(np.array([[0.0], [1.0]]))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt, match="after 2 runs; start it again"):
+        interrupted()
+    with journaled(space, make, folder / "journal", "said") as runs:
+        assert runs.at(np.array([[1.0], [0.5]])).tolist() == [[20.0], [12.5]]
+    assert made == [(5.0,), (20.0,), (12.5,)]
+    assert not (folder / "journal").exists()
+
+
+TRUE = {"damper.rebound_rate": 1500.0, "damper.bump_rate": 700.0}
+
+
+def measured(folder, noise):
+    run = phaseplane.run("car.toml", TRUE, output_interval=2e-3)
+    random = np.random.default_rng(7)
+    lines = ["# rig", "t;acc_z", "[ms];[g]"]
+    for time, a in zip(run.time, run["body_acceleration"], strict=True):
+        row = (1e3 * time + 20.0, a / 9.80665 + 0.05 + noise * random.normal())
+        lines.append(";".join(f"{x:.9g}".replace(".", ",") for x in row))
+    (folder / "rig.csv").write_text("\n".join(lines))
+
+
+FIT = """
+[vary]
+damper.rebound_rate = { from = 300, to = 5000 }
+damper.bump_rate = { from = 300, to = 5000 }
+[measured]
+file = "rig.csv"
+time = "t"
+time_shift = "-20 ms"
+columns = { body_acceleration = "acc_z" }
+offset = { body_acceleration = "-0.05 g" }
+delimiter = ";"
+decimal = ","
+"""
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_a_fit_finds_the_parameters_within_its_confidence(folder, noise):
+    measured(folder, noise)
+    found = phaseplane.fit_parameters(study(FIT))
+    for key, value in TRUE.items():
+        width = found.summary["half_widths"][key]
+        assert found.values[key] == pytest.approx(value, abs=max(width, 0.1))
+        assert width < (1e-2 if noise == 0.0 else 200.0)
+    assert found.summary["residual"]["body_acceleration"] < (1e-6 if noise == 0.0 else 0.5)
+    assert read_summary(found.folder)["values"] == found.values
+
+
+def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
+    measured(folder, 0.02)
+    text = FIT.replace("damper.bump_rate = { from = 300, to = 5000 }",
+                       "damper.scale = { from = 0.5, to = 2.0 }\n"
+                       "damper.bump_rate = { from = 300, to = 5000 }")  # fmt: skip
+    found = phaseplane.fit_parameters(study(text))
+    assert "hardly tell" in found.report
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("minimise = 'rms.body'", "no measure 'rms.body'"),
+        ("minimize = 'rms.body_velocity'", "did you mean 'minimise'"),
+        ("", "give one of minimise and maximise"),
+        (
+            "minimise = 'suspension_travel'\n[constrain]\nsuspension_travel = { max = '3 kg' }",
+            "'kg'",
+        ),
+        ("minimise = 'suspension_travel'\n[search]\nseeds = 3", "search.seeds"),
+    ],
+)
+def test_a_study_that_is_not_understood_is_refused(folder, text, words):
+    lines = text.split("\n")
+    name = study(f"{lines[0]}\n[vary]\nspeed = {{ from = 5, to = 9 }}\n" + "\n".join(lines[1:]))
+    with pytest.raises(InputError, match=words):
+        phaseplane.optimise(name)
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [("speed = 3", "from = ..., to = ..."), ("speed = { from = 9, to = 5 }", "must rise"),
+     ("sped = { from = 1, to = 2 }", "did you mean 'speed'"),
+     ("duration = { from = 1, to = 2 }", "only parameters"),
+     ("road.shape = { from = 1, to = 2 }", "road.shape")],
+)  # fmt: skip
+def test_ranges_that_are_none_are_refused(folder, vary, words):
+    with pytest.raises(InputError, match=words):
+        phaseplane.optimise(study(f'minimise = "suspension_travel"\n[vary]\n{vary}\n'))
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({}, "must be the path of a file"),
+        ({"file": "no.csv"}, "cannot read"),
+        ({"file": "rig.csv", "columns": {"body_acc": "acc_z"}}, "no output 'body_acc'"),
+        ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
+        ({"file": "rig.csv", "columns": 3}, "must be a table"),
+    ],
+)
+def test_signals_that_are_not_understood_are_refused(folder, said, words):
+    measured(folder, 0.0)
+    with pytest.raises(InputError, match=words):
+        read_signals(said, folder, {"body_acceleration": "m/s2"})
+
+
+def test_signals_of_results_need_no_units(folder):
+    run = phaseplane.run("car.toml")
+    run.write(folder / "out")
+    found = read_signals({"file": "out/results.csv", "time_shift": 1.0}, folder, run.units)
+    np.testing.assert_allclose(found["time"], run.time + 1.0)
+    np.testing.assert_array_equal(found["body_velocity"], run["body_velocity"])
