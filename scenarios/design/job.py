@@ -188,12 +188,12 @@ def _optimum_told(found: Optimum) -> dict[str, Any]:
 def _optimum_words(found: Optimum) -> list[str]:
     problem, space = found.problem, found.problem.space
     known = catalogue(space.plan.scene.fmu.outputs())
-    rows = [("parameter", "before", "found", "from", "to")]
+    rows: list[tuple[str, ...]] = [("parameter", "before", "found", "from", "to")]
     for k, key in enumerate(space.plan.keys):
         ends = (space.lows[k], space.lows[k] + space.widths[k])
         points = (space.values(found.before)[k], space.values(found.best)[k], *ends)
         rows.append((key, *(_value(space, k, float(x)) for x in points)))
-    measured = [("measure", "before", "found", "bound")]
+    measured: list[tuple[str, ...]] = [("measure", "before", "found", "bound")]
     for k, name in enumerate(problem.measures):
         unit = known[name].unit
         bound = problem.bounds.get(name)
@@ -247,10 +247,10 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
             (problem.bounds.get(name) for name in pair), shown, strict=True
         )
     )
-    marked = {
-        "before": tuple(float(x[0]) for x in scaled(found.numbers_before)),
-        "found": tuple(float(x[0]) for x in scaled(found.numbers)),
-    }
+    marked = {}
+    for label, numbers in (("before", found.numbers_before), ("found", found.numbers)):
+        x, y = scaled(numbers)
+        marked[label] = (float(x[0]), float(y[0]))
     picture = figures.pareto(
         scaled(found.measured), (labels[0], labels[1]), front=scaled(found.front[1]),
         marked=marked, limits=(limits[0], limits[1]), title=space.plan.title,
