@@ -72,7 +72,21 @@ class OfRun:
     what: str
 
 
-Reading = Line | OfContact | OfFlow | OfRun
+@dataclass(frozen=True, slots=True)
+class OfLedger:
+    """An entry of the energy ledger.
+
+    Parameters
+    ----------
+    what : `kinetic`, `stored`, `dissipated` or `supplied`
+    signals : numbers of the roads and loads that supply it
+    """
+
+    what: str
+    signals: tuple[int, ...] = ()
+
+
+Reading = Line | OfContact | OfFlow | OfLedger | OfRun
 
 
 @dataclass(slots=True)
@@ -147,6 +161,15 @@ def _applied(system: System, output: Variable) -> Line:
 def _flow(system: System, output: Variable) -> OfFlow:
     yields = [element.yield_force < inf for element in system.elements]
     return OfFlow(yields.index(True), output.name)
+
+
+def _ledger(system: System, output: Variable) -> OfLedger:
+    """An entry of the ledger; a force and its table are one source of energy."""
+    source, _, what = output.name.removesuffix("_energy").rpartition("_")
+    if what != "supplied":
+        return OfLedger(what)
+    of = (k for k, name in enumerate(system.signals) if source in ("", name.removesuffix("_table")))
+    return OfLedger(what, tuple(of))
 
 
 def _run(system: System, output: Variable) -> OfRun:
@@ -276,6 +299,28 @@ FRAME = (  # of H83 example 40
            display="mm", nominal=1e-3, reading=_flow),
     output("yielding", "whether the spring yields", start=False, reading=_flow),
 )  # fmt: skip
+
+ENERGIES = (
+    output("kinetic_energy", "kinetic energy of all masses", "J", nominal=1e2, reading=_ledger),
+    output("stored_energy", "energy stored in springs, stops and tyres, relative to static "
+           "equilibrium", "J", nominal=1e2, reading=_ledger),
+    output("dissipated_energy", "energy dissipated since the start by dampers, friction and plastic "
+           "flow; includes what a damped tyre exchanges at lift-off and touchdown", "J",
+           nominal=1e2, reading=_ledger),
+    output("supplied_energy", "work of all roads and forces since the start; kinetic, stored and "
+           "dissipated energy grow by it, up to energy_residual", "J", nominal=1e2,
+           reading=_ledger),
+)  # fmt: skip
+
+
+def energies(*sources: str) -> tuple[Variable, ...]:
+    """Return the entries of the energy ledger, with the work of each of several sources."""
+    return ENERGIES + tuple(
+        output(f"{source}_supplied_energy", f"work of the {source.replace('_', ' ')} since the start",
+               "J", nominal=1e2, reading=_ledger)
+        for source in sources
+    )  # fmt: skip
+
 
 SOLVER_OUTPUTS = (
     output("energy_residual", "residual of the energy balance", "J", nominal=1e-3, reading=_run),

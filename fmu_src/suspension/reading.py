@@ -12,6 +12,7 @@ from .outputs import (
     Line,
     OfContact,
     OfFlow,
+    OfLedger,
     OfRun,
     Reading,
 )
@@ -29,6 +30,23 @@ class Contacts(NamedTuple):
     lift_offs: Sequence[int]
     last_lift_off: Sequence[float]
     last_touchdown: Sequence[float]
+
+
+class Energies(NamedTuple):
+    """The entries of the energy ledger at one time, J: kinetic + stored + dissipated - supplied = const.
+
+    Parameters
+    ----------
+    kinetic, stored : energy of all masses, and of all elements
+    dissipated : so far, by dampers, friction and plastic flow, and what a damped tyre exchanges at
+        lift-off and touchdown
+    supplied : so far, by each signal of the system
+    """
+
+    kinetic: float
+    stored: float
+    dissipated: float
+    supplied: tuple[float, ...]
 
 
 class State:
@@ -96,6 +114,9 @@ class Run(Protocol):
     state: State
     contacts: Contacts
 
+    def energies(self) -> Energies:
+        """Return the energies at the present time."""
+
     @property
     def time(self) -> float:
         """The present time, s."""
@@ -147,6 +168,10 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
             return lambda: integrator.yielding(element)
         case OfFlow(element):
             return lambda: run.state.permanent_sets[element]
+        case OfLedger("supplied", signals):
+            return lambda: sum(run.energies().supplied[k] for k in signals)
+        case OfLedger(what):
+            return lambda: getattr(run.energies(), what)
         case OfRun("energy_residual"):
             return lambda: integrator.residual_at(run.time)
         case OfRun("stable_step"):

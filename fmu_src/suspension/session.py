@@ -14,13 +14,13 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from math import inf, isfinite, nan
+from math import inf, isfinite, nan, nextafter
 from typing import Any
 
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
 from .models import build
-from .reading import Contacts, Readers, State
+from .reading import Contacts, Energies, Readers, State
 from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import number
@@ -37,6 +37,7 @@ _AT_REST = 1e-12  # s by which a communication point may precede the present, fr
 
 
 _MOST_EVENTS = 100_000  # stored per run
+_NO_ENERGIES = Energies(nan, nan, nan, (nan,) * 8)  # of a run that fails
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +95,7 @@ class Session:
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
+        self._energies: Energies | None = None  # at the present time, once asked for
         self._inputs = [v.name for v in declared if v.causality == "input"]
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
@@ -130,6 +132,7 @@ class Session:
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
         self._run.begin_contacts()
+        self._open_account(0.0, (0.0,) * len(self._signals))
 
     def _new_integrator(self, system: System, time: float) -> Any:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
@@ -280,6 +283,8 @@ class Session:
             return
         system = replace(build(self.model, parameters), signals=self._signals)
         self._stop_here()
+        self._energies = None
+        before = self.energies()
         self.parameters = parameters
         integrator = self._new_integrator(system, self.time)
         there = [self._system.element(element.name) for element in system.elements]
@@ -287,6 +292,9 @@ class Session:
         self._run.integrator = integrator
         self._run.compare_contacts()
         self._attach(system, integrator)
+        self._open_account(
+            before.dissipated, before.supplied
+        )  # what is stored otherwise is no work
 
     def _stop_here(self) -> None:
         """Return to the present: repeat the steps up to now if the integrator has gone ahead."""
@@ -340,15 +348,62 @@ class Session:
         """The integrator, for quantities that are not outputs."""
         return self._integrator
 
-    @property
-    def sources(self) -> tuple[str, ...]:
-        """The roads and loads that do work on the system, in the order of the energy ledger."""
-        return tuple(self._system.signals)
+    # -- energies ------------------------------------------------------------------------------------
+
+    def _open_account(self, dissipated: float, supplied: tuple[float, ...]) -> None:
+        """Let the energies go on from here, where the integrator's ledger begins or began anew."""
+        self._energies = None
+        kinetic, stored, *_ = self._integrator.energies()
+        # constant but for the residual
+        self._opening = dissipated + kinetic + sum(stored) - self._integrator.residual_end
+        self._carried = supplied
+
+    def energies(self) -> Energies:
+        """Return the energies at the present time.
+
+        The ledger is kept from step to step. If the last step goes beyond the present, it is repeated up
+        to here; this changes nothing in the run.
+        """
+        if self._energies is None:
+            ahead = self._integrator.time > self.time
+            self._energies = self._repeated() if ahead else self._read_ledger()
+        return self._energies
+
+    def _repeated(self) -> Energies:
+        """Return the energies at the present time, which the last step has gone beyond."""
+        ahead = self._integrator.snapshot()
+        self._return_to_last_step()
+        status = self._integrator.advance(self.time, True)
+        found = self._read_ledger() if status == 0 else _NO_ENERGIES
+        self._integrator.restore(ahead)
+        self._integrator.take_log()  # known already
+        self._integrator.sample(self.time)
+        self.state.at(self.time, self._signals)
+        return found
+
+    def _return_to_last_step(self) -> None:
+        """Go back to the beginning of the step that the present lies in, wherever the host stopped."""
+        before = self._behind
+        self._integrator.restore(before)
+        while self._integrator.advance(nextafter(self._integrator.time, inf)) == 0:
+            if self._integrator.time > self.time:
+                break
+            before = self._integrator.snapshot()
+        self._integrator.restore(before)
+
+    def _read_ledger(self) -> Energies:
+        kinetic, stored, _, since = self._integrator.energies()
+        held = kinetic + sum(stored)
+        # from the balance: all work on the elements that no other entry has
+        dissipated = self._opening - held + sum(since) + self._integrator.residual_end
+        supplied = tuple(a + b for a, b in zip(self._carried, since, strict=True))
+        return Energies(kinetic, sum(stored), dissipated, supplied)
 
     # -- outputs -------------------------------------------------------------------------------------
 
     def _sample(self) -> None:
         """Interpolate the state at the present time."""
+        self._energies = None
         while (c := self._run.next_contact(self.time)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
@@ -388,6 +443,8 @@ class Session:
                 "run": self._run.snapshot(),
                 "integrator": self._integrator.snapshot().hex(),
                 "behind": self._behind.hex(),
+                "opening": self._opening,
+                "carried": self._carried,
             }
         ).encode()
 
@@ -404,6 +461,7 @@ class Session:
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self._forget_events()
+        self._opening, self._carried = kept["opening"], tuple(kept["carried"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
         self._run.restore(kept["run"])
         self._read_lines()

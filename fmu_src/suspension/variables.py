@@ -35,6 +35,7 @@ from .outputs import (
     SOLVER_OUTPUTS,
     SUSPENSION_FORCES,
     TYRE_DEFLECTION,
+    energies,
     motion,
     output,
     suspension_deflection,
@@ -88,6 +89,7 @@ _ONE_DOF = (
     body_force(),
     ACTUATOR_FORCE,
     *_ON_ROAD,
+    *energies("road", "body_force"),
     *SOLVER_OUTPUTS,
 )
 
@@ -107,6 +109,7 @@ _QUARTER_CAR = (
     body_force(),
     ACTUATOR_FORCE,
     *_ON_WHEEL,
+    *energies("road", "body_force"),
     *SOLVER_OUTPUTS,
 )
 
@@ -162,6 +165,7 @@ _HALF_CAR_RIGID_TYRES = (
     *_both_axles((ACTUATOR_FORCE,)),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_ROAD),
+    *energies("front_road", "rear_road", "body_force"),
     *SOLVER_OUTPUTS,
 )
 
@@ -182,6 +186,7 @@ _HALF_CAR = (
     *_both_axles((ACTUATOR_FORCE,)),
     *_RIGID_BODY_MOTION,
     *_both_axles(_ON_WHEEL),
+    *energies("front_road", "rear_road", "body_force"),
     *SOLVER_OUTPUTS,
 )
 
@@ -205,6 +210,7 @@ _ELASTOPLASTIC = (  # start values of H83 example 40
     Variable("force", "force on the mass, added to that of force.table", "input", 0.0, "N", "kN",
              nominal=10.0),
     *FRAME,
+    *energies(),
     *SOLVER_OUTPUTS,
 )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Motions over time: displacements with the road, velocities, accelerations."""
+"""Motions over time: displacements with the road, velocities, accelerations, energies."""
 
 from __future__ import annotations
 
@@ -30,6 +30,12 @@ _COLUMNS = {
         ("wheel_acceleration", "wheel ẍ₂"),
         ("body_acceleration", "body ẍ₁"),
     ),
+    "energy": (
+        ("kinetic_energy", "kinetic"),
+        ("stored_energy", "stored"),
+        ("dissipated_energy", "dissipated"),
+        ("supplied_energy", "supplied"),
+    ),
 }
 """The columns of each quantity, and their labels."""
 
@@ -41,14 +47,14 @@ def time_histories(
     look: Look = PLAIN,
     points: bool = False,
 ) -> Figure:
-    """Draw displacements, velocities and accelerations over time (AP57 figures 14 to 16).
+    """Draw displacements, velocities, accelerations (AP57 figures 14 to 16) and energies over time.
 
     Parameters
     ----------
     columns : `time` (s) and any of road_elevation, body_displacement, wheel_displacement,
         suspension_deflection (m), `*_velocity` and suspension_deflection_rate (m/s),
-        `*_acceleration` (m/s^2), airborne (true or false), shape (n,) each; others are ignored, a
-        panel without columns is omitted
+        `*_acceleration` (m/s^2), `*_energy` (J), airborne (true or false), shape (n,) each; others
+        are ignored, a panel without columns is omitted
     title : title of the figure
     look : how it is printed
     points : mark every time

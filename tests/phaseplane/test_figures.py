@@ -273,6 +273,13 @@ def test_a_panel_without_columns_is_left_out():
     assert len(time_histories(columns).axes) == 2
 
 
+def test_energies_have_a_panel():
+    energies = {f"{name}_energy": TIMES for name in ("kinetic", "stored", "dissipated", "supplied")}
+    panel = time_histories({**histories(), **energies}).axes[3]
+    assert panel.get_ylabel() == "energy [J]"
+    assert set(energies) <= {line.get_gid() for line in panel.lines}
+
+
 @pytest.mark.parametrize(
     ("columns", "message"),
     [
