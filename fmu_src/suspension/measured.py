@@ -136,6 +136,50 @@ def read_points(
     return list(zip(positions, values, strict=True))
 
 
+def read_table_of_units(
+    lines: Sequence[str],
+) -> tuple[dict[str, list[float]], dict[str, str]]:
+    """Return all columns of a CSV text in SI units, and those units, where a row of units tells them.
+
+    The delimiter is that of the heading; if it is no comma, a comma in a number is a decimal sign.
+
+    Raises
+    ------
+    ValueError : a cell that is not a number, a unit that is not known, or a column that is there twice.
+    """
+    first = next((line for line in lines if line.strip() and not line.startswith(_COMMENT)), "")
+    delimiter = max(";\t,", key=first.count)
+    decimal = "." if delimiter == "," else ","
+    rows = _numbered(csv.reader(lines, delimiter=delimiter))
+    _, heading = next(rows, (0, []))
+    for name in heading:
+        if heading.count(name) > 1:
+            raise ValueError(f"{heading.count(name)} columns are called {name!r}")
+    columns: dict[str, list[float]] = {name: [] for name in heading}
+    kinds, scales = dict.fromkeys(heading, ""), [1.0] * len(heading)
+    for number, (line, row) in enumerate(rows):
+        units = [_bare(cell) for cell in row]
+        if number == 0 and not any(cell[:1].isdigit() or cell[:1] in "+." for cell in row if cell):
+            units = ["" if unit in ("-", "1") else unit for unit in units]
+            if all(not unit or _is_unit(unit) for unit in units):
+                kinds = {n: _kind(unit) for n, unit in zip(heading, units, strict=True)}
+                scales = [_size(u, (_kind(u),)) if u else 1.0 for u in units]
+                continue
+        if len(row) != len(heading):
+            raise ValueError(f"line {line} has {len(row)} cells, the heading {len(heading)}")
+        for name, cell, scale in zip(heading, row, scales, strict=True):
+            columns[name].append(_number(f"line {line}", name, cell, decimal) * scale)
+    return columns, kinds
+
+
+def _kind(unit: str) -> str:
+    """Return the SI unit of a unit; that of accelerations for g."""
+    if not unit or unit in UNITS:
+        return unit
+    fits = [name for name, one in UNITS.items() if unit in one.display]
+    return "m/s2" if "m/s2" in fits else fits[0]
+
+
 def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
     """Return the headings of a CSV file.
 

@@ -4,6 +4,8 @@ from .characteristics import characteristics_sheet as characteristics_sheet
 from .columns import columns as columns
 from .columns import comparison as comparison
 from .columns import plane_of_columns as plane_of_columns
+from .columns import runs as runs
+from .histories import axle_histories as axle_histories
 from .histories import time_histories as time_histories
 from .planes import construction_sheet as construction_sheet
 from .planes import phase_planes as phase_planes

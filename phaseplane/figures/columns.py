@@ -1,9 +1,10 @@
-"""Columns of one run, or of two runs for comparison, over time, each in its own panel."""
+"""Columns of one or more runs over time, each in its own panel, or one column over another."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import cycle
+from math import ceil
 
 import numpy as np
 import numpy.typing as npt
@@ -11,14 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from phaseplane.figures.style import (
-    BLUE,
     COLOURS,
-    ORANGE,
     Palette,
     dress,
     new_figure,
     palette_for,
 )
+
+Curve = tuple[npt.ArrayLike, npt.ArrayLike]
+_IN_COLUMN = 7  # panels one below the other
 
 
 def columns(
@@ -29,7 +31,7 @@ def columns(
     title: str = "",
     dark: bool = False,
 ) -> Figure:
-    """Draw columns of one run, one below the other.
+    """Draw columns of one run, each in a panel of its own.
 
     Parameters
     ----------
@@ -43,11 +45,8 @@ def columns(
     ------
     ValueError : if there are no columns.
     """
-    palette = palette_for(dark)
-    figure, panels = _panels(list(values), units, palette, title)
-    for axes, column in zip(panels, values.values(), strict=True):
-        axes.plot(time, column, color=BLUE, linewidth=1.2)
-    return figure
+    each = {name: {"": (time, column)} for name, column in values.items()}
+    return runs(each, units, title=title, dark=dark)
 
 
 def comparison(
@@ -72,17 +71,46 @@ def comparison(
     ------
     ValueError : if there are no columns.
     """
+    each = {
+        name: dict(zip(labels, zip(times, pair, strict=True), strict=True))
+        for name, pair in values.items()
+    }
+    return runs(each, units, dark=dark)
+
+
+def runs(
+    values: Mapping[str, Mapping[str, Curve]],
+    units: Mapping[str, str],
+    *,
+    title: str = "",
+    dark: bool = False,
+) -> Figure:
+    """Draw columns of several runs over one another, each column in a panel of its own.
+
+    Parameters
+    ----------
+    values : for each column its time (s) and values by the name of the run
+    units : of the columns, where known
+    title : title of the figure
+    dark : use a dark background
+
+    Raises
+    ------
+    ValueError : if there are no columns.
+    """
     palette = palette_for(dark)
-    figure, panels = _panels(list(values), units, palette, "")
-    for axes, pair in zip(panels, values.values(), strict=True):
-        for time, column, label, colour, style in zip(
-            times, pair, labels, (BLUE, ORANGE), ("-", "--"), strict=True
-        ):
+    labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
+    figure, panels = _panels(list(values), units, palette, title)
+    styles = dict(zip(labels, zip(cycle(COLOURS), cycle(("-", "--", "-.", ":"))), strict=False))
+    for axes, curves in zip(panels, values.values(), strict=False):
+        for label, (time, column) in curves.items():
+            colour, style = styles[label]
             axes.plot(time, column, style, color=colour, linewidth=1.3, label=label)
-    panels[0].legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=2, frameon=False, fontsize=9.0,
-        labelcolor=palette.ink,
-    )  # fmt: skip
+    if len(labels) > 1:
+        panels[0].legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=min(len(labels), 4), frameon=False,
+            fontsize=9.0, labelcolor=palette.ink,
+        )  # fmt: skip
     return figure
 
 
@@ -137,22 +165,32 @@ def plane_of_columns(
 def _panels(
     names: list[str], units: Mapping[str, str], palette: Palette, title: str
 ) -> tuple[Figure, list[Axes]]:
+    """Return a figure with a panel for each column, in several columns of panels if there are many."""
     if not names:
         raise ValueError("no columns to draw")
-    height = 0.9 + 1.5 * len(names)
-    figure = new_figure(8.5, height, palette)
-    panels = list(figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0])
-    for axes, name in zip(panels, names, strict=True):
+    across = ceil(len(names) / _IN_COLUMN)
+    down = ceil(len(names) / across)
+    width, height = 2.5 + 6.0 * across, 0.9 + 1.5 * down
+    figure = new_figure(width, height, palette)
+    grid = figure.subplots(down, across, sharex=True, squeeze=False)
+    panels = list(grid.T.ravel())
+    for axes, name in zip(panels, names, strict=False):
         unit = units.get(name, "")
         words = name.replace("_", " ").replace(" ", "\n", 1)
         axes.set_ylabel(f"{words}\n[{unit}]" if unit not in ("", "1") else words, fontsize=8.5)
         dress(axes, palette, 8.0)
         axes.yaxis.label.set_color(palette.ink)
-    panels[-1].set_xlabel("time [s]", color=palette.ink)
+    for axes in panels[len(names) :]:
+        axes.set_axis_off()
+    for k in range(across):
+        lowest = panels[min((k + 1) * down, len(names)) - 1]
+        lowest.set_xlabel("time [s]", color=palette.ink)
+        lowest.tick_params(labelbottom=True)
+        figure.align_ylabels(grid[:, k])
     if title:
         figure.suptitle(title, color=palette.ink, fontsize=11.0)
-    figure.align_ylabels(panels)
     figure.subplots_adjust(
-        left=0.14, right=0.97, bottom=0.5 / height, top=1.0 - 0.4 / height, hspace=0.15
-    )
+        left=1.2 / width, right=1.0 - 0.25 / width, bottom=0.5 / height,
+        top=1.0 - (0.65 if title else 0.4) / height, hspace=0.15, wspace=0.28,
+    )  # fmt: skip
     return figure, panels

@@ -64,36 +64,75 @@ def time_histories(
     ValueError : if `time` is missing or has fewer than two values, lengths of columns differ, or
         there is nothing to draw.
     """
-    table, shown = _checked(columns)
-    palette = look.palette
-    width = look.inches or 9.0
-    figure = new_figure(width, 0.9 + 2.2 * len(shown) * min(1.0, 0.4 + width / 15.0), palette)
-    panels = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    times = 1e3 * table["time"]
-    spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
-    for axes, quantity in zip(panels, shown, strict=True):
-        _panel(axes, quantity, table, times, palette, points=points)
-        for start, end in spans:
-            axes.axvspan(1e3 * start, 1e3 * end, color=palette.tint, zorder=0.0, gid="airborne")
-    for start, end in spans[:1]:
-        panels[0].annotate(
-            "airborne",
-            (500.0 * (start + end), 1.0),
-            (0.0, 2.0),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            ha="center",
-            va="bottom",
-            fontsize=8.0,
-            color=palette.faint,
-        )
-    panels[-1].set_xlabel("time [ms]", color=palette.ink)
+    return _histories({"": columns}, title, look, points)
+
+
+def axle_histories(
+    axles: Mapping[str, Mapping[str, npt.ArrayLike]],
+    *,
+    title: str = "",
+    look: Look = PLAIN,
+) -> Figure:
+    """Draw the motions over several axles beside each other, each with its road and flights.
+
+    Parameters
+    ----------
+    axles : the columns of each axle by its name, as for `time_histories`
+    title, look : as for `time_histories`
+
+    Raises
+    ------
+    ValueError : as `time_histories`.
+    """
+    return _histories(axles, title, look, points=False)
+
+
+def _histories(
+    axles: Mapping[str, Mapping[str, npt.ArrayLike]], title: str, look: Look, points: bool
+) -> Figure:
+    """Draw a column of panels for each axle, with equal scales across."""
+    checked = {name: _checked(columns) for name, columns in axles.items()}
+    shown = max((shown for _, shown in checked.values()), key=len)
+    palette, across = look.palette, len(checked)
+    width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
+    figure = new_figure(
+        width, 0.9 + 2.2 * len(shown) * min(1.0, 0.4 + width / across / 15.0), palette
+    )
+    grid = figure.subplots(len(shown), across, sharex=True, sharey="row", squeeze=False)
+    for k, (axle, (table, _)) in enumerate(checked.items()):
+        panels = grid[:, k]
+        times = 1e3 * table["time"]
+        spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
+        for axes, quantity in zip(panels, shown, strict=True):
+            _panel(axes, quantity, table, times, palette, points=points)
+            for start, end in spans:
+                axes.axvspan(1e3 * start, 1e3 * end, color=palette.tint, zorder=0.0, gid="airborne")
+            if k + 1 < across:
+                axes.get_legend().remove()
+            if k:
+                axes.set_ylabel("")
+        for start, end in spans[:1]:
+            panels[0].annotate(
+                "airborne",
+                (500.0 * (start + end), 1.0),
+                (0.0, 2.0),
+                xycoords=("data", "axes fraction"),
+                textcoords="offset points",
+                ha="center",
+                va="bottom",
+                fontsize=8.0,
+                color=palette.faint,
+            )
+        panels[-1].set_xlabel("time [ms]", color=palette.ink)
+        if axle:
+            panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
     if title:
         figure.suptitle(title, color=palette.ink, fontsize=11.0, gid=HEADING)
-    figure.align_ylabels(list(panels))
+    figure.align_ylabels(list(grid[:, 0]))
     figure.subplots_adjust(
         left=0.81 / width, right=1.0 - 1.53 / width, bottom=0.55 / figure.get_figheight(),
         top=1.0 - (0.55 if title and look.headed else 0.3) / figure.get_figheight(), hspace=0.12,
+        wspace=0.06,
     )  # fmt: skip
     return printed(figure, look)
 

@@ -24,15 +24,51 @@ _columns = click.option(
 
 
 @click.command()
-@click.argument("what", metavar="RESULTS", type=click.Path(path_type=Path))
+@click.argument(
+    "paths", metavar="RESULTS...", nargs=-1, required=True, type=click.Path(path_type=Path)
+)
 @_columns
-@figure_option("the columns over time")
+@figure_option("all columns, or those chosen, over time")
+@click.option(
+    "--plane",
+    metavar="X,Y",
+    default="",
+    help="Draw column Y over column X, such as a rate over its displacement.",
+)
 @json_option
-def show(what: Path, columns: tuple[str, ...], figure: Path | None, as_data: bool) -> None:
-    """Summarise RESULTS: a run's folder or a table."""
-    _check_there(what)
-    told = contents(what, columns, figure)
-    click.echo(as_json(told) if as_data else contents_in_words(told, what))
+def show(
+    *,
+    paths: tuple[Path, ...],
+    columns: tuple[str, ...],
+    figure: Path | None,
+    plane: str,
+    as_data: bool,
+) -> None:
+    """Summarise RESULTS: a run's folder or a table.
+
+    A table may be a CSV file of any program: units below the heading, a decimal comma and comments are
+    read. With several RESULTS, all of them are drawn, and the first is summarised.
+    """
+    _check_there(*paths)
+    told = contents(paths[0], columns, figure, _plane(plane, figure), paths[1:])
+    click.echo(as_json(told) if as_data else contents_in_words(told, paths[0]))
+
+
+def _plane(names: str, figure: Path | None) -> tuple[str, str] | None:
+    """Return the two columns of `--plane`.
+
+    Raises
+    ------
+    InputError : if they are not two, or there is no picture to draw.
+    """
+    if not names:
+        return None
+    pair = tuple(name.strip() for name in names.split(","))
+    if len(pair) != 2 or not all(pair):
+        raise InputError(one_line(f"--plane {names}: give two columns, such as x,y"))
+    if figure is None:
+        raise InputError("--plane needs --figure, the picture to write")
+    return pair[0], pair[1]
 
 
 @click.command()

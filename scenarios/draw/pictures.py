@@ -115,6 +115,9 @@ def figure_of(
     printed = figures.Look(**look or {})
     if name == "time_histories":
         assert results is not None
+        if "front_suspension_deflection" in results.columns:
+            axles = {axle: histories(results, f"{axle}_") for axle in ("front", "rear")}
+            return figures.axle_histories(axles, title=title, look=printed)
         return figures.time_histories(histories(results), title=title, look=printed)
     draws = getattr(figures, name)
     if step is not None and "frame" not in signature(draws).parameters:
@@ -129,10 +132,15 @@ def record(shown: Content, path: Path) -> None:
     recording.record(shown, path)
 
 
-def histories(results: Results) -> dict[str, npt.NDArray[np.float64]]:
-    """Return the columns under their names in pictures and recordings."""
+def histories(results: Results, axle: str = "") -> dict[str, npt.NDArray[np.float64]]:
+    """Return the columns under their names in pictures and recordings; those of one axle, if given."""
     renamed = {"ground_elevation": "road_elevation", "ground_velocity": "road_velocity"}
-    columns = {renamed.get(name, name): column for name, column in results.columns.items()}
+    own = {
+        name.removeprefix(axle): column
+        for name, column in results.columns.items()
+        if name.startswith(axle) or name == "time"
+    }
+    columns = {renamed.get(name, name): column for name, column in own.items()}
     if {"body_acceleration", "wheel_acceleration"} <= columns.keys():
         deflection = columns["body_acceleration"] - columns["wheel_acceleration"]
         columns["suspension_deflection_acceleration"] = deflection

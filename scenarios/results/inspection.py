@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import nearest
 
@@ -14,19 +14,31 @@ from phaseplane import figures
 from ..errors import InputError, check_picture, one_line, shown
 from .comparison import Difference, check_ascending, compared, extent_words
 from .folder import DAMAGED, Results, read_results
+from .quantities import quantity
 from .report import aligned, report
 
-_MOST_DRAWN = 6
+if TYPE_CHECKING:
+    from phaseplane.figures.style import Figure
+
+_MOST_COMPARED = 6  # columns in the picture of a comparison
 
 
-def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) -> dict[str, Any]:
-    """Return the summary of results and the range of each column; draw them over time if asked.
+def contents(
+    what: Path,
+    names: Sequence[str] = (),
+    figure: Path | None = None,
+    plane: tuple[str, str] | None = None,
+    others: Sequence[Path] = (),
+) -> dict[str, Any]:
+    """Return the summary of results and the range of each column; draw them if asked.
 
     Parameters
     ----------
     what : results folder, or a single table
-    names : columns to list and draw; if empty, all are listed and the first few drawn
-    figure : picture to write
+    names : columns to list and draw; all if empty
+    figure : picture to write, of the columns over time
+    plane : two columns that the picture shows one over the other instead, the abscissa first
+    others : further results that the picture shows too
 
     Raises
     ------
@@ -55,16 +67,36 @@ def contents(what: Path, names: Sequence[str] = (), figure: Path | None = None) 
         },
     }
     if figure is not None:
-        time = _time(results, what)
-        drawn = [name for name in columns if name != "time"][: None if names else _MOST_DRAWN]
-        if not drawn:
-            raise InputError(one_line(f"--figure: {what} has no column but time to draw"))
-        title = str(results.summary.get("title", what.name))
-        figures.save(
-            figures.columns({n: columns[n] for n in drawn}, time, units, title=title), figure
-        )
+        drawn = {what: results, **{path: read_results(path) for path in others}}
+        title = str(results.summary.get("title", what.name)) if not others else ""
+        figures.save(_picture(drawn, names, plane, units, title), figure)
         told["files"] = [str(figure)]
     return told
+
+
+def _picture(
+    drawn: Mapping[Path, Results],
+    names: Sequence[str],
+    plane: tuple[str, str] | None,
+    units: Mapping[str, str],
+    title: str,
+) -> Figure:
+    """Return the picture of one or more results, over time or one column over another."""
+    if plane is not None:
+        curves = {}
+        for path, results in drawn.items():
+            chosen = _chosen(results, plane, path)
+            curves[str(path)] = (chosen[plane[0]], chosen[plane[1]])
+        return figures.plane_of_columns(curves, plane, units, title=title)
+    values: dict[str, dict[str, Any]] = {}
+    for path, results in drawn.items():
+        time = _time(results, path)
+        for name, column in _chosen(results, names, path).items():
+            if name != "time" and (path == next(iter(drawn)) or name in values):
+                values.setdefault(name, {})[str(path)] = (time, column)
+    if not values:
+        raise InputError(one_line(f"--figure: {next(iter(drawn))} has no column but time to draw"))
+    return figures.runs(values, units, title=title)
 
 
 def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
@@ -128,9 +160,10 @@ def difference(
         "compared": found.as_data(),
         "unshared": unshared,
         "differences": [_plain(d) for d in found.differences],
+        "measures": _side_by_side(first.summary, second.summary),
     }
     if figure is not None:
-        worst = [d.name for d in found.differences[:_MOST_DRAWN]]
+        worst = [d.name for d in found.differences[:_MOST_COMPARED]]
         picture = figures.comparison(
             {name: (first.columns[name], second.columns[name]) for name in worst},
             (first.columns["time"], second.columns["time"]),
@@ -149,14 +182,32 @@ def difference_in_words(told: Mapping[str, Any]) -> str:
         (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
         for d in told["differences"]
     ]
+    measured = [
+        (name, quantity(one["ours"], one["unit"]), quantity(one["other"], one["unit"]))
+        for name, one in told["measures"].items()
+    ]
+    beside = (
+        [*aligned([("measure", told["ours"], told["other"]), *measured]), ""] if measured else []
+    )
     verdict = "equal" if told["equal"] else "different"
     lines = [
+        *beside,
         *aligned([heading, *rows]),
         f"compared: {extent_words(told['compared'])}",
         *told["unshared"],
         verdict if told["unshared"] else f"{verdict} to {told['tolerance']:g}",
     ]
     return "\n".join([*lines, *told.get("files", ())])
+
+
+def _side_by_side(ours: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the measures that both runs have, with their units."""
+    a, b = (s.get("measures") if isinstance(s.get("measures"), dict) else {} for s in (ours, other))
+    return {
+        name: {"unit": a[name]["unit"], "ours": a[name]["value"], "other": b[name]["value"]}
+        for name in a
+        if name in b
+    }
 
 
 def first_difference(told: Mapping[str, Any]) -> str:

@@ -1,7 +1,7 @@
 """Tables of columns and their metadata in files; the file's ending sets the format.
 
-Numbers are read back to the bit. CSV is in FMPy's format, without metadata, which a results folder has
-in its summary.
+Numbers are read back to the bit. CSV is written in FMPy's format, without metadata, which a results
+folder has in its summary; it is also read as measuring programs write it: see `suspension.measured`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from phaseplane.suspension.measured import read_table_of_units
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, one_line
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     Columns = Mapping[str, npt.NDArray[np.float64]]
     Table = tuple[dict[str, npt.NDArray[np.float64]], dict[str, Any]]
 
+_NUMERIC = re.compile(r"[-+]?(\d|\.\d|nan|inf)", re.IGNORECASE)
 _METADATA = "phaseplane"  # the name of the metadata in a file
 
 
@@ -101,8 +103,13 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
 def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 
     with path.open(encoding="utf-8-sig", newline="") as table:
-        names = [name.strip() for name in next(csv.reader(table), [])]
-        rows = table.readlines()
+        lines = table.readlines()
+    names = [name.strip() for name in next(csv.reader(lines[:1]), [])]
+    rows = lines[1:]
+    if rows and (len(names) == 1 or _is_foreign(lines[0], rows[0])):
+        columns, units = read_table_of_units(lines)
+        found = {name: np.array(column) for name, column in columns.items()}
+        return found, json.dumps({"units": units})
     if not names or not rows:
         return {}, ""
     for name in names:
@@ -115,6 +122,12 @@ def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
     if values.shape[1] != len(names):
         raise ValueError(f"{len(names)} names in the header, but {values.shape[1]} columns")
     return dict(zip(names, values.T.copy(), strict=True)), ""
+
+
+def _is_foreign(heading: str, row: str) -> bool:
+    """Whether a CSV begins with a comment, or a row of units follows its heading."""
+    cells = [cell.strip().strip('"') for cell in row.split(",")]
+    return heading.startswith("#") or any(cell and not _NUMERIC.match(cell) for cell in cells)
 
 
 def _write_parquet(columns: Columns, metadata: str, path: Path) -> None:

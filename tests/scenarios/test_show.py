@@ -1,0 +1,116 @@
+"""Tables of any program, all columns, several runs, and one column over another."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.draw.pictures import figure_of
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.inspection import difference
+from phaseplane.scenarios.results.tables import read_table
+
+import phaseplane as desk
+from phaseplane import figures
+
+
+@pytest.fixture
+def folders(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    desk.run("ap57", duration=0.2).write("a")
+    desk.run("ap57", duration=0.2, speed=25).write("b")
+
+
+def phaseplane(*arguments):
+    return CliRunner().invoke(main, arguments)
+
+
+@pytest.mark.parametrize(
+    ("text", "columns", "units"),
+    [
+        ("# rig\nt;a\n[ms];[g]\n10;0,5\n20;-1\n", {"t": [0.01, 0.02], "a": [4.903325, -9.80665]},
+         {"t": "s", "a": "m/s2"}),
+        ("t\tz\n0\t1,5\n1\t2,5\n", {"t": [0.0, 1.0], "z": [1.5, 2.5]}, {"t": "", "z": ""}),
+        ("t,z\ns,mm\n0,1\n1,2\n", {"t": [0.0, 1.0], "z": [0.001, 0.002]}, {"t": "s", "z": "m"}),
+        ("# only words\nt,z\n0,1\n", {"t": [0.0], "z": [1.0]}, {"t": "", "z": ""}),
+    ],
+)  # fmt: skip
+def test_csv_of_other_programs_is_read_in_si(tmp_path, text, columns, units):
+    file = tmp_path / "other.csv"
+    file.write_text(text)
+    found, metadata = read_table(file)
+    assert {name: column.tolist() for name, column in found.items()} == {
+        name: pytest.approx(column) for name, column in columns.items()
+    }
+    assert metadata["units"] == units
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("t;z\n0;1\n1\n", "line 3 has 1 cells"), ("t;z\n0;one\n", "'one' found"),
+     ("t;t\n0;1\n", "2 columns are called 't'")],
+)  # fmt: skip
+def test_what_is_no_table_is_refused_with_its_line(tmp_path, text, words):
+    file = tmp_path / "other.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=words):
+        read_table(file)
+
+
+def test_all_columns_are_drawn(folders):
+    columns, _ = read_table(Path("a/results.csv"))
+    time = columns.pop("time")
+    figure = figures.columns(columns, time, {})
+    drawn = {
+        axes.get_ylabel().replace("\n", "_").replace(" ", "_"): axes.lines[0].get_ydata()
+        for axes in figure.axes
+    }
+    assert len(drawn) == len(columns) == 14
+    for name, column in columns.items():
+        np.testing.assert_array_equal(drawn[name], column)
+
+
+def test_several_runs_and_planes_are_drawn(folders):
+    assert phaseplane("show", "a", "b", "--figure", "runs.png").exit_code == 0
+    plane = "suspension_deflection,suspension_deflection_rate"
+    assert phaseplane("show", "a", "b", "--plane", plane, "--figure", "plane.png").exit_code == 0
+    assert Path("runs.png").exists()
+    assert Path("plane.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--plane", "x"), "give two columns"),
+        (("--plane", "x,y"), "needs --figure"),
+        (("--plane", "body_vel,time", "--figure", "p.png"), "did you mean 'body_velocity'"),
+    ],
+)
+def test_planes_that_cannot_be_drawn_are_refused(folders, arguments, words):
+    told = phaseplane("show", "a", *arguments)
+    assert told.exit_code == 2
+    assert words in told.stderr
+
+
+def test_measures_stand_side_by_side(folders):
+    told = difference(Path("a"), Path("b"), 1e-6)
+    ours, other = desk.run("ap57", duration=0.2), desk.run("ap57", duration=0.2, speed=25)
+    name = "peak.body_acceleration"
+    assert told["measures"][name]["ours"] == ours.measures[name]
+    assert told["measures"][name]["other"] == other.measures[name]
+    assert "measure" in phaseplane("compare", "a", "b").stdout
+
+
+def test_histories_of_a_half_car_show_both_axles():
+    run = desk.run("half_car_pitch", duration=0.5)
+    figure = figure_of("time_histories", None, run.results)
+    front, rear = figure.axes[0], figure.axes[1]
+    for axes, axle in ((front, "front"), (rear, "rear")):
+        lines = {line.get_gid(): line.get_ydata() for line in axes.lines if line.get_gid()}
+        np.testing.assert_allclose(
+            lines["wheel_displacement"], 100 * run[f"{axle}_wheel_displacement"]
+        )
+        np.testing.assert_allclose(lines["road_elevation"], 100 * run[f"{axle}_ground_elevation"])
+        assert axes.get_title("right") == axle
+        assert [patch.get_gid() for patch in axes.patches] == ["airborne"]
