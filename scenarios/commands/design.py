@@ -25,7 +25,7 @@ _output = click.option(
 @_output
 @json_option
 def optimise(file: Path, output: Path | None, as_data: bool) -> int:
-    """Find the parameters of a scene that are best within bounds, as FILE says.
+    """Find the best parameters of a scene within bounds.
 
     FILE gives a scene, the measure to minimise or maximise, the ranges of the parameters, and bounds on
     other measures. Start an interrupted search again to continue it. Exit status 1 if no point keeps all
@@ -45,7 +45,7 @@ def optimise(file: Path, output: Path | None, as_data: bool) -> int:
 @_output
 @json_option
 def fit(file: Path, output: Path | None, as_data: bool) -> int:
-    """Fit parameters of a scene to measured signals, as FILE says.
+    """Fit parameters of a scene to measured signals.
 
     FILE gives a scene, the ranges of the parameters, and the file of the signals with its columns and
     units. Start an interrupted fit again to continue it.

@@ -202,7 +202,7 @@ def difference_in_words(told: Mapping[str, Any]) -> str:
 
 def _side_by_side(ours: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
     """Return the measures that both runs have, with their units."""
-    a, b = (s.get("measures") if isinstance(s.get("measures"), dict) else {} for s in (ours, other))
+    a, b = (dict(summary.get("measures") or {}) for summary in (ours, other))
     return {
         name: {"unit": a[name]["unit"], "ours": a[name]["value"], "other": b[name]["value"]}
         for name in a
