@@ -14,7 +14,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise
 from math import copysign, exp, inf, isfinite, log, log1p, sinh, tanh
 from typing import NamedTuple
@@ -100,9 +100,11 @@ def log_cosh(u: float) -> float:
     return 0.5 * log1p(sinh(x) ** 2) if x < 1.0 else x + log1p(exp(-2.0 * x)) - log(2.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Characteristic:
     """A continuous force law made of pieces in ascending order.
+
+    What follows from the pieces is found once: systems built one after the other share their laws.
 
     Parameters
     ----------
@@ -114,7 +116,7 @@ class Characteristic:
     def _piece(self, x: float) -> Piece:
         return self.pieces[bisect_right(self.corners, x)]
 
-    @property
+    @cached_property
     def corners(self) -> tuple[float, ...]:
         """The arguments at which two pieces meet, ascending."""
         return tuple(piece.start for piece in self.pieces[1:])
@@ -131,7 +133,7 @@ class Characteristic:
         """Return the integral of the force from 0 to x: for a spring its stored energy, in J."""
         return self.potentials[bisect_right(self.corners, x)] + self._piece(x).antiderivative(x)
 
-    @property
+    @cached_property
     def potentials(self) -> tuple[float, ...]:
         """The constant of each piece that makes `potential` continuous and zero at 0."""
         if len(self.pieces) == 1:
@@ -153,7 +155,28 @@ class Characteristic:
             )
         return tuple(constants)
 
-    @property
+    @cached_property
+    def numbers(self) -> tuple[float, ...]:
+        """All pieces as the integrator reads them, one after the other.
+
+        Start, origin, four coefficients, saturation, scale, the energy stored up to the piece, power,
+        exponent, and whether there is a function of one's own.
+        """
+        return tuple(
+            number
+            for piece, potential in zip(self.pieces, self.potentials, strict=True)
+            for number in (
+                piece.start, piece.origin, *piece.coefficients, piece.saturation, piece.scale,
+                potential, piece.power, piece.exponent, float(piece.own is not None),
+            )
+        )  # fmt: skip
+
+    @cached_property
+    def functions(self) -> tuple[Own | None, ...]:
+        """The function of one's own of each piece, or None."""
+        return tuple(piece.own for piece in self.pieces)
+
+    @cached_property
     def is_zero(self) -> bool:
         """Whether the force is zero everywhere, so that the element may be left out."""
         return not any(

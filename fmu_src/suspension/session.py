@@ -19,7 +19,7 @@ from typing import Any
 
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
-from .models import build
+from .models import build_checked
 from .reading import Contacts, Energies, Readers, State
 from .signals import Segment, Signal
 from .systems import Axle, System
@@ -97,7 +97,7 @@ class Session:
         self._tuned: dict[str, Value] = {}
         self._energies: Energies | None = None  # at the present time, once asked for
         self._inputs = [v.name for v in declared if v.causality == "input"]
-        system = build(model, self.parameters)
+        system = build_checked(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
         self._tyres = [axle for axle in system.axles if axle.tyre]
@@ -281,7 +281,7 @@ class Session:
         parameters = {**self.parameters, **tuned}
         if parameters == self.parameters:
             return
-        system = replace(build(self.model, parameters), signals=self._signals)
+        system = replace(build_checked(self.model, parameters), signals=self._signals)
         self._stop_here()
         self._energies = None
         before = self.energies()

@@ -6,7 +6,7 @@ s = x - origin. The last term is a function in Python, which is called with the 
 
 from __future__ import annotations
 
-from itertools import accumulate, repeat
+from itertools import accumulate
 
 import cython
 
@@ -217,9 +217,8 @@ def power_slope(power, exponent, s):
 def functions_of(element):
     """Return the function of each piece of an element's laws, or None."""
     if element.yield_force < 1e300:
-        return [None] * sum(pieces_of(element))
-    laws = element.spring, element.damper, element.modulation
-    return [piece.own for law in laws for piece in law.pieces]
+        return (None,) * sum(pieces_of(element))
+    return element.spring.functions + element.damper.functions + element.modulation.functions
 
 
 def pieces_of(element):
@@ -229,33 +228,9 @@ def pieces_of(element):
 
 
 def law_numbers(element):
-    """Return the pieces of the laws of an element, one after the other.
-
-    A piece of a spring includes the energy stored up to it, a piece of a modulation its integral; a
-    damper stores nothing.
-    """
-    if element.yield_force < 1e300:
-        numbers = _flow_pieces(element)
-    else:
-        numbers = _numbers(element.spring, element.spring.potentials)
-    return [
-        *numbers,
-        *_numbers(element.damper, repeat(0.0)),
-        *_numbers(
-            element.modulation,
-            element.modulation.potentials if element.is_modulated else repeat(0.0),
-        ),
-    ]
-
-
-def _numbers(law, potentials):
-    """Return the pieces of a law, one after the other."""
-    numbers = []
-    for piece, potential in zip(law.pieces, potentials, strict=False):
-        numbers += (piece.start, piece.origin, *piece.coefficients)
-        numbers += (piece.saturation, piece.scale, potential)
-        numbers += (piece.power, piece.exponent, 0.0 if piece.own is None else 1.0)
-    return numbers
+    """Return the pieces of the laws of an element, one after the other."""
+    spring = _flow_pieces(element) if element.yield_force < 1e300 else element.spring.numbers
+    return [*spring, *element.damper.numbers, *element.modulation.numbers]
 
 
 def _flow_pieces(element):
