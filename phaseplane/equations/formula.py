@@ -141,6 +141,23 @@ class Formula:
             pieces.jumps,
         )  # fmt: skip
 
+    def spelled(self, v: str, x: str, signs: Sequence[float]) -> str:
+        """Return f at t = 0 in the syntax of GeoGebra, with the signs of the guards put in.
+
+        Parameters
+        ----------
+        v, x : terms for them
+        signs : of the guards; empty if there are none
+
+        Returns
+        -------
+        The term, or an empty text if a function has no equivalent.
+        """
+        pieces = _Pieces()
+        tree = pieces.visit(_copied(self._tree))
+        values = {**self.parameters, "t": 0.0}
+        return _spelled(tree, {"v": v, "x": x}, values, signs)
+
     @cached_property
     def period(self) -> float | None:
         """The period of f in t, s; 0 if f does not depend on t, None if no period is found.
@@ -361,6 +378,38 @@ def _difference(a: ast.expr, b: ast.expr) -> ast.expr:
 
 def _half(a: ast.expr) -> ast.expr:
     return ast.BinOp(ast.Constant(0.5), ast.Mult(), a)
+
+
+# Spelling.
+
+_IN_GEOGEBRA = {"log": "ln", "sign": "sgn"}
+_OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "^"}
+
+
+def _spelled(
+    node: ast.AST, terms: Mapping[str, str], values: Mapping[str, float], signs: Sequence[float]
+) -> str:
+    def part(inner: ast.AST) -> str:
+        return _spelled(inner, terms, values, signs)
+
+    match node:
+        case ast.Constant(value):
+            return repr(value)
+        case ast.Name(name):
+            if name in terms:
+                return terms[name]
+            return "pi" if name == "pi" else f"({values[name]!r})"
+        case ast.Subscript(slice=ast.Constant(number)):
+            return f"({float(signs[int(str(number))])!r})"
+        case ast.UnaryOp(operator, operand):
+            return f"({'-' if isinstance(operator, ast.USub) else ''}{part(operand)})"
+        case ast.BinOp(left, operator, right):
+            return f"({part(left)} {_OPERATORS[type(operator)]} {part(right)})"
+        case ast.Call(ast.Name("hypot"), [a, b]):
+            return f"sqrt({part(a)}^2 + {part(b)}^2)"
+        case ast.Call(ast.Name(name), arguments):
+            return f"{_IN_GEOGEBRA.get(name, name)}({', '.join(map(part, arguments))})"
+    raise ValueError(ast.dump(node))
 
 
 # Periods.

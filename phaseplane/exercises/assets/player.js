@@ -1,0 +1,183 @@
+// A construction on a page: the sheet, stage by stage with the arrow keys, and its protocol.
+"use strict";
+function phaseplanePlayer(root, data) {
+  const NS = "http://www.w3.org/2000/svg";
+  const COLOURS = {
+    auxiliary: "#a6811d", trail: "#2a7fc4", line: "#2b9d9d", normal: "#d95f14", arc: "#2a9d5c",
+    successor: "#2a9d5c", excitation: "#d0508f", projection: "#7a5cc4", turn: "#c23b3b",
+    state: "#2a7fc4", event: "#c23b3b", axis: "#6b7280",
+  };
+  const colour = role => COLOURS[role] || "#6b7280";
+  const make = (name, attributes, parent, text) => {
+    const one = document.createElementNS(NS, name);
+    for (const [key, value] of Object.entries(attributes)) one.setAttribute(key, value);
+    if (text !== undefined) one.textContent = text;
+    parent.appendChild(one);
+    return one;
+  };
+  const html = (name, parent, text, type) => {
+    const one = document.createElement(name);
+    if (text !== undefined) one.textContent = text;
+    if (type) one.className = type;
+    parent.appendChild(one);
+    return one;
+  };
+  const xy = ([x, y]) => `${x},${-y}`;
+
+  root.replaceChildren();
+  html("h1", root, data.title);
+  const paper = html("div", root, undefined, "paper"), side = html("div", root, undefined, "side");
+  const seen = data.axes.flatMap(axes => [axes.x, axes.v].flatMap(axis => axis.ends))
+    .concat(data.curves.filter(c => c.role !== "auxiliary").flatMap(c => c.points))
+    .concat(data.steps.flatMap(s => s.stages.flatMap(g => g.marks.filter(m => !/^[SRM]/.test(m[1])).map(m => [m[2], m[3]]))));
+  const xs = seen.map(p => p[0]), ys = seen.map(p => -p[1]);
+  const left = Math.min(...xs), top = Math.min(...ys);
+  const width = Math.max(...xs) - left, height = Math.max(...ys) - top;
+  const em = Math.max(width, height) / 48;
+  const svg = document.createElementNS(NS, "svg");
+  svg.setAttribute("viewBox", [left - 2 * em, top - 2 * em, width + 4 * em, height + 4 * em].join(" "));
+  svg.setAttribute("role", "img");
+  svg.setAttribute("aria-label", data.title);
+  paper.appendChild(svg);
+  const line = (parent, role, points, weight = 1, dash = "") => points.length > 1 && make("polyline", {
+    points: points.map(xy).join(" "), fill: "none", stroke: colour(role),
+    "stroke-width": weight * em / 9, "stroke-dasharray": dash, "stroke-linejoin": "round",
+  }, parent);
+  const letters = (parent, role, words, at, size = 1) => make("text", {
+    x: at[0], y: -at[1], fill: colour(role), "font-size": size * em, "font-family": "serif",
+    "paint-order": "stroke", stroke: "#fff", "stroke-width": em / 6,
+  }, parent, words);
+  const dot = (parent, role, at, size = 1) => make("circle", { cx: at[0], cy: -at[1], r: size * em / 5, fill: colour(role) }, parent);
+
+  const still = make("g", {}, svg);
+  for (const curve of data.curves) {
+    line(still, curve.role, curve.points, curve.role === "trail" ? 1.4 : 1);
+    if (curve.label) letters(still, curve.role, curve.label, curve.points[curve.points.length - 1], 0.75);
+  }
+  for (const axes of data.axes) for (const [key, axis] of Object.entries(axes)) {
+    line(still, "axis", axis.ends, 1.2);
+    const end = axis.ends[1];
+    letters(still, "axis", axis.label, key === "x" ? [end[0] - 3 * em, end[1] + 0.6 * em] : [end[0] + 0.4 * em, end[1] + 0.3 * em]);
+    for (const [x, y, value] of axis.ticks) {
+      const across = key === "x" ? [[x, y - em / 4], [x, y + em / 4]] : [[x - em / 4, y], [x + em / 4, y]];
+      line(still, "axis", across);
+      if (+value !== 0) letters(still, "axis", value, key === "x" ? [x - em / 2, y - 1.1 * em] : [x - 1.9 * em, y - em / 3], 0.75);
+    }
+  }
+  const moving = make("g", {}, svg);
+
+  if (data.mode === "exercise") return exercise();
+  return player();
+
+  function player() {
+    const stages = data.steps.flatMap((step, i) => step.stages.map((stage, k) => [i, k]));
+    let at = 0;
+    const now = html("div", side, undefined, "now"), words = html("div", side, undefined, "words");
+    words.setAttribute("aria-live", "polite");
+    const buttons = html("div", side, undefined, "buttons");
+    for (const [text, way, title] of [["⏮", "Home", "first stage"], ["◀", "ArrowLeft", "stage back"], ["▶", "ArrowRight", "next stage"], ["▶▶", "ArrowDown", "next step"], ["⏭", "End", "last stage"]]) {
+      const one = html("button", buttons, text);
+      one.type = "button"; one.title = `${title} (${way})`; one.setAttribute("aria-label", title);
+      one.onclick = () => go(way);
+    }
+    const print = html("button", buttons, "Print");
+    print.type = "button"; print.onclick = () => window.print();
+    const box = html("div", side, undefined, "table"), table = html("table", box);
+    const head = html("tr", html("thead", table));
+    for (const name of ["step", "point", "length, cm", "value"]) html("th", head, name);
+    const body = html("tbody", table);
+    const rows = data.protocol.map(([step, stage, point, length, value]) => {
+      const row = html("tr", body);
+      for (const cell of [step, point, length, value]) html("td", row, String(cell));
+      row.onclick = () => { at = Math.max(0, stages.findIndex(([i, k]) => data.steps[i].step === step && k === stage)); show(); };
+      return [row, step, stage];
+    });
+    function go(way) {
+      const [i] = stages[at];
+      if (way === "ArrowRight") at = Math.min(at + 1, stages.length - 1);
+      else if (way === "ArrowLeft") at = Math.max(at - 1, 0);
+      else if (way === "ArrowDown") { const next = stages.findIndex(([j]) => j === i + 1); at = next < 0 ? stages.length - 1 : next; }
+      else if (way === "ArrowUp") at = Math.max(0, stages.findIndex(([j]) => j === Math.max(0, i - 1)));
+      else if (way === "Home") at = 0;
+      else if (way === "End") at = stages.length - 1;
+      else return false;
+      show();
+      return true;
+    }
+    function show() {
+      moving.replaceChildren();
+      const [i, k] = stages[at], step = data.steps[i];
+      data.planes.forEach((_, n) => line(moving, "trail", data.steps.slice(0, i + 1).map(s => s.state[n]), 1.8));
+      for (const s of data.steps.slice(0, i + 1)) s.state.forEach(p => dot(moving, "state", p, 0.7));
+      step.stages.slice(0, k + 1).forEach((stage, n) => {
+        const weight = n === k ? 1.6 : 0.9;
+        for (const [role, points] of stage.lines) line(moving, role, points, weight, role === "foot" ? `${em / 4}` : "");
+        for (const [role, label, x, y] of stage.marks) {
+          dot(moving, role, [x, y]);
+          letters(moving, role, label, [x + 0.35 * em, y + 0.45 * em]);
+        }
+      });
+      now.textContent = `Step ${step.step}, t = ${+step.time.toPrecision(6)} s, stage ${k + 1} of ${step.stages.length}` + (step.event ? ` (${step.event})` : "");
+      words.textContent = step.stages[k].words;
+      for (const [row, number, stage] of rows) {
+        const here = number === step.step && stage === k;
+        row.className = here ? "here" : number > step.step || (number === step.step && stage > k) ? "later" : "";
+        if (here) box.scrollTop = row.offsetTop - box.clientHeight / 2;
+      }
+    }
+    document.onkeydown = event => {
+      if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName)) return;
+      if (go(event.key)) event.preventDefault();
+    };
+    show();
+    return { go };
+  }
+
+  function exercise() {
+    const points = [data.start.map(p => p)];
+    let half = [];
+    const words = html("div", side, undefined, "words");
+    const buttons = html("div", side, undefined, "buttons");
+    const undo = html("button", buttons, "Undo"), save = html("button", buttons, "Save readings");
+    const box = html("div", side, undefined, "table"), table = html("table", box);
+    const head = html("tr", html("thead", table));
+    const names = data.columns.slice(0, 1 + 2 * data.planes.length);
+    for (const name of names) html("th", head, name);
+    const body = html("tbody", table);
+    const values = p => p.flatMap(([x, y], n) => {
+      const plane = data.planes[n];
+      return [plane.sense * (x - plane.origin[0]) / plane.scale, (y - plane.origin[1]) / plane.rise];
+    });
+    const rows = () => points.map((p, i) => [i, ...values(p).map(v => v.toPrecision(5))]);
+    const csv = () => [data.columns.join(","), ...rows().map(r => r.join(",") + ",".repeat(data.planes.length))].join("\n") + "\n";
+    function show() {
+      moving.replaceChildren();
+      for (const p of points) p.forEach((z, n) => { dot(moving, "state", z); letters(moving, "state", `P${data.planes[n].number}`, [z[0] + em / 3, z[1] + em / 3], 0.8); });
+      half.forEach(z => dot(moving, "successor", z));
+      const left = data.count + 1 - points.length;
+      const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
+      words.textContent = left > 0 ? `Click the point ${points.length}${plane}; ${left} left. Backspace takes the last one back.` : "All points are there: save the readings.";
+      body.replaceChildren();
+      for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, String(cell))); }
+    }
+    svg.addEventListener("click", event => {
+      if (points.length > data.count) return;
+      const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+      half.push([at.x, -at.y]);
+      if (half.length === data.planes.length) { points.push(half); half = []; }
+      show();
+    });
+    const back = () => { if (half.length) half.pop(); else if (points.length > 1) points.pop(); show(); };
+    undo.type = save.type = "button";
+    undo.onclick = back;
+    document.onkeydown = event => { if (event.key === "Backspace") { back(); event.preventDefault(); } };
+    save.onclick = () => {
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(new Blob([csv()], { type: "text/csv" }));
+      link.download = "readings.csv";
+      link.click();
+    };
+    show();
+    return { csv };
+  }
+}

@@ -1,0 +1,349 @@
+"""Constructions in one phase plane as GeoGebra files, each point by the command that makes it.
+
+Coordinates are those of the plane: x and x-bar. Where the equation is a formula, A follows from it, so that
+the whole construction moves with the start point; otherwise A is where it was read off the auxiliary curve.
+The commands can be read back from a file and evaluated, so that a file can be checked without GeoGebra.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from cmath import exp
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from zipfile import ZIP_DEFLATED, ZipFile
+
+from phaseplane.constructions.geometry import meet
+from phaseplane.constructions.primitives import Drawing, Frame, Plane
+from phaseplane.constructions.rules import REPEATED, Rule
+from phaseplane.constructions.stepping import signed_frequency
+
+_FORMAT = {"format": "5.0", "app": "classic"}
+_COLOURS = {"P": (0, 90, 181), "D": (213, 94, 0), "A": (140, 110, 0)}
+
+Law = Callable[[Frame, str, str], str]
+"""Spells f(x', x, t) in GeoGebra for a step, given the terms for x' and x; empty if it cannot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One line of a construction: a label, the name of a command and its arguments.
+
+    An expression has no name, and itself as its only argument.
+    """
+
+    label: str
+    name: str
+    arguments: tuple[str, ...]
+
+
+def commands(drawing: Drawing, rule: Rule, law: Law | None = None) -> list[Command]:
+    """Return the commands of a construction in one phase plane.
+
+    Parameters
+    ----------
+    rule : by which it was made
+    law : f as a formula, if there is one
+
+    Raises
+    ------
+    ValueError : if there are several planes.
+    """
+    if len(drawing.planes) != 1:
+        raise ValueError(
+            f"GeoGebra files are made of constructions in one phase plane; this one has "
+            f"{len(drawing.planes)}"
+        )
+    (plane,) = drawing.planes
+    start = _place(plane, drawing.frames[0].points["P"])
+    found = [Command("P_{0}", "", (_point(start),))]
+    for frame in drawing.frames:
+        found += _of_step(plane, rule, frame, law)
+    return found
+
+
+def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Command]:
+    n, following = f"_{{{frame.step}}}", f"P_{{{frame.step + 1}}}"
+    turn = signed_frequency(plane) * frame.duration
+    made = _feet(plane, frame, law, "", n)
+    p, d = f"P{n}", f"D{n}"
+    angle = repr(turn)
+
+    def tangent(label: str, factor: str) -> list[Command]:
+        return [
+            Command(f"T{n}", "Rotate", (d, "-pi/2", p)),
+            Command(label, "Dilate", (f"T{n}", factor, p)),
+        ]
+
+    def repeated() -> list[Command]:
+        return _feet(plane, frame, law, REPEATED, n)
+
+    again, foot = f"P'{n}", f"D'{n}"
+    mean = f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
+    match rule.name:
+        case "tangent":
+            return [*made, *tangent(following, angle)]
+        case "velocity":
+            return [*made, *tangent(following, angle)]
+        case "mean_normal" | "auto_mean_normal":
+            normal = abs(frame.points["P"] - frame.points["D"])
+            other = abs(frame.points["P" + REPEATED] - frame.points["D" + REPEATED])
+            differ = normal > 0.0 and abs(other / normal - 1.0) > 0.1
+            made += [*tangent(again, angle), *repeated()]
+            plain = rule.name == "auto_mean_normal" and not differ
+            factor = angle if plain or normal == 0.0 else mean
+            return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
+        case "delta":
+            made.append(Command(again, "Rotate", (p, repr(0.5 * turn), d)))
+            made += repeated()
+            return [*made, Command(following, "Rotate", (p, angle, foot))]
+    made += [*tangent(again, angle), *repeated()]
+    return [*made, *_on_circle(plane, rule, frame, n, angle)]
+
+
+def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> list[Command]:
+    """Return the commands of the rules that step along the circle about S."""
+    p, d, again, foot, s = f"P{n}", f"D{n}", f"P'{n}", f"D'{n}", f"S{n}"
+    following = f"P_{{{frame.step + 1}}}"
+    points = frame.points
+    turn = float(angle)
+    eye, at = d, points["D"]
+    made: list[Command] = []
+    if rule.name == "midpoint_circle":
+        eye, at = f"E{n}", 0.5 * (points["D"] + points["D" + REPEATED])
+        made.append(Command(eye, "Midpoint", (d, foot)))
+    centre = meet(points["P"], points["D"], points["P" + REPEATED], points["D" + REPEATED])
+    ends = points["P'"]
+    if centre is None:  # parallel normals: the rule's own way out
+        turned = abs(ends - (at + exp(1j * turn) * (points["P"] - at))) < 1e-9 * abs(ends - at)
+        if rule.name == "midpoint_circle" and turned:
+            return [*made, Command(following, "Rotate", (p, angle, eye))]
+        factor = angle
+        if rule.name == "mean_arc_circle":
+            factor = f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
+        return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
+    made += [
+        Command(f"n{n}", "Line", (p, d)),
+        Command(f"m{n}", "Line", (again, foot)),
+        Command(s, "Intersect", (f"n{n}", f"m{n}")),
+    ]
+    if rule.name == "mean_arc_circle":
+        radius = points["P"] - centre
+        inwards = (radius * (points["P"] - points["D"]).conjugate()).real
+        sign = "-" if inwards < 0.0 else ""
+        arc = (
+            f"{sign}({angle}) (Distance({p}, {d}) + Distance({again}, {foot})) / "
+            f"(2 Distance({s}, {p}))"
+        )
+        return [*made, Command(following, "Rotate", (p, arc, s))]
+    ray = exp(1j * turn) * (points["P"] - at)
+    offset = (centre - at) / (ray / abs(ray))
+    if offset.imag**2 > abs(points["P"] - centre) ** 2:  # the ray misses the circle
+        if rule.name == "midpoint_circle":
+            return [*made, Command(following, "Rotate", (p, angle, eye))]
+        return [*made, Command(following, "Dilate", (f"T{n}", angle, p))]
+    along = ((ends - at) / (ray / abs(ray))).real - offset.real
+    sign = "-" if along < 0.0 else ""
+    made += [
+        Command(f"R{n}", "Rotate", (p, angle, eye)),
+        Command(f"r{n}", "Line", (eye, f"R{n}")),
+        Command(f"F{n}", "ClosestPoint", (f"r{n}", s)),
+    ]
+    chord = f"sqrt(Distance({s}, {p})^2 - Distance({s}, F{n})^2) / Distance({eye}, R{n})"
+    return [*made, Command(following, "", (f"F{n} + {sign}({chord}) (R{n} - {eye})",))]
+
+
+def _feet(plane: Plane, frame: Frame, law: Law | None, suffix: str, n: str) -> list[Command]:
+    """Return the commands from a state point to the foot of its normal."""
+    points = frame.points
+    dash = "'" if suffix else ""
+    p, q, a, foot, d = (f"{name}{dash}{n}" for name in ("P", "Q", "A", "A*", "D"))
+    foot = foot.replace("*", "^{*}")
+    at = {name: _place(plane, points[name + suffix]) for name in ("P", "A", "A*", "D")}
+    omega = plane.angular_frequency
+    spelled = law(frame, f"({omega!r} y({p}))", f"x({p})") if law is not None else ""
+    reading = (
+        f"{p} + (-({spelled}) / {omega * omega!r}, 0)"
+        if spelled
+        else f"{p} + ({(at['A'] - at['P']).real!r}, 0)"
+    )
+    shift = (at["D"] - at["A*"]).real
+    return [
+        Command(q, "ClosestPoint", ("xAxis", p)),
+        Command(a, "", (reading,)),
+        Command(foot, "ClosestPoint", ("xAxis", a)),
+        Command(d, "", (f"{foot} + ({shift + 0.0!r}, 0)",)),
+    ]
+
+
+def _place(plane: Plane, point: complex) -> complex:
+    return complex(plane.displacement.read(point), plane.scaled_velocity.read(point))
+
+
+def _point(z: complex) -> str:
+    return f"({z.real!r}, {z.imag!r})"
+
+
+# Files.
+
+
+def write_geogebra(path: Path, made: Sequence[Command], drawing: Drawing) -> None:
+    """Write a GeoGebra file of the commands, with the auxiliary curves as polylines."""
+    root = ElementTree.Element("geogebra", _FORMAT)
+    construction = ElementTree.SubElement(root, "construction", title=drawing.title, author="")
+    (plane,) = drawing.planes
+    for i, curve in enumerate(c for c in drawing.curves if c.role == "auxiliary"):
+        corners = ", ".join(_point(_place(plane, z)) for z in curve.vertices)
+        _written(construction, Command(f"a_{{{i}}}", "Polyline", (corners,)), "polyline")
+    for command in made:
+        kind = "line" if command.name == "Line" else "point"
+        _written(construction, command, kind)
+    xml = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
+    with ZipFile(path, "w", ZIP_DEFLATED) as archive:
+        archive.writestr("geogebra.xml", xml)
+
+
+def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
+    if command.name:
+        element = ElementTree.SubElement(parent, "command", name=command.name)
+        given = command.arguments if kind != "polyline" else _split(command.arguments[0])
+        names = {f"a{i}": argument for i, argument in enumerate(given)}
+        ElementTree.SubElement(element, "input", names)
+        ElementTree.SubElement(element, "output", a0=command.label)
+    else:
+        ElementTree.SubElement(
+            parent, "expression", label=command.label, exp=command.arguments[0], type="point"
+        )
+    element = ElementTree.SubElement(parent, "element", type=kind, label=command.label)
+    letter = command.label[0]
+    r, g, b = _COLOURS.get(letter, (110, 110, 110))
+    shown = kind != "line" and letter not in "TRF"
+    ElementTree.SubElement(element, "show", object=str(shown).lower(), label=str(letter == "P").lower())
+    ElementTree.SubElement(element, "objColor", r=str(r), g=str(g), b=str(b), alpha="0.0")
+    if kind == "point":
+        ElementTree.SubElement(element, "pointSize", val="4" if letter == "P" else "2")
+
+
+def _split(text: str) -> list[str]:
+    return [part + ")" if not part.endswith(")") else part for part in text.split("), ")]
+
+
+def read_geogebra(path: Path) -> list[Command]:
+    """Return the commands and expressions of a GeoGebra file; polylines are left out.
+
+    Raises
+    ------
+    ValueError : if it is no GeoGebra file.
+    """
+    try:
+        with ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("geogebra.xml"))
+    except Exception as error:  # any error that a damaged file causes
+        raise ValueError(f"{path}: not a GeoGebra file: {error}") from None
+    construction = root.find("construction")
+    found = []
+    for element in construction if construction is not None else ():
+        if element.tag == "expression":
+            found.append(Command(element.get("label", ""), "", (element.get("exp", ""),)))
+        elif element.tag == "command" and element.get("name") != "Polyline":
+            given, made = element.find("input"), element.find("output")
+            assert given is not None
+            assert made is not None
+            values = tuple(given.attrib[f"a{i}"] for i in range(len(given.attrib)))
+            found.append(Command(made.get("a0", ""), element.get("name", ""), values))
+    return found
+
+
+# Evaluating.
+
+
+def evaluated(made: Sequence[Command]) -> dict[str, complex]:
+    """Return the points that commands make, as GeoGebra would: x + i x-bar by label.
+
+    Raises
+    ------
+    ValueError : a command that is not one of those written here.
+    """
+    known: dict[str, Any] = {}
+    for command in made:
+        arguments = [_value(argument, known) for argument in command.arguments]
+        known[command.label] = _made(command.name, arguments)
+    return {label: value for label, value in known.items() if isinstance(value, complex)}
+
+
+def _made(name: str, arguments: list[Any]) -> Any:
+    match name, arguments:
+        case "", [value]:
+            return complex(value)
+        case "Line", [a, b]:
+            return (a, b)
+        case "Midpoint", [a, b]:
+            return 0.5 * (a + b)
+        case "Rotate", [point, angle, centre]:
+            return centre + (point - centre) * exp(1j * angle)
+        case "Dilate", [point, factor, centre]:
+            return centre + factor * (point - centre)
+        case "ClosestPoint", [(a, b), point]:
+            way = (b - a) / abs(b - a)
+            return a + way * ((point - a) * way.conjugate()).real
+        case "Intersect", [(a, b), (c, d)]:
+            found = meet(a, b, c, d)
+            if found is None:
+                raise ValueError("Intersect: the lines are parallel")
+            return found
+    raise ValueError(f"command {name!r} with {len(arguments)} arguments is not known")
+
+
+_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
+    "x": lambda z: z.real, "y": lambda z: z.imag, "Distance": lambda a, b: abs(a - b),
+    "sgn": lambda u: (u > 0) - (u < 0), "ln": math.log, "abs": abs, "max": max, "min": min,
+    **{name: getattr(math, name) for name in (
+        "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp",
+    )},
+}  # fmt: skip
+
+
+def _value(text: str, known: Mapping[str, Any]) -> Any:
+    """Evaluate an argument: numbers, labels, points, + - * / ^, a blank for times, functions."""
+    names: dict[str, Any] = {"pi": math.pi, "xAxis": (0j, 1 + 0j)}
+    for label in sorted(known, key=len, reverse=True):
+        if label in text:
+            name = f"g{len(names)}_"
+            text = text.replace(label, name)
+            names[name] = known[label]
+    text = re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text).replace("^", "**")
+    tree = ast.parse(text, mode="eval")
+    return _walked(tree.body, names)
+
+
+def _walked(node: ast.expr, names: Mapping[str, Any]) -> Any:
+    match node:
+        case ast.Constant(value=int() | float() as value):
+            return value
+        case ast.Name(name) if name in names:
+            return names[name]
+        case ast.Tuple([x, y]):
+            return complex(_walked(x, names), _walked(y, names))
+        case ast.UnaryOp(ast.USub(), inner):
+            return -_walked(inner, names)
+        case ast.Call(ast.Name(name), arguments, []) if name in _FUNCTIONS:
+            return _FUNCTIONS[name](*(_walked(a, names) for a in arguments))
+        case ast.BinOp(left, operator, right):
+            a, b = _walked(left, names), _walked(right, names)
+            match operator:
+                case ast.Add():
+                    return a + b
+                case ast.Sub():
+                    return a - b
+                case ast.Mult():
+                    return a * b
+                case ast.Div():
+                    return a / b
+                case ast.Pow():
+                    return a**b
+    raise ValueError(f"{ast.unparse(node)!r} is not known")

@@ -1,0 +1,372 @@
+"""Marking a construction made by hand: every step is judged from the student's own previous point.
+
+So an error counts once, where it was made. A point is right within a tolerance for reading. One farther
+off is compared with what follows from known mistakes: the one that leads there names the rule that was
+broken. A point a little farther off that no mistake explains is a reading error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.rules import RULES, Rule
+from phaseplane.constructions.stepping import Stepper
+from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.switched import SwitchedPlane
+from phaseplane.constructions.switching import first_end
+from phaseplane.exercises.letters import lettered
+from phaseplane.exercises.readings import Reading
+
+RIGHT, READING, METHOD = "right", "reading error", "error of method"
+_DOUBTFUL = 3.0  # tolerances: up to there an error that nothing explains is one of reading
+
+
+class Mark(NamedTuple):
+    """The mark of one point.
+
+    Parameters
+    ----------
+    number : of the point
+    verdict : `right`, `reading error` or `error of method`
+    distance : from where it should be, mm of paper; the largest of all planes
+    said : what is wrong, or empty
+    expected : where the state points should be, from the student's previous point
+    """
+
+    number: int
+    verdict: str
+    distance: float
+    said: str
+    expected: States
+
+
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """The marks of a construction made by hand.
+
+    Parameters
+    ----------
+    marks : one for each point after the start
+    final : distance of the last point from that of a faultless construction, mm of paper
+    """
+
+    marks: tuple[Mark, ...]
+    final: float
+
+    @property
+    def right(self) -> int:
+        """The number of points that are right."""
+        return sum(mark.verdict == RIGHT for mark in self.marks)
+
+
+class _Step(NamedTuple):
+    """What a step is made of."""
+
+    states: States
+    mode: str
+    window: Window
+
+
+def mark(
+    construction: Construction,
+    rule: Rule,
+    drawing: Drawing,
+    readings: Sequence[Reading],
+    tolerance: float = 1e-3,
+) -> Marks:
+    """Judge readings of a construction, step by step.
+
+    Parameters
+    ----------
+    construction, rule : what was to be constructed, and how
+    drawing : the faultless construction, whose steps have the times of the student's
+    readings : the student's
+    tolerance : of a point, m of paper
+
+    Raises
+    ------
+    ValueError : if there are more points than the construction has, or its start is another one.
+    """
+    frames = drawing.instants
+    if len(readings) > len(frames):
+        raise ValueError(
+            f"{len(readings)} points were read, but the construction has {len(frames)}"
+        )
+    planes = construction.planes
+    start = tuple(frames[0].points[plane.state] for plane in planes)
+    if (off := _apart(readings[0].states, start)) > _DOUBTFUL * tolerance:
+        raise ValueError(
+            f"point 0 is {1e3 * off:.3g} mm from the start point of the sheet; is this another exercise?"
+        )
+    marks = []
+    nominal = max(frame.duration for frame in drawing.frames)
+    memory = construction.initial[len(planes) :]
+    for before, frame, after in zip(readings, frames, readings[1:], strict=False):
+        states = before.states + memory
+        faultless = tuple(frame.points[plane.state] for plane in planes) + memory
+        mode = _mode(construction, frame, faultless)
+        window = Window(frame.time, frame.duration)
+        step = _ended(construction, rule, _Step(states, mode, window), nominal)
+        marks.append(_judged(construction, rule, step, before, after, tolerance))
+    last = readings[-1]
+    faultless = tuple(frames[last.number].points[plane.state] for plane in planes)
+    return Marks(tuple(marks), 1e3 * _apart(last.states, faultless))
+
+
+def _mode(construction: Construction, frame: Frame, states: States) -> str:
+    """Return the mode of a step of the faultless construction, which begins in these states."""
+    if isinstance(construction, SwitchedPlane):
+        return construction.mode_at(states, frame.time)
+    return frame.scheme
+
+
+def _ended(construction: Construction, rule: Rule, step: _Step, nominal: float) -> _Step:
+    """Return a step that ends on a switch so that it does from the student's point, too."""
+    if step.window.duration >= nominal * (1.0 - 1e-6):
+        return step
+    stepper = Stepper(construction, rule)
+    longer = Window(step.window.start, min(nominal, 1.5 * step.window.duration + 0.1 * nominal))
+    try:
+        points, successors = stepper.step(step.mode, step.states, longer)
+        end = first_end(stepper, step.mode, step.states, longer, points, successors, fresh=True)
+    except (OverflowError, ZeroDivisionError):
+        return step
+    return step if end is None else step._replace(window=Window(longer.start, end.part))
+
+
+def _judged(
+    construction: Construction,
+    rule: Rule,
+    step: _Step,
+    before: Reading,
+    after: Reading,
+    tolerance: float,
+) -> Mark:
+    stepper = Stepper(construction, rule)
+    count = len(construction.planes)
+    points, successors = stepper.step(step.mode, step.states, step.window)
+    expected = successors[:count]
+    number = after.number
+    foot_said = ""
+    if before.feet is not None:
+        feet = tuple(points[plane.foot] for plane in construction.planes)
+        if _apart(before.feet, feet) > tolerance:
+            known = _named(_feet_by_mistake(construction, step, points), before.feet, tolerance)
+            foot_said = known or f"D{_off(before.feet, feet)}: read the auxiliary curve again"
+            own = _with_feet(stepper, step, before.feet)
+            if own is not None:
+                expected = own[:count]
+    distance = _apart(after.states, expected)
+    said = ""
+    if distance > tolerance:
+        said = _named(_mistakes(construction, rule, step), after.states, tolerance)
+    if foot_said:
+        verdict = METHOD if foot_said and "again" not in foot_said else READING
+        said = "; ".join(filter(None, (f"D of point {before.number}: {foot_said}", said)))
+        if distance > tolerance and said:
+            verdict = METHOD
+    elif distance <= tolerance:
+        verdict = RIGHT
+    elif said:
+        verdict = METHOD
+    else:
+        verdict = READING if distance <= _DOUBTFUL * tolerance else METHOD
+        said = (
+            "a little beside the point: measure again"
+            if verdict == READING
+            else f"no known mistake leads here; construct the step from point {before.number} again"
+        )
+    return Mark(number, verdict, 1e3 * distance, lettered(said), expected)
+
+
+def _named(
+    mistakes: Iterator[tuple[str, States]], read: States, tolerance: float
+) -> str:
+    """Return the mistake that leads nearest to what was read, if it does within the tolerance."""
+    found = [(_apart(read, states), words) for words, states in mistakes]
+    near = [(off, words) for off, words in found if off <= tolerance]
+    return min(near)[1] if near else ""
+
+
+def _mistakes(
+    construction: Construction, rule: Rule, step: _Step
+) -> Iterator[tuple[str, States]]:
+    """Yield known mistakes of a step, with the state points to which they lead."""
+    planes, (states, mode, window) = construction.planes, step
+    count = len(planes)
+    right = Stepper(construction, rule)
+
+    def stepped(stepper: Stepper, over: Window = window, of: str = mode) -> States | None:
+        try:
+            return stepper.step(of, states, over)[1][:count]
+        except (OverflowError, ValueError, ZeroDivisionError, KeyError):
+            return None
+
+    def turned(factor: float) -> States | None:
+        other = Stepper(construction, rule)
+        other.rates = tuple(factor * rate for rate in other.rates)
+        return stepped(other)
+
+    cases: list[tuple[str, Callable[[], States | None]]] = [
+        ("the normal was turned the other way", lambda: turned(-1.0)),
+        ("the turn angle was laid off twice", lambda: turned(2.0)),
+        ("only half of the turn angle was laid off", lambda: turned(0.5)),
+        ("the point was left where it was", lambda: states[:count]),
+    ]
+    cases += [
+        (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
+         lambda other=other: stepped(Stepper(construction, other)))  # type: ignore[misc]
+        for name, other in RULES.items()
+        if name != rule.name
+    ]  # fmt: skip
+    for words, changed in _wrong_feet(construction, step):
+        cases.append(
+            (words, lambda changed=changed: _moved(right, step, changed, count))  # type: ignore[misc]
+        )
+    if len(planes) > 1:
+        for i, plane in enumerate(planes):
+            other = Stepper(construction, rule)
+            other.rates = tuple(-r if k == i else r for k, r in enumerate(other.rates))
+            cases.append(
+                (f"the normal of plane {plane.number} was turned the other way",
+                 lambda other=other: stepped(other))  # type: ignore[misc]
+            )  # fmt: skip
+    for words, find in cases:
+        found = find()
+        if found is not None:
+            yield words, found
+    found = stepped(right)
+    if found is not None:
+        for words, change in _MISREAD:
+            yield words, tuple(
+                plane.displacement.origin + change(p - plane.displacement.origin)
+                for plane, p in zip(planes, found, strict=True)
+            )
+
+
+_MISREAD: tuple[tuple[str, Callable[[complex], complex]], ...] = (
+    ("the sign of the displacement is wrong", lambda z: complex(-z.real, z.imag)),
+    ("the sign of the velocity is wrong", lambda z: z.conjugate()),
+    ("displacement and velocity are exchanged", lambda z: complex(z.imag, z.real)),
+    ("millimetres were given for centimetres", lambda z: 10.0 * z),
+)
+
+
+def _wrong_feet(
+    construction: Construction, step: _Step
+) -> Iterator[tuple[str, Callable[[Points], Points]]]:
+    """Yield known mistakes in finding D, as changes of the points of a construction."""
+
+    def feet(change: Callable[[Points, str], complex]) -> Callable[[Points], Points]:
+        def changed(points: Points) -> Points:
+            found = dict(points)
+            for plane in construction.planes:
+                if f"A{plane.number}*" in points:
+                    found[plane.foot] = change(points, plane.number)
+            return found
+
+        return changed
+
+    yield (
+        "delta was laid off on the wrong side of the axis: D mirrored about the origin",
+        feet(lambda p, n: _mirrored(construction, p, n)),
+    )
+    yield (
+        "D was taken in the foot of P: the auxiliary curve was not used",
+        feet(lambda p, n: p[f"Q{n}"]),
+    )
+    yield (
+        "the excitation was left out: D taken in A*",
+        feet(lambda p, n: p[f"A{n}*"]),
+    )
+    yield (
+        "the excitation was laid off in the wrong sense",
+        feet(lambda p, n: 2.0 * p[f"A{n}*"] - p[_foot(construction, n)]),
+    )
+    yield (
+        "A was taken where P is mirrored about the axis: the wrong branch of the auxiliary curve",
+        _other_branch(construction, step),
+    )
+
+
+def _foot(construction: Construction, number: str) -> str:
+    return next(plane.foot for plane in construction.planes if plane.number == number)
+
+
+def _mirrored(construction: Construction, points: Points, number: str) -> complex:
+    plane = next(plane for plane in construction.planes if plane.number == number)
+    return 2.0 * plane.displacement.origin - points[plane.foot]
+
+
+def _other_branch(construction: Construction, step: _Step) -> Callable[[Points], Points]:
+    def changed(points: Points) -> Points:
+        planes = construction.planes
+        mirrored = tuple(
+            complex(p.real, 2.0 * plane.displacement.origin.imag - p.imag)
+            for plane, p in zip(planes, step.states, strict=False)
+        ) + step.states[len(planes) :]
+        mode = construction.mode_at(mirrored, step.window.start)
+        there = construction.points(mode, mirrored, step.window)
+        return {**points, **{plane.foot: there[plane.foot] for plane in planes}}
+
+    return changed
+
+
+def _feet_by_mistake(
+    construction: Construction, step: _Step, points: Points
+) -> Iterator[tuple[str, States]]:
+    for words, changed in _wrong_feet(construction, step):
+        found = changed(points)
+        yield words, tuple(found[plane.foot] for plane in construction.planes)
+
+
+class _Changed(Construction):
+    """A construction whose points are changed by a mistake."""
+
+    def __init__(self, inner: Construction, change: Callable[[Points], Points]) -> None:
+        self.inner, self.change = inner, change
+
+    def __getattribute__(self, name: str) -> object:
+        """Take everything but the points from the construction."""
+        if name in ("inner", "change", "points"):
+            return object.__getattribute__(self, name)
+        return getattr(object.__getattribute__(self, "inner"), name)
+
+    def points(self, mode: str, states: States, window: Window) -> Points:
+        """Construct the points, and change them."""
+        return self.change(self.inner.points(mode, states, window))
+
+
+def _moved(
+    stepper: Stepper, step: _Step, change: Callable[[Points], Points], count: int
+) -> States | None:
+    wrong = Stepper(_Changed(stepper.construction, change), stepper.rule)
+    try:
+        return wrong.step(step.mode, step.states, step.window)[1][:count]
+    except (OverflowError, ValueError, ZeroDivisionError, KeyError):
+        return None
+
+
+def _with_feet(stepper: Stepper, step: _Step, feet: States) -> States | None:
+    """Return the successors that follow from the student's own D."""
+    planes = stepper.construction.planes
+    first = dict(zip((plane.foot for plane in planes), feet, strict=True))
+    right = stepper.construction.points(step.mode, step.states, step.window)
+    offsets = {name: first[name] - right[name] for name in first}
+
+    def changed(points: Points) -> Points:
+        return {**points, **{name: points[name] + off for name, off in offsets.items()}}
+
+    return _moved(stepper, step, changed, len(planes))
+
+
+def _apart(one: States, other: States) -> float:
+    return max(abs(p - q) for p, q in zip(one, other, strict=False))
+
+
+def _off(read: States, right: States) -> str:
+    return f" is {1e3 * _apart(read, right):.2g} mm off"

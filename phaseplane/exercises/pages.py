@@ -1,0 +1,184 @@
+"""Constructions as web pages that need nothing but a browser: stage by stage, or a sheet to click on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from html import escape
+from importlib.resources import files
+from math import atan2, ceil, cos, pi, sin
+from typing import Any
+
+from phaseplane.constructions.primitives import Arc, Axis, Drawing, Frame, Plane
+from phaseplane.constructions.sheet import round_step
+from phaseplane.exercises.letters import lettered
+from phaseplane.exercises.protocol import display, protocol
+from phaseplane.exercises.readings import columns
+
+_ASSETS = files("phaseplane.exercises") / "assets"
+_ROUNDED = 5  # digits of cm
+_ARC = 0.1  # rad between two points of an arc
+
+
+def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
+    """Return a drawing as plain data for a page: lengths in cm of paper, y upwards.
+
+    Parameters
+    ----------
+    steps : the first so many; all if None
+    """
+    frames = drawing.frames[:steps]
+    entries = protocol(drawing, steps)
+    return {
+        "title": lettered(drawing.title),
+        "planes": [_plane(plane) for plane in drawing.planes],
+        "axes": [_axes(plane, drawing, frames) for plane in drawing.planes],
+        "curves": [
+            {"role": curve.role, "label": lettered(curve.label), "points": _points(curve.vertices)}
+            for curve in drawing.curves
+        ],
+        "steps": [
+            {
+                "step": frame.step,
+                "time": frame.time,
+                "event": frame.event.replace("_", " "),
+                "stages": list(_stages(drawing, frame)),
+                "state": _points([frame.points[plane.state] for plane in drawing.planes]),
+                "next": _points([frame.points[plane.state + "'"] for plane in drawing.planes]),
+            }
+            for frame in frames
+        ],
+        "protocol": [
+            [e.step, e.stage, e.point, "" if e.length is None else f"{e.length:.2f}", e.value]
+            for e in entries
+        ],
+    }
+
+
+def protocol_page(drawing: Drawing, steps: int | None = None) -> str:
+    """Return a page that shows a construction stage by stage, with its protocol."""
+    return _page(drawing.title, {"mode": "protocol", **sheet_data(drawing, steps)})
+
+
+def exercise_page(drawing: Drawing, steps: int) -> str:
+    """Return a page with the sheet of an exercise: points are clicked, and saved as readings."""
+    whole = sheet_data(drawing, steps)
+    first = whole["steps"][0]
+    shown = {
+        **whole,
+        "mode": "exercise",
+        "columns": columns(drawing.planes),
+        "start": first["state"],
+        "count": steps,
+        # nothing that gives the solution away
+        "steps": [],
+        "protocol": [],
+        "curves": [c for c in whole["curves"] if c["role"] != "trail"],
+    }
+    return _page(drawing.title, shown)
+
+
+def asset(name: str) -> str:
+    """Return a file of the pages."""
+    return (_ASSETS / name).read_text(encoding="utf-8")
+
+
+def _page(title: str, data: dict[str, Any]) -> str:
+    text = json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(lettered(title))}</title>\n<style>\n{asset('player.css')}</style>\n</head>\n"
+        '<body>\n<main id="player"></main>\n'
+        f"<script>\n{asset('player.js')}</script>\n"
+        f'<script>\nphaseplanePlayer(document.getElementById("player"), {text});\n</script>\n'
+        "</body>\n</html>\n"
+    )
+
+
+def _plane(plane: Plane) -> dict[str, Any]:
+    factor, unit = display(plane.displacement)
+    return {
+        "number": plane.number,
+        "name": lettered(plane.displacement.label),
+        "velocity": lettered(plane.scaled_velocity.label),
+        "unit": unit,
+        "origin": _points([plane.displacement.origin])[0],
+        "sense": plane.displacement.direction.real,
+        "scale": 100.0 * plane.displacement.scale / factor,
+        "rise": 100.0 * plane.scaled_velocity.scale / factor,
+    }
+
+
+def _axes(plane: Plane, drawing: Drawing, frames: Sequence[Frame]) -> dict[str, Any]:
+    """Return both axes of a plane over the range of its motion, with round values."""
+    points = [frame.points[plane.state] for frame in frames]
+    points += [frame.points[plane.state + "'"] for frame in frames]
+    points += [z for c in drawing.curves if c.role == "trail" for z in c.vertices]
+    return {
+        name: _axis(axis, points)
+        for name, axis in (("x", plane.displacement), ("v", plane.scaled_velocity))
+    }
+
+
+def _axis(axis: Axis, points: Sequence[complex]) -> dict[str, Any]:
+    factor, unit = display(axis)
+    values = [factor * axis.read(p) for p in points]
+    low, high = min(0.0, *values), max(0.0, *values)
+    room = 0.12 * ((high - low) or 1.0)
+    interval = round_step((high - low) or 1.0, 6)
+    first, last = ceil((low - room) / interval), int((high + room) // interval)
+    return {
+        "label": lettered(axis.label) + (f" in {unit}" if unit else ""),
+        "ends": _points([axis.at((low - room) / factor), axis.at((high + room) / factor)]),
+        "ticks": [
+            [*_points([axis.at(i * interval / factor)])[0], f"{i * interval:.6g}"]
+            for i in range(first, last + 1)
+        ],
+    }
+
+
+def _stages(drawing: Drawing, frame: Frame) -> Iterator[dict[str, Any]]:
+    scheme = drawing.schemes[frame.scheme]
+    for stage, words in enumerate(scheme.stages):
+        yield {
+            "words": lettered(words),
+            "marks": [
+                [m.role, lettered(m.label or m.point), *_points([frame.points[m.point]])[0]]
+                for m in scheme.marks
+                if m.stage == stage and m.point in frame.points
+            ],
+            "lines": [
+                [s.role, _points([frame.points[s.start], frame.points[s.end]])]
+                for s in scheme.strokes
+                if s.stage == stage and {s.start, s.end} <= frame.points.keys()
+            ]
+            + [
+                [a.role, _points(_arc(frame, a))]
+                for a in scheme.arcs
+                if a.stage == stage and {a.centre, a.start, a.end} <= frame.points.keys()
+            ],
+        }
+
+
+def _arc(frame: Frame, arc: Arc) -> list[complex]:
+    """Return points of an arc; only its chord if its centre is far off the sheet."""
+    centre, start, end = (frame.points[name] for name in (arc.centre, arc.start, arc.end))
+    radius, towards = start - centre, end - centre
+    size = abs(radius)
+    if size == 0.0 or towards == 0.0:
+        return [start]
+    first = atan2(radius.imag, radius.real)
+    way = (atan2(towards.imag, towards.real) - first + pi) % (2.0 * pi) - pi
+    if size > 10.0:
+        return [start, end]
+    count = max(1, ceil(abs(way) / _ARC))
+    angles = [first + way * i / count for i in range(count + 1)]
+    return [centre + size * complex(cos(a), sin(a)) for a in angles]
+
+
+def _points(points: Sequence[complex]) -> list[list[float]]:
+    return [
+        [round(100.0 * z.real, _ROUNDED) + 0.0, round(100.0 * z.imag, _ROUNDED) + 0.0]
+        for z in points
+    ]

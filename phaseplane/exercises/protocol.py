@@ -1,0 +1,111 @@
+"""The protocol of a construction: every point in the order of drawing, how it is found, and where it is."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from io import StringIO
+from math import hypot
+
+from phaseplane.constructions.primitives import Axis, Drawing, Frame, Mark, Plane
+from phaseplane.exercises.letters import lettered
+
+_COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One point of a construction.
+
+    Parameters
+    ----------
+    step : number of the step, from 0
+    time : at the start of the step, s
+    stage : number of the stage within the step, from 0
+    point : its letters
+    found : how it is found
+    length : of the line drawn to it in this stage, cm of paper; None if none is drawn
+    value : its place on the axes of its plane, as text
+    """
+
+    step: int
+    time: float
+    stage: int
+    point: str
+    found: str
+    length: float | None
+    value: str
+
+
+def protocol(drawing: Drawing, steps: int | None = None) -> list[Entry]:
+    """Return the protocol of the first steps of a construction, or of all."""
+    return [entry for frame in drawing.frames[:steps] for entry in _of_frame(drawing, frame)]
+
+
+def _of_frame(drawing: Drawing, frame: Frame) -> Iterator[Entry]:
+    scheme = drawing.schemes[frame.scheme]
+    for stage, words in enumerate(scheme.stages):
+        for mark in scheme.marks:
+            if mark.stage == stage and mark.point in frame.points:
+                lines = [s for s in scheme.strokes if s.stage == stage and s.end == mark.point]
+                length = None
+                if lines:
+                    way = frame.points[lines[0].end] - frame.points[lines[0].start]
+                    length = 100.0 * hypot(way.real, way.imag)
+                yield Entry(
+                    frame.step, frame.time, stage, lettered(mark.label or mark.point),
+                    lettered(words), length, place(plane_of(drawing.planes, mark), frame, mark),
+                )  # fmt: skip
+
+
+def plane_of(planes: Sequence[Plane], mark: Mark) -> Plane:
+    """Return the plane in which a point is drawn, by its number."""
+    numbered = [plane for plane in planes if plane.number and plane.number in mark.point]
+    return max(numbered, key=lambda plane: len(plane.number), default=planes[0])
+
+
+def place(plane: Plane, frame: Frame, mark: Mark) -> str:
+    """Return where a point is on the axes of its plane; its velocity only off the axis."""
+    point = frame.points[mark.point]
+    told = [_read(plane.displacement, point)]
+    if abs(plane.scaled_velocity.read(point)) * plane.scaled_velocity.scale > 1e-6:
+        told.append(_read(plane.scaled_velocity, point))
+    return ", ".join(told)
+
+
+def display(axis: Axis) -> tuple[float, str]:
+    """Return the factor and the unit in which values on an axis are told: lengths in cm."""
+    return (100.0, "cm") if axis.unit == "m" else (1.0, axis.unit)
+
+
+def _read(axis: Axis, point: complex) -> str:
+    factor, unit = display(axis)
+    value = factor * axis.read(point) + 0.0
+    return f"{lettered(axis.label)} = {value:.4g} {unit}".rstrip()
+
+
+def protocol_text(entries: Sequence[Entry]) -> str:
+    """Return a protocol as a table for a terminal."""
+    lines = ["step  time s   point   length cm  value                         how it is found"]
+    before: tuple[int, int] | None = None
+    for e in entries:
+        first = before is None or before[0] != e.step
+        new = before != (e.step, e.stage)
+        head = f"{e.step:4d}  {e.time:<8.5g}" if first else " " * 14
+        length = "" if e.length is None else f"{e.length:9.2f}"
+        found = e.found if new else ""
+        lines.append(f"{head} {e.point:<7} {length:>9}  {e.value:<28}  {found}".rstrip())
+        before = (e.step, e.stage)
+    return "\n".join(lines) + "\n"
+
+
+def protocol_csv(entries: Sequence[Entry]) -> str:
+    """Return a protocol as CSV."""
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(_COLUMNS)
+    for e in entries:
+        length = "" if e.length is None else f"{e.length:.4f}"
+        writer.writerow([e.step, f"{e.time:.9g}", e.stage, e.point, e.found, length, e.value])
+    return out.getvalue()

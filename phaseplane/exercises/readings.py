@@ -1,0 +1,134 @@
+"""A student's readings: the state points of a construction, read off the sheet."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from io import StringIO
+from math import isfinite
+
+from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.steps import States
+from phaseplane.exercises.protocol import display
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What was read for one point.
+
+    Parameters
+    ----------
+    number : of the point, from 0
+    states : the state points on the sheet, m of paper, one for each plane
+    feet : the feet D of their normals, if they were read
+    """
+
+    number: int
+    states: States
+    feet: States | None = None
+
+
+def columns(planes: Sequence[Plane]) -> list[str]:
+    """Return the columns of readings: the number of the point, its coordinates and its D, by plane.
+
+    Values are on the axes of the plane, displacements in m in cm.
+    """
+    found = ["point"]
+    for plane in planes:
+        letter = plane.displacement.label
+        unit = display(plane.displacement)[1]
+        suffix = f" [{unit}]" if unit else ""
+        found += [f"{letter}{suffix}", f"{letter}_bar{suffix}"]
+    for plane in planes:
+        unit = display(plane.displacement)[1]
+        found.append(f"{plane.foot}" + (f" [{unit}]" if unit else ""))
+    return found
+
+
+def blank_readings(drawing: Drawing, steps: int) -> str:
+    """Return a CSV to fill in, with the start point."""
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(columns(drawing.planes))
+    first = drawing.frames[0]
+    start: list[str] = []
+    for plane in drawing.planes:
+        point, (factor, _) = first.points[plane.state], display(plane.displacement)
+        axes = (plane.displacement, plane.scaled_velocity)
+        start += [f"{factor * axis.read(point) + 0.0:.6g}" for axis in axes]
+    blank = [""] * len(drawing.planes)
+    writer.writerow(["0", *start, *blank])
+    for number in range(1, steps + 1):
+        writer.writerow([str(number), *[""] * (3 * len(drawing.planes))])
+    return out.getvalue()
+
+
+def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
+    """Read a CSV of readings: with commas or semicolons, and with decimal points or commas.
+
+    Rows that are not filled in are left out at the end.
+
+    Raises
+    ------
+    ValueError : if columns are missing, a value is not a number, or points do not follow each other.
+    """
+    lines = [line for line in text.lstrip("\ufeff").splitlines() if line.strip()]
+    delimiter = ";" if lines and ";" in lines[0] else ","
+    rows = list(csv.reader(lines, delimiter=delimiter))
+    if not rows:
+        raise ValueError("the readings are empty")
+    wanted = columns(planes)
+    names = [name.partition("[")[0].strip() for name in wanted]
+    head = [name.partition("[")[0].strip() for name in rows[0]]
+    needed = names[: 1 + 2 * len(planes)]
+    missing = [name for name in needed if name not in head]
+    if missing:
+        raise ValueError(
+            f"the readings have no column {missing[0]!r}; needed are {', '.join(wanted)}"
+        )
+    found: list[Reading] = []
+    for line, row in enumerate(rows[1:], 2):
+        cells = dict(zip(head, [cell.strip() for cell in row], strict=False))
+        values = [cells.get(name, "") for name in needed[1:]]
+        if not any(values):
+            continue
+        number = _number(cells.get("point", ""), line, "point", delimiter)
+        if number != len(found):
+            raise ValueError(
+                f"line {line}: point {number:g} follows point {len(found) - 1}; points must be "
+                "complete and in order, from 0"
+            )
+        numbers = [
+            _number(value, line, name, delimiter)
+            for name, value in zip(needed[1:], values, strict=True)
+        ]
+        states = tuple(
+            plane.displacement.at(y / display(plane.displacement)[0])
+            + plane.scaled_velocity.direction * plane.scaled_velocity.scale
+            * y_bar / display(plane.displacement)[0]
+            for plane, y, y_bar in zip(planes, numbers[::2], numbers[1::2], strict=True)
+        )  # fmt: skip
+        told = [cells.get(plane.foot, "") for plane in planes]
+        feet = None
+        if all(told):
+            feet = tuple(
+                plane.displacement.at(
+                    _number(value, line, plane.foot, delimiter) / display(plane.displacement)[0]
+                )
+                for plane, value in zip(planes, told, strict=True)
+            )
+        found.append(Reading(len(found), states, feet))
+    if len(found) < 2:
+        raise ValueError("the readings need at least the points 0 and 1")
+    return found
+
+
+def _number(text: str, line: int, name: str, delimiter: str) -> float:
+    try:
+        value = float(text.replace(",", ".") if delimiter == ";" else text)
+    except ValueError:
+        raise ValueError(f"line {line}: {name} = {text!r} is not a number") from None
+    if not isfinite(value):
+        raise ValueError(f"line {line}: {name} = {text!r} must be finite")
+    return value

@@ -1,0 +1,93 @@
+"""`phaseplane exercise`: sheets to construct on, and the marks of what was read off them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..draw import exercises
+from ..errors import InputError, one_line
+from ..results.folder import OUTPUT, Place, as_json, check_replaceable, replaced_whole
+from ..scene.loading import load_scene
+from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
+
+_LARGEST = 1_000_000  # characters of readings
+
+
+@click.command()
+@click.argument("scene")
+@set_option
+@output_option
+@click.option("--steps", type=int, default=10, show_default=True, help="Steps to construct.")
+@click.option(
+    "--paper", type=click.Choice(["A4", "A3"]), default="A4", show_default=True, help="Size of paper."
+)
+@click.option(
+    "--mark",
+    "readings",
+    type=click.Path(path_type=Path),
+    metavar="READINGS",
+    help="Mark these readings (CSV) instead of writing the sheets.",
+)
+@click.option(
+    "--tolerance",
+    type=FiniteRange(min=0.0, min_open=True),
+    default=1.0,
+    show_default=True,
+    help="Allowed error of a point when marking, mm of paper.",
+)
+@json_option
+def exercise(
+    *,
+    scene: str,
+    overrides: tuple[str, ...],
+    output: Path | None,
+    steps: int,
+    paper: str,
+    readings: Path | None,
+    tolerance: float,
+    as_data: bool,
+) -> int:
+    """Write an exercise: construct the first steps of SCENE by hand.
+
+    The folder holds a sheet in true scale, a marking sheet, a table for the readings, a page on which the
+    points can be clicked instead, the protocol and a GeoGebra file. --mark judges readings: each point
+    from the student's own previous one. With --mark the exit status is 1 unless all points are right.
+    """
+    loaded = load_scene(scene, overrides, expect=False)
+    made = exercises.exercise(loaded, steps, paper)
+    if readings is not None:
+        told = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
+        if output is not None:
+            place = Place(output, "exercise", loaded.file, named=True)
+            check_replaceable(place)
+            with replaced_whole(place) as draft:
+                exercises.write_marked_sheet(made, told, draft / "marked.pdf")
+                (draft / "marks.json").write_text(as_json(told) + "\n", encoding="utf-8")
+        click.echo(as_json(told) if as_data else exercises.marks_in_words(told))
+        return DONE if told["right"] == told["points"] else FAILED
+    folder = output or OUTPUT / "exercises" / loaded.name
+    place = Place(folder, "exercise", loaded.file, named=output is not None)
+    check_replaceable(place)
+    with replaced_whole(place) as draft:
+        written = [path.name for path in exercises.write_sheets(made, draft)]
+    names = [str(folder / name) for name in sorted(written)]
+    if as_data:
+        click.echo(as_json({"scene": loaded.name, "steps": made.steps, "files": names}))
+    else:
+        click.echo(f"{loaded.title or loaded.name}: {made.steps} steps on {paper}")
+        click.echo("\n".join(f"file  {name}" for name in names))
+    return DONE
+
+
+def _text_of(path: Path) -> str:
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(one_line(f"--mark {path}: {error.strerror or error}")) from None
+    except UnicodeDecodeError:
+        raise InputError(one_line(f"--mark {path}: not UTF-8 text")) from None
+    if len(text) > _LARGEST:
+        raise InputError(one_line(f"--mark {path}: larger than {_LARGEST} characters"))
+    return text

@@ -1,0 +1,281 @@
+"""Exercises of scenes: sheets in true scale, pages, protocols, and the marks of a student's readings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from phaseplane import constructions, exercises, figures
+from phaseplane.exercises.marking import RIGHT
+from phaseplane.exercises.protocol import display
+
+from ..errors import DrawingError, InputError, one_line
+from ..scene.equation import EQUATION, formula_of
+from .constructions import constructed
+from .planes import planes_of
+
+if TYPE_CHECKING:
+    from phaseplane.constructions.primitives import Drawing, Frame
+
+    from ..scene.schema import Scene
+
+_FACTORS = tuple(m * 10.0**k for k in range(3, -13, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
+_MOST_STEPS = 40
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """An exercise: the first steps of a scene's construction, on a sheet of paper.
+
+    Parameters
+    ----------
+    scene : the scene
+    settings : of its construction, with the scales of the sheet
+    drawing : the faultless construction
+    paper : A4 or A3
+    """
+
+    scene: Scene
+    settings: Mapping[str, Any]
+    drawing: Drawing
+    paper: str
+
+    @property
+    def steps(self) -> int:
+        """The number of steps."""
+        return len(self.drawing.frames)
+
+
+def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
+    """Return the exercise of a scene, on the largest round scale that fits on the paper.
+
+    Raises
+    ------
+    InputError : if there is no construction, or it has too many steps or none of its scales fits.
+    """
+    if not 1 <= steps <= _MOST_STEPS:
+        raise InputError(f"--steps {steps}: must be from 1 to {_MOST_STEPS}")
+    settings = scene.construction.model_dump()
+    duration = min(steps * scene.construction.step, scene.construction_time)
+    plain = _drawn(scene, settings, duration)
+    if settings.get("plane_scales"):
+        if not _fits(plain, paper):
+            raise InputError(
+                f"construction.plane_scales = {list(settings['plane_scales'])}: the construction does "
+                f"not fit on {paper}; leave the scales out, or take fewer --steps or --paper A3"
+            )
+        return Exercise(scene, settings, plain, paper)
+    own = [plane.displacement.scale for plane in plain.planes]
+    two = len(own) > 1
+    for factor in _FACTORS:
+        if two and factor > 1.0:
+            continue  # several planes are drawn in their own size at most
+        scales = tuple(factor * (scale if two else 1.0) for scale in (own * 2)[:2])
+        if not two and not 0.02 <= factor / own[0] <= 50.0:
+            continue
+        changed = {**settings, "plane_scales": scales}
+        if two:
+            changed["plane_distance"] = factor * settings["plane_distance"]
+        drawing = _drawn(scene, changed, duration)
+        if _fits(drawing, paper):
+            return Exercise(scene, changed, drawing, paper)
+    raise InputError(f"the construction does not fit on {paper} in any scale; take fewer --steps")
+
+
+def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawing:
+    try:
+        plain = {**settings, "starts": ()}
+        return constructed(scene.fmu.model, scene.all_parameters, plain, duration)
+    except (DrawingError, ArithmeticError) as error:
+        raise InputError(one_line(str(error))) from None
+
+
+def _fits(drawing: Drawing, paper: str) -> bool:
+    low, high = figures.sheet_extent(exercises.sheet_data(drawing), _seen(drawing))
+    width, height = figures.sheet_room(paper, len(drawing.instants))
+    return bool(high[0] - low[0] <= width and high[1] - low[1] <= height)
+
+
+def _seen(drawing: Drawing) -> list[list[float]]:
+    """Return the points that a sheet must have room for, cm."""
+    return [
+        [100.0 * z.real, 100.0 * z.imag]
+        for frame in drawing.frames
+        for name, z in frame.points.items()
+        if name.startswith(("P", "D", "A", "C", "H")) and "~" not in name
+    ]
+
+
+def write_sheets(made: Exercise, folder: Path) -> list[Path]:
+    """Write sheet, marking sheet, blank readings, pages, protocols and the GeoGebra file."""
+    written = [folder / "sheet.pdf", folder / "marking.pdf"]
+    figures.save(_sheet(made, solved=False), written[0])
+    figures.save(_sheet(made, solved=True), written[1])
+    entries = exercises.protocol(made.drawing)
+    texts = {
+        "readings.csv": exercises.blank_readings(made.drawing, made.steps),
+        "sheet.html": exercises.exercise_page(made.drawing, made.steps),
+        "protocol.html": exercises.protocol_page(made.drawing),
+        "protocol.txt": exercises.protocol_text(entries),
+        "protocol.csv": exercises.protocol_csv(entries),
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text, encoding="utf-8")
+        written.append(folder / name)
+    if len(made.drawing.planes) == 1:
+        written.append(folder / "construction.ggb")
+        rule = constructions.rule_named(made.settings["rule"])
+        commands = exercises.commands(made.drawing, rule, _law(made))
+        exercises.write_geogebra(written[-1], commands, made.drawing)
+    return written
+
+
+def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
+    """Return the marks of readings as plain data.
+
+    Parameters
+    ----------
+    text : the CSV of readings
+    tolerance : of a point, m of paper
+
+    Raises
+    ------
+    InputError : if the readings cannot be used.
+    """
+    planes = planes_of(made.scene.fmu.model, made.scene.all_parameters, made.settings)
+    rule = constructions.rule_named(made.settings["rule"])
+    try:
+        read = exercises.read_readings(text, made.drawing.planes)
+        found = exercises.mark(planes, rule, made.drawing, read, tolerance)
+    except ValueError as error:
+        raise InputError(one_line(f"readings: {error}")) from None
+    return {
+        "scene": made.scene.name,
+        "rule": rule.name,
+        "tolerance_mm": 1e3 * tolerance,
+        "points": len(found.marks),
+        "right": found.right,
+        "final_mm": found.final,
+        "marks": [
+            {
+                "point": one.number,
+                "verdict": one.verdict,
+                "distance_mm": one.distance,
+                "said": one.said,
+                "expected": [value for pair in _values(made, one.expected) for value in pair],
+                "read": [value for pair in _values(made, read[one.number].states) for value in pair],
+            }
+            for one in found.marks
+        ],
+    }
+
+
+def marks_in_words(told: Mapping[str, Any]) -> str:
+    """Return marks as text for a terminal."""
+    lines = [f"{told['right']} of {told['points']} points right (rule {told['rule']}, "
+             f"within {told['tolerance_mm']:g} mm of paper, each from your own point before it)", ""]  # fmt: skip
+    for one in told["marks"]:
+        said = f"  {one['said']}" if one["said"] else ""
+        lines.append(
+            f"point {one['point']:3d}  {one['verdict']:<16} {one['distance_mm']:7.2f} mm{said}"
+        )
+    lines += ["", f"the last point is {told['final_mm']:.2f} mm from that of a faultless construction"]
+    return "\n".join(lines)
+
+
+def write_marked_sheet(made: Exercise, told: Mapping[str, Any], path: Path) -> None:
+    """Write the marking sheet with the student's points on it."""
+    count = len(made.drawing.planes)
+    read = []
+    for one in told["marks"]:
+        pairs = [one["read"][2 * i : 2 * i + 2] for i in range(count)]
+        points = [
+            _paper(made, i, y, y_bar) for i, (y, y_bar) in enumerate(pairs)
+        ]  # fmt: skip
+        read.append((points, one["verdict"] == RIGHT))
+    figures.save(_sheet(made, solved=True, read=read), path)
+
+
+def _paper(made: Exercise, i: int, y: float, y_bar: float) -> list[float]:
+    plane = made.drawing.planes[i]
+    factor, _ = display(plane.displacement)
+    up = plane.scaled_velocity.direction * plane.scaled_velocity.scale
+    z = plane.displacement.at(y / factor) + up * y_bar / factor
+    return [100.0 * z.real, 100.0 * z.imag]
+
+
+def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, float]]:
+    found = []
+    for plane, p in zip(made.drawing.planes, states, strict=False):
+        factor, _ = display(plane.displacement)
+        found.append(
+            (factor * plane.displacement.read(p) + 0.0, factor * plane.scaled_velocity.read(p) + 0.0)
+        )
+    return found
+
+
+def _sheet(
+    made: Exercise, *, solved: bool, read: Sequence[tuple[list[list[float]], bool]] = ()
+) -> Any:
+    drawing = made.drawing
+    planes, instants = drawing.planes, drawing.instants
+    rows = []
+    for frame in instants:
+        known = solved or frame.step == 0
+        values = _values(made, [frame.points[plane.state] for plane in planes])
+        cells = [f"{v:.3g}" if known else "" for pair in values for v in pair]
+        feet = [
+            f"{display(p.displacement)[0] * p.displacement.read(frame.points[p.foot]) + 0.0:.3g}"
+            if solved
+            else ""
+            for p in planes
+        ]
+        rows.append([str(frame.step), f"{frame.time:.4g}", *cells, *feet])
+    head = [exercises.letters.lettered(name) for name in exercises.columns(planes)]
+    head = [head[0], "t [s]", *(name.replace("_bar", "\u0304") for name in head[1:])]
+    shown = instants if solved else instants[:1]
+    points = [
+        [[100.0 * f.points[p.state].real, 100.0 * f.points[p.state].imag] for f in shown]
+        for p in planes
+    ]
+    feet_at = [
+        [[100.0 * f.points[p.foot].real, 100.0 * f.points[p.foot].imag] for f in shown] if solved else []
+        for p in planes
+    ]
+    scale = ", ".join(
+        f"{100.0 * p.displacement.scale / display(p.displacement)[0]:.4g} cm for 1 {display(p.displacement)[1]}".rstrip()
+        for p in planes
+    )
+    return figures.exercise_sheet(
+        exercises.sheet_data(drawing),
+        _seen(drawing),
+        paper=made.paper,
+        title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
+        lines=[
+            exercises.letters.lettered(drawing.title),
+            f"{made.steps} steps; scale {scale}; " + ", ".join(
+                f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
+            ),
+        ],
+        head=head,
+        filled=figures.Filled(rows, points, feet_at, read),
+    )  # fmt: skip
+
+
+def _law(made: Exercise) -> Any:
+    """Return the formula of an equation for GeoGebra; None for a model."""
+    if made.scene.fmu.model != EQUATION:
+        return None
+    formula = formula_of(made.scene.all_parameters)
+    planes = planes_of(EQUATION, made.scene.all_parameters, made.settings)
+
+    def law(frame: Frame, v: str, x: str) -> str:
+        mode = planes.mode_at((frame.points["P"],), frame.time)
+        if planes.scheme_of(mode) != constructions.CONTACT:
+            return ""  # on a switch A is where the motion is held
+        signs = [] if mode == constructions.CONTACT else [1.0 if s == "+" else -1.0 for s in mode]
+        return formula.spelled(v, x, signs)
+
+    return law
