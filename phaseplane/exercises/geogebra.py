@@ -1,8 +1,8 @@
 """Constructions in one phase plane as GeoGebra files, each point by the command that makes it.
 
-Coordinates are those of the plane: x and x-bar. Where the equation is a formula, A follows from it, so that
-the whole construction moves with the start point; otherwise A is where it was read off the auxiliary curve.
-The commands can be read back from a file and evaluated, so that a file can be checked without GeoGebra.
+Coordinates are those of the plane: x and x-bar. Where the equation is a formula, A follows from it, so
+that the whole construction moves with the start point; otherwise A is where it was read off the auxiliary
+curve. The commands can be read back from a file and evaluated: so a file is checked without GeoGebra.
 """
 
 from __future__ import annotations
@@ -125,7 +125,9 @@ def _on_circle(plane: Plane, rule: Rule, frame: Frame, n: str, angle: str) -> li
             return [*made, Command(following, "Rotate", (p, angle, eye))]
         factor = angle
         if rule.name == "mean_arc_circle":
-            factor = f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
+            factor = (
+                f"{angle} (Distance({p}, {d}) + Distance({again}, {foot})) / (2 Distance({p}, {d}))"
+            )
         return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
     made += [
         Command(f"n{n}", "Line", (p, d)),
@@ -223,7 +225,9 @@ def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
     letter = command.label[0]
     r, g, b = _COLOURS.get(letter, (110, 110, 110))
     shown = kind != "line" and letter not in "TRF"
-    ElementTree.SubElement(element, "show", object=str(shown).lower(), label=str(letter == "P").lower())
+    ElementTree.SubElement(
+        element, "show", object=str(shown).lower(), label=str(letter == "P").lower()
+    )
     ElementTree.SubElement(element, "objColor", r=str(r), g=str(g), b=str(b), alpha="0.0")
     if kind == "point":
         ElementTree.SubElement(element, "pointSize", val="4" if letter == "P" else "2")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.primitives import Drawing, Frame
@@ -155,7 +155,9 @@ def _judged(
     if before.feet is not None:
         feet = tuple(points[plane.foot] for plane in construction.planes)
         if _apart(before.feet, feet) > tolerance:
-            known = _named(_feet_by_mistake(construction, step, points), before.feet, tolerance)
+            known = _named(
+                _feet_by_mistake(construction, step, points), before.feet, feet, tolerance
+            )
             foot_said = known or f"D{_off(before.feet, feet)}: read the auxiliary curve again"
             own = _with_feet(stepper, step, before.feet)
             if own is not None:
@@ -163,7 +165,8 @@ def _judged(
     distance = _apart(after.states, expected)
     said = ""
     if distance > tolerance:
-        said = _named(_mistakes(construction, rule, step), after.states, tolerance)
+        mistakes = _mistakes(construction, rule, step)
+        said = _named(mistakes, after.states, successors[:count], tolerance)
     if foot_said:
         verdict = METHOD if foot_said and "again" not in foot_said else READING
         said = "; ".join(filter(None, (f"D of point {before.number}: {foot_said}", said)))
@@ -184,17 +187,26 @@ def _judged(
 
 
 def _named(
-    mistakes: Iterator[tuple[str, States]], read: States, tolerance: float
+    mistakes: Iterator[tuple[str, States]], read: States, right: States, tolerance: float
 ) -> str:
-    """Return the mistake that leads nearest to what was read, if it does within the tolerance."""
-    found = [(_apart(read, states), words) for words, states in mistakes]
-    near = [(off, words) for off, words in found if off <= tolerance]
-    return min(near)[1] if near else ""
+    """Return the mistake that leads to what was read; the first of those that do so about as well.
+
+    Parameters
+    ----------
+    right : where no mistake leads; a mistake that changes nothing here is none
+    """
+    found = [
+        (_apart(read, states), words)
+        for words, states in mistakes
+        if _apart(states, right) > 0.5 * tolerance
+    ]
+    nearest = min((off for off, _ in found), default=tolerance)
+    if nearest > tolerance:
+        return ""
+    return next(words for off, words in found if off <= nearest + 0.1 * tolerance)
 
 
-def _mistakes(
-    construction: Construction, rule: Rule, step: _Step
-) -> Iterator[tuple[str, States]]:
+def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[tuple[str, States]]:
     """Yield known mistakes of a step, with the state points to which they lead."""
     planes, (states, mode, window) = construction.planes, step
     count = len(planes)
@@ -242,9 +254,12 @@ def _mistakes(
     found = stepped(right)
     if found is not None:
         for words, change in _MISREAD:
-            yield words, tuple(
-                plane.displacement.origin + change(p - plane.displacement.origin)
-                for plane, p in zip(planes, found, strict=True)
+            yield (
+                words,
+                tuple(
+                    plane.displacement.origin + change(p - plane.displacement.origin)
+                    for plane, p in zip(planes, found, strict=True)
+                ),
             )
 
 
@@ -305,10 +320,13 @@ def _mirrored(construction: Construction, points: Points, number: str) -> comple
 def _other_branch(construction: Construction, step: _Step) -> Callable[[Points], Points]:
     def changed(points: Points) -> Points:
         planes = construction.planes
-        mirrored = tuple(
-            complex(p.real, 2.0 * plane.displacement.origin.imag - p.imag)
-            for plane, p in zip(planes, step.states, strict=False)
-        ) + step.states[len(planes) :]
+        mirrored = (
+            tuple(
+                complex(p.real, 2.0 * plane.displacement.origin.imag - p.imag)
+                for plane, p in zip(planes, step.states, strict=False)
+            )
+            + step.states[len(planes) :]
+        )
         mode = construction.mode_at(mirrored, step.window.start)
         there = construction.points(mode, mirrored, step.window)
         return {**points, **{plane.foot: there[plane.foot] for plane in planes}}
@@ -324,17 +342,15 @@ def _feet_by_mistake(
         yield words, tuple(found[plane.foot] for plane in construction.planes)
 
 
-class _Changed(Construction):
+class _Changed:
     """A construction whose points are changed by a mistake."""
 
     def __init__(self, inner: Construction, change: Callable[[Points], Points]) -> None:
         self.inner, self.change = inner, change
 
-    def __getattribute__(self, name: str) -> object:
+    def __getattr__(self, name: str) -> object:
         """Take everything but the points from the construction."""
-        if name in ("inner", "change", "points"):
-            return object.__getattribute__(self, name)
-        return getattr(object.__getattribute__(self, "inner"), name)
+        return getattr(self.inner, name)
 
     def points(self, mode: str, states: States, window: Window) -> Points:
         """Construct the points, and change them."""
@@ -344,7 +360,7 @@ class _Changed(Construction):
 def _moved(
     stepper: Stepper, step: _Step, change: Callable[[Points], Points], count: int
 ) -> States | None:
-    wrong = Stepper(_Changed(stepper.construction, change), stepper.rule)
+    wrong = Stepper(cast("Construction", _Changed(stepper.construction, change)), stepper.rule)
     try:
         return wrong.step(step.mode, step.states, step.window)[1][:count]
     except (OverflowError, ValueError, ZeroDivisionError, KeyError):

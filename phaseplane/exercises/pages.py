@@ -115,9 +115,10 @@ def _axes(plane: Plane, drawing: Drawing, frames: Sequence[Frame]) -> dict[str, 
     points = [frame.points[plane.state] for frame in frames]
     points += [frame.points[plane.state + "'"] for frame in frames]
     points += [z for c in drawing.curves if c.role == "trail" for z in c.vertices]
+    feet = [frame.points[plane.foot] for frame in frames]  # on the displacement's axis
     return {
-        name: _axis(axis, points)
-        for name, axis in (("x", plane.displacement), ("v", plane.scaled_velocity))
+        "x": _axis(plane.displacement, [*points, *feet]),
+        "v": _axis(plane.scaled_velocity, points),
     }
 
 

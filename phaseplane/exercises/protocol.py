@@ -1,4 +1,4 @@
-"""The protocol of a construction: every point in the order of drawing, how it is found, and where it is."""
+"""The protocol of a construction: every point in the order of drawing, how it is found, where it is."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class Filled(NamedTuple):
     read: Sequence[tuple[Sequence[Sequence[float]], bool]] = ()
 
 
-def room(paper: str, count: int) -> tuple[float, float]:
+def sheet_room(paper: str, count: int) -> tuple[float, float]:
     """Return the width and height that a sheet leaves for the construction, cm.
 
     Parameters
@@ -55,7 +55,7 @@ def room(paper: str, count: int) -> tuple[float, float]:
     return width - 2.0 * _EDGE, height - _HEAD - _FOOT - _ROW * (rows + 1.5) - 2.0 * _EDGE
 
 
-def extent(sheet: Mapping[str, Any], points: Sequence[Sequence[float]]) -> np.ndarray:
+def sheet_extent(sheet: Mapping[str, Any], points: Sequence[Sequence[float]]) -> np.ndarray:
     """Return the corners of what a sheet must show, cm: shape (2, 2), lower left and upper right.
 
     Parameters
@@ -101,11 +101,12 @@ def exercise_sheet(
     axes.set_axis_off()
     axes.set_xlim(0.0, width)
     axes.set_ylim(0.0, height)
-    axes.text(_EDGE, height - _EDGE - 0.1, title, fontsize=12.0, va="top", weight="bold")
+    size = min(12.0, 900.0 / (1 + len(title)) * width / PAPERS["A4"][0])
+    axes.text(_EDGE, height - _EDGE - 0.1, title, fontsize=size, va="top", weight="bold")
     for i, line in enumerate(lines):
         axes.text(_EDGE, height - _EDGE - 0.75 - 0.48 * i, line, fontsize=8.5, va="top")
-    (left, bottom), (right, top) = extent(sheet, points)
-    free_width, free_height = room(paper, len(filled.rows))
+    (left, bottom), (right, top) = sheet_extent(sheet, points)
+    free_width, free_height = sheet_room(paper, len(filled.rows))
     moved = np.array(
         [
             _EDGE + 0.5 * (free_width - (right - left)) - left,
@@ -122,6 +123,10 @@ def exercise_sheet(
     return figure
 
 
+def _xy(place: np.ndarray) -> tuple[float, float]:
+    return float(place[0]), float(place[1])
+
+
 def _grid(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
     for i in (0, 1):
         for at in np.arange(np.ceil(low[i] / _GRID), high[i] / _GRID) * _GRID:
@@ -136,7 +141,7 @@ def _fixed(
     """Draw the curves and axes that stay."""
     left, right, bottom, top = clip
     frame = Rectangle((left, bottom), right - left, top - bottom, transform=axes.transData)
-    for curve in sheet["curves"]:
+    for number, curve in enumerate(sheet["curves"]):
         if curve["role"] in _TURN:
             continue
         at = np.array(curve["points"]) + moved
@@ -150,7 +155,8 @@ def _fixed(
             (at[:, 0] > left) & (at[:, 0] < right - 0.8) & (at[:, 1] > bottom) & (at[:, 1] < top)
         ]
         if curve["label"] and len(inside):
-            axes.text(*(inside[-1] + 0.08), curve["label"], color=colour, fontsize=6.5)
+            place = inside[-1 if number % 2 else 0]  # neighbours at different ends
+            axes.text(*_xy(place + 0.08), curve["label"], color=colour, fontsize=6.5)
     for plane in sheet["axes"]:
         for key, axis in plane.items():
             start, end = np.array(axis["ends"]) + moved
@@ -161,7 +167,7 @@ def _fixed(
             )  # fmt: skip
             beside = (-0.1, 0.15) if key == "x" else (0.15, 0.0)
             axes.text(
-                *(end + beside), axis["label"], fontsize=8.0,
+                *_xy(end + beside), axis["label"], fontsize=8.0,
                 ha="right" if key == "x" and end[0] > start[0] else "left", va="bottom",
             )  # fmt: skip
             for x, y, value in axis["ticks"]:
@@ -171,7 +177,7 @@ def _fixed(
                 if float(value) != 0.0:
                     place = at - (0.0, 0.16) if key == "x" else at - (0.16, 0.0)
                     axes.text(
-                        *place, value, fontsize=6.0, color="#57606a",
+                        *_xy(place), value, fontsize=6.0, color="#57606a",
                         ha="center" if key == "x" else "right", va="top" if key == "x" else "center",
                     )  # fmt: skip
 
@@ -195,7 +201,9 @@ def _turn(axes: Axes, sheet: Mapping[str, Any], corner: np.ndarray) -> None:
             axes.plot(*at.T, color="#6b7280", linewidth=0.7, zorder=2.0)
             if curve["label"]:
                 below = (0.0, -0.32) if curve["role"] == "axis" else (0.1, -0.1)
-                axes.text(*(at[-1] + below), curve["label"], fontsize=6.5, color="#57606a", ha="center")
+                axes.text(
+                    *(at[-1] + below), curve["label"], fontsize=6.5, color="#57606a", ha="center"
+                )
 
 
 def _solution(axes: Axes, filled: Filled, moved: np.ndarray) -> None:
@@ -204,7 +212,7 @@ def _solution(axes: Axes, filled: Filled, moved: np.ndarray) -> None:
         axes.plot(*at.T, color=BLUE, linewidth=0.9, marker="o", markersize=2.6, zorder=4.0)
         names = range(len(at)) if len(at) > 1 else ["P₀"]
         for name, place in zip(names, at, strict=True):
-            axes.text(*(place + 0.1), str(name), fontsize=6.5, color=BLUE, zorder=5.0)
+            axes.text(*_xy(place + 0.1), str(name), fontsize=6.5, color=BLUE, zorder=5.0)
     for points, feet in zip(filled.right, filled.feet, strict=False):
         for p, d in zip(points, feet, strict=False):
             at = np.array([p, d]) + moved
@@ -212,7 +220,12 @@ def _solution(axes: Axes, filled: Filled, moved: np.ndarray) -> None:
     for points, right in filled.read:
         at = np.array(points) + moved
         axes.plot(
-            *at.T, color=GREEN if right else RED, marker="x", markersize=5.0, linestyle="", zorder=6.0
+            *at.T,
+            color=GREEN if right else RED,
+            marker="x",
+            markersize=5.0,
+            linestyle="",
+            zorder=6.0,
         )
 
 

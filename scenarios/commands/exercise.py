@@ -8,7 +8,14 @@ import click
 
 from ..draw import exercises
 from ..errors import InputError, one_line
-from ..results.folder import OUTPUT, Place, as_json, check_replaceable, replaced_whole
+from ..results.folder import (
+    OUTPUT,
+    Place,
+    as_json,
+    check_replaceable,
+    replaced_whole,
+    write_summary,
+)
 from ..scene.loading import load_scene
 from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
 
@@ -21,7 +28,11 @@ _LARGEST = 1_000_000  # characters of readings
 @output_option
 @click.option("--steps", type=int, default=10, show_default=True, help="Steps to construct.")
 @click.option(
-    "--paper", type=click.Choice(["A4", "A3"]), default="A4", show_default=True, help="Size of paper."
+    "--paper",
+    type=click.Choice(["A4", "A3"]),
+    default="A4",
+    show_default=True,
+    help="Size of paper.",
 )
 @click.option(
     "--mark",
@@ -64,15 +75,16 @@ def exercise(
             check_replaceable(place)
             with replaced_whole(place) as draft:
                 exercises.write_marked_sheet(made, told, draft / "marked.pdf")
-                (draft / "marks.json").write_text(as_json(told) + "\n", encoding="utf-8")
+                write_summary({**told, "origin": place.origin}, draft)
         click.echo(as_json(told) if as_data else exercises.marks_in_words(told))
         return DONE if told["right"] == told["points"] else FAILED
     folder = output or OUTPUT / "exercises" / loaded.name
     place = Place(folder, "exercise", loaded.file, named=output is not None)
     check_replaceable(place)
     with replaced_whole(place) as draft:
-        written = [path.name for path in exercises.write_sheets(made, draft)]
-    names = [str(folder / name) for name in sorted(written)]
+        exercises.write_sheets(made, draft)
+        write_summary({"scene": loaded.name, "steps": made.steps, "origin": place.origin}, draft)
+        names = [str(folder / path.name) for path in sorted(draft.iterdir())]
     if as_data:
         click.echo(as_json({"scene": loaded.name, "steps": made.steps, "files": names}))
     else:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from phaseplane import constructions, exercises, figures
+from phaseplane.constructions.construction import CONTACT
+from phaseplane.constructions.switched import SwitchedPlane
+from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import display
 
@@ -17,12 +20,13 @@ from .constructions import constructed
 from .planes import planes_of
 
 if TYPE_CHECKING:
-    from phaseplane.constructions.primitives import Drawing, Frame
+    from phaseplane.constructions.primitives import Drawing, Frame, Plane
 
     from ..scene.schema import Scene
 
 _FACTORS = tuple(m * 10.0**k for k in range(3, -13, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
 _MOST_STEPS = 40
+_LEAST = 1e-3  # of a plane's own scale
 
 
 @dataclass(frozen=True)
@@ -57,27 +61,21 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     """
     if not 1 <= steps <= _MOST_STEPS:
         raise InputError(f"--steps {steps}: must be from 1 to {_MOST_STEPS}")
-    settings = scene.construction.model_dump()
+    settings = asdict(scene.construction)
     duration = min(steps * scene.construction.step, scene.construction_time)
-    plain = _drawn(scene, settings, duration)
-    if settings.get("plane_scales"):
-        if not _fits(plain, paper):
-            raise InputError(
-                f"construction.plane_scales = {list(settings['plane_scales'])}: the construction does "
-                f"not fit on {paper}; leave the scales out, or take fewer --steps or --paper A3"
-            )
-        return Exercise(scene, settings, plain, paper)
-    own = [plane.displacement.scale for plane in plain.planes]
-    two = len(own) > 1
+    planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
+    own = [plane.displacement.scale for plane in planes.planes]
+    several = len(own) > 1
     for factor in _FACTORS:
-        if two and factor > 1.0:
-            continue  # several planes are drawn in their own size at most
-        scales = tuple(factor * (scale if two else 1.0) for scale in (own * 2)[:2])
-        if not two and not 0.02 <= factor / own[0] <= 50.0:
+        # several planes in their own size at most; a single one in any round scale
+        if several and factor > 1.0:
+            continue
+        scales = tuple(factor * (scale if several else 1.0) for scale in (own * 2)[:2])
+        if not several and not _LEAST <= factor / own[0] <= 1.0 / _LEAST:
             continue
         changed = {**settings, "plane_scales": scales}
-        if two:
-            changed["plane_distance"] = factor * settings["plane_distance"]
+        if several:
+            changed["plane_distance"] = factor * planes.plane_distance  # type: ignore[attr-defined]
         drawing = _drawn(scene, changed, duration)
         if _fits(drawing, paper):
             return Exercise(scene, changed, drawing, paper)
@@ -165,7 +163,9 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
                 "distance_mm": one.distance,
                 "said": one.said,
                 "expected": [value for pair in _values(made, one.expected) for value in pair],
-                "read": [value for pair in _values(made, read[one.number].states) for value in pair],
+                "read": [
+                    value for pair in _values(made, read[one.number].states) for value in pair
+                ],
             }
             for one in found.marks
         ],
@@ -174,14 +174,20 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
 
 def marks_in_words(told: Mapping[str, Any]) -> str:
     """Return marks as text for a terminal."""
-    lines = [f"{told['right']} of {told['points']} points right (rule {told['rule']}, "
-             f"within {told['tolerance_mm']:g} mm of paper, each from your own point before it)", ""]  # fmt: skip
+    within = f"within {told['tolerance_mm']:g} mm of paper, each from your own point before it"
+    lines = [
+        f"{told['right']} of {told['points']} points right (rule {told['rule']}, {within})",
+        "",
+    ]
     for one in told["marks"]:
         said = f"  {one['said']}" if one["said"] else ""
         lines.append(
             f"point {one['point']:3d}  {one['verdict']:<16} {one['distance_mm']:7.2f} mm{said}"
         )
-    lines += ["", f"the last point is {told['final_mm']:.2f} mm from that of a faultless construction"]
+    lines += [
+        "",
+        f"the last point is {told['final_mm']:.2f} mm from that of a faultless construction",
+    ]
     return "\n".join(lines)
 
 
@@ -211,7 +217,10 @@ def _values(made: Exercise, states: Sequence[complex]) -> list[tuple[float, floa
     for plane, p in zip(made.drawing.planes, states, strict=False):
         factor, _ = display(plane.displacement)
         found.append(
-            (factor * plane.displacement.read(p) + 0.0, factor * plane.scaled_velocity.read(p) + 0.0)
+            (
+                factor * plane.displacement.read(p) + 0.0,
+                factor * plane.scaled_velocity.read(p) + 0.0,
+            )
         )
     return found
 
@@ -233,28 +242,27 @@ def _sheet(
             for p in planes
         ]
         rows.append([str(frame.step), f"{frame.time:.4g}", *cells, *feet])
-    head = [exercises.letters.lettered(name) for name in exercises.columns(planes)]
-    head = [head[0], "t [s]", *(name.replace("_bar", "\u0304") for name in head[1:])]
+    head = [lettered(name) for name in exercises.columns(planes)]
+    head = [head[0], "t [s]", *head[1:]]
     shown = instants if solved else instants[:1]
     points = [
         [[100.0 * f.points[p.state].real, 100.0 * f.points[p.state].imag] for f in shown]
         for p in planes
     ]
     feet_at = [
-        [[100.0 * f.points[p.foot].real, 100.0 * f.points[p.foot].imag] for f in shown] if solved else []
+        [[100.0 * f.points[p.foot].real, 100.0 * f.points[p.foot].imag] for f in shown]
+        if solved
+        else []
         for p in planes
     ]
-    scale = ", ".join(
-        f"{100.0 * p.displacement.scale / display(p.displacement)[0]:.4g} cm for 1 {display(p.displacement)[1]}".rstrip()
-        for p in planes
-    )
+    scale = ", ".join(_scale_words(p) for p in planes)
     return figures.exercise_sheet(
         exercises.sheet_data(drawing),
         _seen(drawing),
         paper=made.paper,
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
-            exercises.letters.lettered(drawing.title),
+            lettered(drawing.title),
             f"{made.steps} steps; scale {scale}; " + ", ".join(
                 f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
             ),
@@ -264,18 +272,24 @@ def _sheet(
     )  # fmt: skip
 
 
+def _scale_words(plane: Plane) -> str:
+    factor, unit = display(plane.displacement)
+    return f"{100.0 * plane.displacement.scale / factor:.4g} cm for 1 {unit}".rstrip()
+
+
 def _law(made: Exercise) -> Any:
     """Return the formula of an equation for GeoGebra; None for a model."""
     if made.scene.fmu.model != EQUATION:
         return None
     formula = formula_of(made.scene.all_parameters)
     planes = planes_of(EQUATION, made.scene.all_parameters, made.settings)
+    assert isinstance(planes, SwitchedPlane)
 
     def law(frame: Frame, v: str, x: str) -> str:
         mode = planes.mode_at((frame.points["P"],), frame.time)
-        if planes.scheme_of(mode) != constructions.CONTACT:
+        if planes.scheme_of(mode) != CONTACT:
             return ""  # on a switch A is where the motion is held
-        signs = [] if mode == constructions.CONTACT else [1.0 if s == "+" else -1.0 for s in mode]
+        signs = [] if mode == CONTACT else [1.0 if s == "+" else -1.0 for s in mode]
         return formula.spelled(v, x, signs)
 
     return law

@@ -1,0 +1,344 @@
+"""Protocols, marking, pages and GeoGebra files of constructions."""
+
+from __future__ import annotations
+
+import csv
+import json
+import random
+import re
+from io import StringIO
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+from worked_example import ap57
+
+from phaseplane.constructions import RULES, EquationPlane, march, rule_named
+from phaseplane.constructions.construction import Window
+from phaseplane.constructions.geometry import turned
+from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.stepping import Stepper
+from phaseplane.equations import Formula
+from phaseplane.exercises import (
+    Command,
+    blank_readings,
+    commands,
+    evaluated,
+    exercise_page,
+    mark,
+    protocol,
+    protocol_csv,
+    protocol_page,
+    protocol_text,
+    read_geogebra,
+    read_readings,
+    sheet_data,
+    write_geogebra,
+)
+from phaseplane.exercises.letters import lettered
+from phaseplane.exercises.marking import METHOD, READING, RIGHT
+from phaseplane.exercises.readings import Reading
+
+DELTA = rule_named("delta")
+STEP = 0.15
+
+
+def plane_of(text: str, **more: float) -> EquationPlane:
+    return EquationPlane(
+        Formula(text).switching,
+        initial_displacement=2.0,
+        initial_velocity=0.1,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def law_of(text: str, plane: EquationPlane):
+    """How the scenes spell an equation for GeoGebra."""
+    formula = Formula(text)
+
+    def law(frame: Frame, v: str, x: str) -> str:
+        mode = plane.mode_at((frame.points["P"],), frame.time)
+        if frame.scheme != "contact":
+            return ""
+        return formula.spelled(v, x, [] if mode == "contact" else [float(f"{s}1") for s in mode])
+
+    return law
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
+@pytest.mark.parametrize(
+    "text",
+    ["(x^2 - 1)*v + x", "x + 0.3*sign(v)", "x + 0.2*v - 0.3*cos(t)", "sign(x + 0.3*v)",
+     "sin(x) + max(v, 0.1)*hypot(x, v)/(1 + log(2))"],
+)  # fmt: skip
+def test_the_commands_for_geogebra_make_the_points_of_the_construction(rule, text, tmp_path: Path):
+    plane = plane_of(text)
+    drawing = march(plane, rule, step=STEP, duration=3.0)
+    path = tmp_path / "one.ggb"
+    write_geogebra(path, commands(drawing, rule, law_of(text, plane)), drawing)
+    found = evaluated(read_geogebra(path))
+    (own,) = drawing.planes
+
+    def place(z: complex) -> complex:
+        return complex(own.displacement.read(z), own.scaled_velocity.read(z))
+
+    for frame in drawing.instants:
+        assert abs(found[f"P_{{{frame.step}}}"] - place(frame.points["P"])) < 1e-12
+    for frame in drawing:
+        for label, name in (("D", "D"), ("Q", "Q"), ("A", "A"), ("S", "S")):
+            if name in frame.points and f"{label}_{{{frame.step}}}" in found:
+                z = place(frame.points[name])
+                assert abs(found[f"{label}_{{{frame.step}}}"] - z) < 1e-8 * (1.0 + abs(z))
+
+
+def test_in_geogebra_a_construction_follows_its_start_point(tmp_path: Path):
+    """A moved P0 gives the construction from there: A follows from the formula."""
+    text = "(x^2 - 1)*v + x"
+    plane = plane_of(text)
+    drawing = march(plane, DELTA, step=STEP, duration=1.5)
+    made = commands(drawing, DELTA, law_of(text, plane))
+    moved = evaluated([Command("P_{0}", "", ("(1.0, -0.5)",)), *made[1:]])
+    other = EquationPlane(Formula(text).switching, initial_displacement=1.0, initial_velocity=-0.5)
+    end = march(other, DELTA, step=STEP, duration=1.5).end
+    assert end is not None
+    known = complex(end.readings["displacement"], end.readings["velocity"])
+    assert abs(moved["P_{10}"] - known) < 1e-12
+    write_geogebra(tmp_path / "two.ggb", made, drawing)
+    with ZipFile(tmp_path / "two.ggb") as archive:
+        assert b'<command name="Rotate">' in archive.read("geogebra.xml")
+
+
+def test_two_planes_and_other_files_are_refused_in_words(tmp_path: Path):
+    with pytest.raises(ValueError, match="one phase plane; this one has 2"):
+        commands(march(ap57(), step=2.5e-3, steps=2), DELTA)
+    (tmp_path / "no.ggb").write_text("no")
+    with pytest.raises(ValueError, match="not a GeoGebra file"):
+        read_geogebra(tmp_path / "no.ggb")
+
+
+# Protocols.
+
+
+def test_a_protocol_has_every_point_in_the_order_of_drawing():
+    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=3)
+    entries = protocol(drawing)
+    assert [e.point for e in entries if e.step == 0] == ["P", "Q", "A", "A*", "D", "M", "Dm", "P'"]
+    assert [e.step for e in entries] == sorted(e.step for e in entries)
+    frame, (plane,) = drawing.frames[1], drawing.planes
+    way = next(e for e in entries if e.step == 1 and e.point == "A")
+    assert way.length == pytest.approx(100.0 * abs(frame.points["A"] - frame.points["P"]))
+    assert f"x = {plane.displacement.read(frame.points['A']):.4g}" in way.value
+    rows = list(csv.DictReader(StringIO(protocol_csv(entries))))
+    assert len(rows) == len(entries)
+    assert rows[2]["found"].startswith("From P parallel to the y axis")
+    assert protocol_text(entries).count("\n") == len(entries) + 1
+
+
+def test_protocols_of_two_planes_tell_each_point_in_its_plane():
+    drawing = march(ap57(), step=2.5e-3, steps=8)
+    entries = {e.point: e for e in protocol(drawing) if e.step == 7}
+    frame = drawing.frames[7]
+    for number, plane in zip("12", drawing.planes, strict=True):
+        y = 100.0 * plane.displacement.read(frame.points[f"P{number}"])
+        assert f"= {y:.4g} cm" in entries[lettered(f"P{number}")].value
+
+
+def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
+    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
+    page = protocol_page(drawing)
+    told = json.loads(re.search(r'"player"\), (\{.*\})\);', page)[1])  # type: ignore[index]
+    assert told == {"mode": "protocol", **json.loads(json.dumps(sheet_data(drawing)))}
+    assert len(told["steps"]) == 4
+    assert "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    sheet = exercise_page(drawing, 4)
+    told = json.loads(re.search(r'"player"\), (\{.*\})\);', sheet)[1])  # type: ignore[index]
+    assert told["steps"] == told["protocol"] == []
+    successor = f"{100.0 * drawing.frames[2].points['P'].real:.5f}"
+    assert successor not in sheet
+
+
+# Marking.
+
+
+def student(drawing: Drawing, construction: EquationPlane, steps: int) -> list[complex]:
+    """The points of a student who makes no mistake."""
+    return [frame.points["P"] for frame in drawing.instants[: steps + 1]]
+
+
+def follow(
+    construction: EquationPlane, drawing: Drawing, points: list[complex], until: int, rule=DELTA
+) -> list[complex]:
+    """Go on without mistakes from the last point."""
+    stepper = Stepper(construction, rule)
+    while len(points) <= until:
+        frame = drawing.frames[len(points) - 1]
+        states = (points[-1],)
+        mode = construction.mode_at((frame.points["P"],), frame.time)
+        points.append(stepper.step(mode, states, Window(frame.time, frame.duration))[1][0])
+    return points
+
+
+def judged(construction, drawing, points, rule=DELTA, feet=None):
+    read = [Reading(i, (z,), None if feet is None else (feet[i],)) for i, z in enumerate(points)]
+    return mark(construction, rule, drawing, read)
+
+
+@pytest.fixture
+def task():
+    construction = plane_of("(x^2 - 1)*v + x", scale=0.04)
+    return construction, march(construction, DELTA, step=2.0 * STEP, steps=10)
+
+
+def test_careful_readings_are_all_right(task):
+    construction, drawing = task
+    draw = random.Random(1)
+    points = [
+        z + 2e-4 * complex(draw.gauss(0, 1), draw.gauss(0, 1)) for z in student(*task[::-1], 10)
+    ]
+    marks = judged(construction, drawing, points)
+    assert marks.right == len(marks.marks) == 10
+
+
+def test_an_error_counts_once_where_it_was_made(task):
+    """What follows from a wrong point is right again, though far from the faultless construction."""
+    construction, drawing = task
+    points = student(drawing, construction, 3)
+    points[3] += 0.02 + 0.01j
+    follow(construction, drawing, points, 10)
+    marks = judged(construction, drawing, points)
+    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [3]
+    assert marks.marks[2].verdict == METHOD
+    assert marks.final > 5.0
+
+
+def test_a_little_beside_the_point_is_an_error_of_reading(task):
+    construction, drawing = task
+    points = student(drawing, construction, 3)
+    points[3] += 2e-3 * 1j
+    marks = judged(construction, drawing, points)
+    assert marks.marks[2].verdict == READING
+    assert marks.marks[2].distance == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("mistake", "words"),
+    [
+        ("turned", "turned the other way"),
+        ("twice", "laid off twice"),
+        ("tangent", "follows the rule tangent, not delta"),
+        ("mirrored", "wrong side of the axis"),
+        ("no_curve", "the auxiliary curve was not used"),
+        ("sign", "sign of the velocity is wrong"),
+        ("exchanged", "displacement and velocity are exchanged"),
+    ],
+)
+def test_the_rule_that_was_broken_is_named(task, mistake, words):
+    construction, drawing = task
+    points = student(drawing, construction, 4)
+    frame = drawing.frames[4]
+    state, window = (points[-1],), Window(frame.time, frame.duration)
+    stepper = Stepper(construction, DELTA)
+    if mistake in ("turned", "twice"):
+        stepper.rates = tuple({"turned": -1.0, "twice": 2.0}[mistake] * r for r in stepper.rates)
+        wrong = stepper.step("contact", state, window)[1][0]
+    elif mistake == "tangent":
+        wrong = Stepper(construction, rule_named("tangent")).step("contact", state, window)[1][0]
+    elif mistake in ("mirrored", "no_curve"):
+        turn = stepper.rates[0] * window.duration
+
+        def foot(p: complex) -> complex:
+            points = construction.points("contact", (p,), window)
+            return -points["D"] if mistake == "mirrored" else points["Q"]
+
+        middle = turned(state[0], foot(state[0]), 0.5 * turn)
+        wrong = turned(state[0], foot(middle), turn)
+    else:
+        right = stepper.step("contact", state, window)[1][0]
+        wrong = {"sign": right.conjugate(), "exchanged": complex(right.imag, right.real)}[mistake]
+    points.append(wrong)
+    follow(construction, drawing, points, 8)
+    marks = judged(construction, drawing, points)
+    assert words in marks.marks[4].said
+    assert marks.marks[4].verdict == METHOD
+    assert all(m.verdict == RIGHT for m in marks.marks if m.number != 5)
+
+
+def test_a_wrong_foot_is_named_and_the_step_judged_from_it(task):
+    construction, drawing = task
+    points = student(drawing, construction, 4)
+    feet = [frame.points["D"] for frame in drawing.instants[:5]]
+    feet[2] = -feet[2]
+    marks = judged(construction, drawing, points, feet=feet)
+    assert "D of point 2: delta was laid off on the wrong side" in marks.marks[2].said
+    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [3]
+
+
+def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
+    construction = EquationPlane(
+        Formula("x + 0.3*sign(v)").switching, scale=0.04, initial_displacement=2.05
+    )
+    drawing = march(construction, DELTA, step=0.4, duration=8.0)
+    shift = 0.004  # one point beside the faultless ones, from there right
+    points = [frame.points["P"] for frame in drawing.instants[:3]]
+    points[2] += shift
+    while len(points) < len(drawing.instants):
+        frame = drawing.frames[len(points) - 1]
+        mode = construction.mode_at((frame.points["P"],), frame.time)
+        centre = complex(-0.04 * 0.3 if mode == "+" else 0.04 * 0.3, 0.0)
+        ends = drawing.instants[len(points)].points["P"]
+        radius = abs(points[-1] - centre)
+        if abs(ends.imag) < 1e-9:  # the half circle ends on the axis
+            points.append(
+                complex(centre.real + radius * (1.0 if ends.real > centre.real else -1.0), 0)
+            )
+        else:
+            points.append(
+                turned(points[-1], centre, -0.4 if frame.duration > 0.39 else -frame.duration)
+            )
+    marks = judged(construction, drawing, points)
+    wrong = [m for m in marks.marks if m.verdict != RIGHT]
+    assert wrong[0].number == 2
+    assert max(m.distance for m in marks.marks if m.number > 2) < 1.0
+
+
+# Readings.
+
+
+def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
+    _, drawing = task
+    plain = "point,x,x_bar,D\n0,2,0.1,\n1,1.98,-0.19,0.2\n2,,,\n"
+    read = read_readings(plain, drawing.planes)
+    assert [r.number for r in read] == [0, 1]
+    assert read[1].states[0] == pytest.approx(0.04 * complex(1.98, -0.19))
+    assert read[1].feet is not None
+    assert read[0].feet is None
+    german = "\ufeffpoint;x;x_bar;D\r\n0;2;0,1;\r\n1;1,98;-0,19;0,2\r\n"
+    assert read_readings(german, drawing.planes) == read
+    blank = blank_readings(drawing, 3)
+    assert blank.splitlines()[1].startswith("0,2,0.1")
+    assert len(blank.splitlines()) == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "are empty"),
+        ("point,x\n0,1\n", "no column 'x_bar'; needed are point, x, x_bar, D"),
+        ("point,x,x_bar\n0,2,0.1\n2,1,1\n", "line 3: point 2 follows point 0"),
+        ("point,x,x_bar\n0,2,0.1\n1,a,1\n", "line 3: x = 'a' is not a number"),
+        ("point,x,x_bar\n0,2,0.1\n1,inf,1\n", "must be finite"),
+        ("point,x,x_bar\n0,2,0.1\n", "at least the points 0 and 1"),
+    ],
+)
+def test_readings_that_cannot_be_used_are_refused_in_words(task, text, message):
+    with pytest.raises(ValueError, match=re.escape(message)):
+        read_readings(text, task[1].planes)
+
+
+def test_readings_of_another_exercise_are_refused(task):
+    construction, drawing = task
+    points = [z + 0.05 for z in student(drawing, construction, 3)]
+    with pytest.raises(ValueError, match="mm from the start point of the sheet; is this another"):
+        judged(construction, drawing, points)
+    with pytest.raises(ValueError, match="12 points were read, but the construction has 11"):
+        judged(construction, drawing, [drawing.frames[0].points["P"]] * 12)

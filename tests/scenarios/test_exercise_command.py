@@ -1,0 +1,97 @@
+"""`phaseplane exercise`: what it writes, and how it marks."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+
+SETTINGS = ["--steps", "8", "--set", "construction.step=0.3 s"]
+FILES = {
+    "sheet.pdf", "marking.pdf", "readings.csv", "sheet.html", "protocol.html", "protocol.txt",
+    "protocol.csv", "construction.ggb", "summary.json",
+}  # fmt: skip
+
+
+def called(*words: object):
+    return CliRunner().invoke(main, ["exercise", *map(str, words)])
+
+
+def page_size(path: Path) -> tuple[float, float]:
+    """The size of a PDF's page, cm."""
+    box = re.search(rb"/MediaBox \[ 0 0 ([\d.]+) ([\d.]+) \]", path.read_bytes())
+    assert box is not None
+    return 2.54 * float(box[1]) / 72.0, 2.54 * float(box[2]) / 72.0
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    done = called("van_der_pol", *SETTINGS, "-o", tmp_path / "out")
+    assert done.exit_code == 0, done.output
+    return tmp_path / "out"
+
+
+def answers(folder: Path, change: int | None = None) -> Path:
+    """The readings of one who copies the protocol to three digits."""
+    rows = list(csv.DictReader((folder / "protocol.csv").read_text().splitlines()))
+    found = ["point,x,x_bar,D"]
+    points = [row["value"] for row in rows if row["point"] == "P"]
+    points.append([row["value"] for row in rows if row["point"] == "P'"][-1])
+    for i, value in enumerate(points):
+        numbers = [float(n) for n in re.findall(r"= (-?[\d.e-]+)", value)]
+        x, bar = (*numbers, 0.0)[:2]
+        found.append(f"{i},{x:.3g},{bar + (0.2 if i == change else 0.0):.3g},")
+    path = folder.parent / "answers.csv"
+    path.write_text("\n".join(found) + "\n")
+    return path
+
+
+def test_an_exercise_is_a_folder_of_sheets_in_true_scale(folder: Path) -> None:
+    assert {path.name for path in folder.iterdir()} == FILES
+    for name in ("sheet.pdf", "marking.pdf"):
+        assert page_size(folder / name) == pytest.approx((21.0, 29.7), abs=0.01)
+    again = called("van_der_pol", *SETTINGS, "-o", folder)
+    assert again.exit_code == 0, again.output
+
+
+def test_readings_are_marked_from_the_students_own_points(folder: Path, tmp_path: Path) -> None:
+    right = called("van_der_pol", *SETTINGS, "--mark", answers(folder))
+    assert right.exit_code == 0, right.output
+    assert "8 of 8 points right" in right.output
+    wrong = called(
+        "van_der_pol", *SETTINGS, "--mark", answers(folder, 4), "--json", "-o", tmp_path / "marked"
+    )
+    assert wrong.exit_code == 1
+    told = json.loads(wrong.stdout)
+    assert [m["point"] for m in told["marks"] if m["verdict"] != "right"] == [4, 5]
+    assert (tmp_path / "marked" / "marked.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_two_planes_are_drawn_to_scale_on_a3(tmp_path: Path) -> None:
+    done = called("ap57", "--paper", "A3", "-o", tmp_path / "out", "--json")
+    assert done.exit_code == 0, done.output
+    assert "construction.ggb" not in done.stdout
+    assert page_size(tmp_path / "out" / "sheet.pdf") == pytest.approx((29.7, 42.0), abs=0.01)
+    rows = (tmp_path / "out" / "readings.csv").read_text().splitlines()
+    assert rows[0] == "point,y1 [cm],y1_bar [cm],y2 [cm],y2_bar [cm],D1 [cm],D2 [cm]"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["van_der_pol", "--steps", "0"], "--steps 0: must be from 1 to 40"),
+        (["van_der_pol", "--mark", "none.csv"], "--mark none.csv: No such file"),
+        (["van_der_pol", "--paper", "A5"], "'A5' is not one of"),
+        (["leaf_spring"], "in one phase plane only"),
+    ],
+)
+def test_bad_input_is_refused_in_a_line(words: list[str], message: str) -> None:
+    refused = called(*words)
+    assert refused.exit_code == 2
+    assert message in refused.stderr
+    assert "Traceback" not in refused.stderr
