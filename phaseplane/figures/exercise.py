@@ -202,7 +202,7 @@ def _turn(axes: Axes, sheet: Mapping[str, Any], corner: np.ndarray) -> None:
             if curve["label"]:
                 below = (0.0, -0.32) if curve["role"] == "axis" else (0.1, -0.1)
                 axes.text(
-                    *(at[-1] + below), curve["label"], fontsize=6.5, color="#57606a", ha="center"
+                    *_xy(at[-1] + below), curve["label"], fontsize=6.5, color="#57606a", ha="center"
                 )
 
 
