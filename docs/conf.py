@@ -30,7 +30,7 @@ CONTENTS = {
     "Begin": ("start", "installation", "terms"),
     "Guides": ("scenes", "sweeps", "fmus", "python", "constructions", "figures"),
     "How it works": ("how_it_works",),
-    "How well it works": ("accuracy",),
+    "How well it works": ("validation", "accuracy"),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
 }
 PROJECT = ("CONTRIBUTING", "CHANGELOG")
