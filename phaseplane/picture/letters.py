@@ -18,6 +18,7 @@ NEAR = 2.0
 _WIDTH, _HEIGHT = 0.58, 1.15  # of one character, in em
 _RINGS = np.array([0.8, 1.1, 1.5, NEAR - 0.1, 2.8, 3.8, 5.0, 7.0, 10.0])  # gaps to the point, in em
 _ANGLES = 16
+_MOST_CLOSE = 300  # lines about a letter that are looked at
 _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
 
@@ -93,6 +94,7 @@ def place(
         )
         if len(segments):
             close = segments[_about(at[0, 0], _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
+            close = close[:: max(1, len(close) // _MOST_CLOSE)]
             crossed = Boxes(centres[0, :, None], size).inside(close[:, 0], close[:, 1])
             cost = cost + 1.5 * crossed.sum(axis=1) / em
         best = cost.argmin(axis=1)

@@ -207,7 +207,7 @@ def _tick(
     page = _page(stays, index)
     page.step(frame, stage=stage, repeated=True)
     states = [frame.points[plane.state] for plane in drawing.planes]
-    page.dots("here", states)
+    page.dots("here", states, 1.0, 0.5)
     page.dots("state", states, 1.3)
     kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
     for letter in lettered.texts:

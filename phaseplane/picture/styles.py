@@ -67,7 +67,7 @@ ROLES = {
     "trail": Style(BLUE, 1.8, words="integral curve"),
     "run": Style(VIOLET, 1.5, words="motion of the run"),
     "state": Style(BLUE, 1.5, size=5.0),
-    "here": Style(INK, size=10.0),
+    "here": Style(INK, size=12.0),
     "axis": Style(INK, 0.9),
     "value": Style(),
     "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve (of y)"),
@@ -102,7 +102,9 @@ _OTHERS = (BLUE, ORANGE, GREEN, VIOLET, TEAL, PINK, OCHRE, RED, GREY)
 
 
 def style_of(role: str) -> Style:
-    """Return the style of a role; unknown roles are drawn like construction lines."""
+    """Return the style of a role or of a part; unknown ones are drawn like construction lines."""
+    if role in PARTS:
+        return Style(PARTS[role], 1.4)
     return ROLES.get(role, _UNKNOWN)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -65,18 +65,24 @@ def view_of(drawing: Drawing, frames: Sequence[Frame], *, turn: bool) -> Box:
     return around(_shown(drawing, np.array(points)))
 
 
+def views_of(drawing: Drawing, motions: Sequence[Points]) -> list[Box]:
+    """Return the part of the sheet with the whole motion and most feet of its normals, then each plane.
+
+    Parameters
+    ----------
+    motions : the state points of each plane
+    """
+    known = dict(zip(drawing.planes, motions, strict=True))
+    several = [drawing.planes, *((plane,) for plane in drawing.planes)]
+    return [around(_framed(drawing, planes, known), 0.06) for planes in several]
+
+
 def whole_view(drawing: Drawing) -> Box:
     """Return the part of the sheet with the whole motion and most feet of its normals."""
-    return around(_framed(drawing, drawing.planes), 0.06)
+    return views_of(drawing, motions_of(drawing))[0]
 
 
-def plane_view(drawing: Drawing, plane: Plane) -> Box:
-    """Return the part of the sheet with one plane."""
-    return around(_framed(drawing, (plane,)), 0.06)
-
-
-def _framed(drawing: Drawing, planes: Sequence[Plane]) -> Points:
-    motions = dict(zip(drawing.planes, motions_of(drawing), strict=True))
+def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, Points]) -> Points:
     points: list[Points] = []
     for plane in planes:
         motion = motions[plane]
@@ -95,7 +101,7 @@ def _framed(drawing: Drawing, planes: Sequence[Plane]) -> Points:
     ]
     if feet:
         x = np.quantile(np.array(feet).real, [_FEET, 1.0 - _FEET])
-        low, high = known.real.min() - 0.25 * size, known.real.max() + 0.25 * size
+        low, high = known.real.min() - 0.2 * size, known.real.max() + 0.2 * size
         height = planes[0].displacement.origin.imag
         known = np.append(known, [complex(np.clip(v, low, high), height) for v in x])
     centre = complex(known.mean())

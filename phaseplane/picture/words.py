@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import lru_cache
+from operator import mul
 from unicodedata import normalize
 
 from phaseplane.constructions.primitives import Drawing, Frame, Plane, Scheme
@@ -17,6 +18,7 @@ from phaseplane.constructions.sheet import Event, events_of
 from .quantities import Quantity
 
 MINUS = "\N{MINUS SIGN}"
+_HEAD = "| read off the sheet | |\n|---|---|\n"
 _BAR, _DOT, _DOTS = "\N{COMBINING MACRON}", "\N{COMBINING DOT ABOVE}", "\N{COMBINING DIAERESIS}"
 _INDICES = {ord(plain): index for plain, index in zip("0123456789m", "₀₁₂₃₄₅₆₇₈₉ₘ", strict=True)}
 _GREEK = {"dtau": "Δτ", "tau": "τ", "xi": "ξ", "Omega": "Ω", "kappa": "κ"}
@@ -130,13 +132,22 @@ def _row(name: str) -> str:
 
 def readings_table(readings: Mapping[str, float], quantities: Mapping[str, Quantity | None]) -> str:
     """Return the readings as a Markdown table."""
-    rows = []
-    for name, value in readings.items():
-        quantity = quantities.get(name)
-        factor, unit = (quantity.factor, quantity.unit) if quantity else (1.0, "")
-        rows.append(f"| {_row(name)} | {factor * value:.4g} {unit} |")
-    head = "| read off the sheet | |\n|---|---|\n"
-    return head + "\n".join(rows).replace("-", MINUS) if rows else ""
+    if not readings:
+        return ""
+    form, factors = _table_form(tuple((name, quantities.get(name)) for name in readings))
+    return _HEAD + (form % tuple(map(mul, factors, readings.values()))).replace("-", MINUS)
+
+
+@lru_cache
+def _table_form(
+    rows: tuple[tuple[str, Quantity | None], ...],
+) -> tuple[str, tuple[float, ...]]:
+    """Return the rows of a table with a place for each value, and the factors of the values."""
+    lines = [
+        f"| {_row(name).replace('%', '%%')} | %.4g {quantity.unit if quantity else ''} |"
+        for name, quantity in rows
+    ]
+    return "\n".join(lines), tuple(q.factor if q else 1.0 for _, q in rows)
 
 
 def step_head(drawing: Drawing, frame: Frame) -> str:
@@ -155,14 +166,15 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
 
 
 def protocol(drawing: Drawing, frame: Frame, present: int) -> str:
-    """Return all stages of a step as a list, the present one bold, those drawn with their lengths."""
+    """Return all stages of a step as a list, the present one bold, with what was measured."""
     scheme = drawing.schemes[frame.scheme]
     lines = []
     for stage, words in enumerate(scheme.stages):
         line = f"{stage + 1}. {markdown(typeset(words))}"
         if stage == present:
             line = f"{stage + 1}. **{markdown(typeset(words))}**"
-        if stage <= present:
+        # four planes have so many lengths that those of earlier stages would hide the present line
+        if stage == present or (stage < present and len(drawing.planes) <= 2):
             found = "; ".join(measured(drawing, scheme, frame, stage))
             line += f"\n   {markdown(found)}" if found else ""
         lines.append(line)

@@ -31,7 +31,7 @@ BLOCK = 128
 """Steps in a block of a long curve, which the viewer draws as one row."""
 RECENT = 200
 """Steps of a curve that are drawn in full, more than a block."""
-_FAINT = 0.55  # opacity of older steps
+_FAINT = 0.35  # opacity of older steps
 _HEAD = 0.5  # length of the head of an arrow, em
 
 
@@ -72,17 +72,17 @@ class Viewer(Canvas):
     def curve(self, name: str, role: str, ways: Points, first: int) -> None:
         """Log the ways of some steps, each as a row, and finished blocks of steps as one row each."""
         path = f"{self.root}/{role}/{name}"
-        if name not in self._begun:
-            self._begun.add(name)
+        if path not in self._begun:
+            self._begun.add(path)
             self.recording.log(f"{path}/recent", line_style([role]), static=True)
-            self.recording.log(f"{path}/past", line_style([role], [_FAINT]), static=True)
+            self.recording.log(f"{path}/past", line_style([role], [_FAINT], 0.4), static=True)
         if not len(ways):
             return
         rows = first + 1 + np.arange(len(ways))
         self.recording.send_columns(
             f"{path}/recent", self.columns(rows), rr.LineStrips2D.columns(strips=strips(ways))
         )
-        start, held = self._held.get(name, (first, ways[:0]))
+        start, held = self._held.get(path, (first, ways[:0]))
         if held.shape[1:] != ways.shape[1:]:
             held = ways[:0]
             start = first
@@ -94,7 +94,7 @@ class Viewer(Canvas):
             self.recording.send_columns(
                 f"{path}/past", self.columns(ends), rr.LineStrips2D.columns(strips=strips(blocks))
             )
-        self._held[name] = start + whole * BLOCK, held[whole * BLOCK :]
+        self._held[path] = start + whole * BLOCK, held[whole * BLOCK :]
 
     def end(self) -> None:
         """Leave the last tick."""

@@ -6,10 +6,10 @@ ticks of the story, which is stored apart.
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -127,19 +127,21 @@ def radii(sizes: Sequence[float]) -> npt.NDArray[np.float32]:
     return -0.5 * _SCREEN * np.array(sizes, np.float32)  # negative: not in metres of paper
 
 
-def line_style(roles: Sequence[str], strengths: Sequence[float] = ()) -> rr.LineStrips2D:
+def line_style(
+    roles: Sequence[str], strengths: Sequence[float] = (), weight: float = 1.0
+) -> rr.LineStrips2D:
     """Return the style of lines of these roles."""
     strengths = strengths or [1.0] * len(roles)
     return rr.LineStrips2D.from_fields(
         colors=colours([rgba(style_of(r).hue, s) for r, s in zip(roles, strengths, strict=True)]),
-        radii=radii([style_of(role).width for role in roles]),
+        radii=radii([weight * style_of(role).width for role in roles]),
     )
 
 
 def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
     """Return the style of points of these roles."""
     return rr.Points2D.from_fields(
-        colors=colours([rgba(style_of(role).hue) for role in roles]),
+        colors=colours([rgba(style_of(r).hue, 0.5 if r == "here" else 1.0) for r in roles]),
         radii=radii([weight * style_of(role).size for role in roles]),
     )
 
@@ -175,8 +177,11 @@ _LEGIBLE = frozenset(
 ) - {"\u03a2"}  # fmt: skip
 
 
-@lru_cache(maxsize=65536)
+_ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
+_INDEX = re.compile("[\u2098\u209b\u209c]")
+
+
 def legible(text: str) -> str:
     """Return the text with a question mark for every character that the viewer cannot show."""
-    composed = unicodedata.normalize("NFC", text.translate(_INDEX_M))
-    return "".join(character if character in _LEGIBLE else "?" for character in composed)
+    plain = _INDEX.sub(lambda m: _INDEX_M[ord(m[0])], text)
+    return _ILLEGIBLE.sub("?", unicodedata.normalize("NFC", plain))

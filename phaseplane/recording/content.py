@@ -81,7 +81,7 @@ class Content:
             if view not in VIEWS:
                 raise ValueError(f"view {view!r} is unknown; views are {', '.join(VIEWS)}")
         if self.drawing is None:
-            if not self.histories:
+            if not len(self.histories) > 1:
                 raise ValueError(f"{self.title!r} has neither steps nor columns: nothing to record")
         else:
             _check_drawing(self.drawing)

@@ -15,6 +15,7 @@ from uuid import uuid4
 
 import numpy as np
 import rerun as rr
+from rerun.experimental import ViewerClient
 
 from .columns import Reals
 from .content import Content
@@ -63,6 +64,7 @@ class Drawer:
         self.recording.send_blueprint(blueprint(order.content, self.recorder))
         self.recorder.begin()
         self.recording.flush()
+        self.viewer = _viewer_at(order.url)
         self.shown = True
         self.last: dict[str, Reals] = {}
         self.reach: dict[str, Reals] = {}
@@ -85,6 +87,19 @@ class Drawer:
         self.recorder.run(columns)
         self._construct(float(columns["time"][-1]))
         self.recording.flush()
+        self._await_viewer()
+
+    def _await_viewer(self) -> None:
+        """Wait until the viewer has drawn, so that what it cannot draw in time is skipped, not queued."""
+        if self.viewer is None:
+            return
+        try:
+            self.viewer.get_state()
+        except (
+            RuntimeError,
+            ConnectionError,
+        ):  # such as a server of recordings, which draws nothing
+            self.viewer = None
 
     def _construct(self, time: float) -> None:
         """Draw the steps that have ended by a time: nothing that has not happened."""
@@ -132,6 +147,16 @@ class Drawer:
             if not (self.order.url and self.order.path):
                 raise
             self.shown = False
+
+
+def _viewer_at(url: str) -> ViewerClient | None:
+    """Return the viewer at an address; None if none answers there."""
+    if not url:
+        return None
+    try:
+        return ViewerClient(url)
+    except (RuntimeError, ConnectionError, ValueError):
+        return None
 
 
 def follow(orders: BinaryIO, answers: int) -> None:

@@ -41,7 +41,9 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
             if gap is not None:
                 name = words if len(axles) == 1 else f"{axle.name} {words}"
                 found[name] = ("free", "touches", ORANGE, side * travel > gap)
-    return found
+    if content.live:  # which of them will matter is not known yet
+        return found
+    return {name: lane for name, lane in found.items() if lane[3].any()}
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

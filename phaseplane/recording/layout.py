@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
-from phaseplane.picture.words import in_words, typeset
+from phaseplane.picture.words import in_words, number, typeset
 
 from .canvas import RECENT
 from .columns import legible
@@ -20,7 +20,7 @@ from .histories import Panel, overlays, panels
 from .lanes import LANES, lanes_of
 from .motion import state_planes
 from .side_view import VEHICLE, vehicle_of, view_box
-from .steps import ARMS, EVENTS, SHEET, WORDS
+from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
 from .whole import Recorder
 
 _STAGES_PER_SECOND = 1.0
@@ -50,7 +50,7 @@ def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Bluepri
         left.append((1.2, _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
-        right.append((4.0, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))
+        right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
@@ -59,10 +59,12 @@ def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Bluepri
     if recorder.arms_page is not None and content.detail != "trail":
         beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
     if beside:
-        right.append((2.5, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
-    plots = [_plot(panel, content) for panel in panels(content)]
+        right.append((2.0, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
+    plots: list[rrb.View] = [_plot(panel, content) for panel in panels(content)]
+    if recorder.chart is not None:
+        plots.insert(0, _view([f"+ {CHART}/**"], "over time", recorder.chart.stays.view))
     if plots and (recorder.words or beside):
-        right.append((2.5, rrb.Tabs(*plots)))
+        right.append((2.8, rrb.Tabs(*plots)))
     elif plots:
         right.append(
             (2.5, rrb.Vertical(*plots[:4], *([rrb.Tabs(*plots[4:])] if plots[4:] else [])))
@@ -198,8 +200,8 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     margin = 0.05 * (high - low) or 1.0
     return rrb.TimeSeriesView(
         origin=panel.path,
-        name=panel.title,
-        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) < 6),
+        name=f"{panel.title}, {number(low, 3)} to {number(high, 3)}" if high > low else panel.title,
+        plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) < 5),
         axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,
         overrides=overlays(panel),  # type: ignore[arg-type]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import pickle
+import re
 import subprocess
 import sys
 import threading
@@ -17,6 +18,7 @@ from contextlib import suppress
 from pathlib import Path
 from queue import Empty, Queue
 from tempfile import TemporaryFile
+from time import monotonic
 from types import TracebackType
 from typing import IO, Protocol
 
@@ -67,6 +69,7 @@ class Live:
         self.problem = ""
         self.filed = False  # whether the file is written
         self.rows_drawn = 0
+        self.behind = 0.0  # longest time that the drawing was behind the run, s
         self._child: subprocess.Popen[bytes] | None = None
         self._noise: IO[bytes] | None = None
         self._thread: threading.Thread | None = None
@@ -128,8 +131,10 @@ class Live:
         self._order(Rows(dict(zip(names, table.T.copy(), strict=True))))
         self.rows_drawn += len(table)
         self._pending = True
+        begun = monotonic()
         while self._pending and not self.problem and not self._over.is_set():
             self._pending = not self._answer(TAKEN, _INTERVAL)
+        self.behind = max(self.behind, monotonic() - begun)
 
     # -- before and after --------------------------------------------------------------------------
 
@@ -228,7 +233,7 @@ class Live:
             self._child.wait(1.0)
         self._noise.seek(0)
         lines = self._noise.read().decode(errors="replace").strip().splitlines()
-        return lines[-1] if lines else ""
+        return re.sub(r"\x1b\[[0-9;]*m", "", lines[-1]) if lines else ""
 
     def _fail(self, problem: str) -> None:
         self.problem = self.problem or problem

@@ -10,10 +10,10 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import Page, motions_of
 from phaseplane.picture.paper import Box, Points, around
 from phaseplane.picture.quantities import quantity_of, rate_of
-from phaseplane.picture.views import plane_view, whole_view
+from phaseplane.picture.views import views_of
 from phaseplane.picture.words import in_words
 
 from .columns import Reals
@@ -127,8 +127,8 @@ def pages_of(content: Content) -> list[Page]:
     """
     drawing = content.constructed
     if drawing is not None:
-        views = [whole_view(drawing), *(plane_view(drawing, plane) for plane in drawing.planes)]
-        motions: list[Points] = []
+        motions = motions_of(drawing)
+        views = views_of(drawing, motions)
     else:
         planes = state_planes(content)
         if not planes:

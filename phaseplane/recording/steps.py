@@ -34,7 +34,7 @@ from .columns import (
     xy,
 )
 
-SHEET, ARMS = "/sheet", "/arms"
+SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
 EVENTS, WORDS = f"{SHEET}/events", "/words"
 SLICE = 4096
 """Steps that are encoded at once."""
@@ -161,7 +161,7 @@ def send_here(
         rows = np.append(rows, last)
     pair = np.stack([z, z], 1).reshape(len(z), -1)
     roles = ["here"] * len(names) + ["state"] * len(names)
-    recording.log(f"{SHEET}/steps/here", point_style(roles, 1.3), static=True)
+    recording.log(f"{SHEET}/steps/here", point_style(roles, 1.2), static=True)
     recording.send_columns(
         f"{SHEET}/steps/here",
         clock.columns(rows),
@@ -169,9 +169,19 @@ def send_here(
     )
 
 
+def send_cursor(recording: rr.RecordingStream, cursors: Points, clock: Clock, first: int) -> None:
+    """Log the lines at the times of steps in the chart."""
+    path = f"{CHART}/cursor"
+    recording.log(path, line_style(["value"]), static=True)
+    rows = first + np.arange(len(cursors))
+    recording.send_columns(
+        path, clock.columns(rows), rr.LineStrips2D.columns(strips=strips(cursors))
+    )
+
+
 def send_point(recording: rr.RecordingStream, path: str, times: Reals, z: Points) -> None:
     """Log a point that moves over `t`, of two sizes."""
-    recording.log(path, point_style(["here", "state"], 1.3), static=True)
+    recording.log(path, point_style(["here", "state"], 1.2), static=True)
     pair = np.stack([z, z], 1)
     recording.send_columns(
         path,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from phaseplane.picture.chart import Chart
 from phaseplane.picture.page import Page
 from phaseplane.picture.quantities import Quantity, read_off
 from phaseplane.picture.story import Tick, arms_page, story_of
@@ -22,9 +23,11 @@ from .motion import pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle
 from .steps import (
     ARMS,
+    CHART,
     SHEET,
     SLICE,
     WORDS,
+    send_cursor,
     send_events,
     send_here,
     send_point,
@@ -55,6 +58,7 @@ class Recorder:
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
         self.sheet = Viewer(recording, SHEET, self._columns)
         self.arms = Viewer(recording, ARMS, self._columns)
+        self.over_time = Viewer(recording, CHART, self._columns)
         self._times = self.clock.times
         self._rows = 0
 
@@ -77,6 +81,18 @@ class Recorder:
         axis = drawing.planes[0].displacement
         values = [axis.read(frame.points[drawing.planes[0].state]) for frame in drawing.frames]
         return read_off(drawing, float(np.ptp(values)))
+
+    @cached_property
+    def chart(self) -> Chart | None:
+        """The displacements over the time of the construction, with the points that are read off."""
+        content = self.content
+        if content.constructed is None or content.live or not content.shows("histories"):
+            return None
+        shown = next((p for p in panels(content) if len(p.drawn) and p.quantity.si == "m"), None)
+        if shown is None:
+            return None
+        names = (*shown.drawn, *(n for n in shown.names if n not in shown.drawn))
+        return Chart(content.constructed, content.histories, names, shown.quantity)
 
     def _story(self) -> list[Tick]:
         content = self.content
@@ -116,6 +132,8 @@ class Recorder:
             self._place(content)
         if self.arms_page is not None and content.detail != "trail":
             self.arms.begin(self.arms_page)
+        if self.chart is not None:
+            self.over_time.begin(self.chart.stays)
         log_vehicle(self.recording, content)
         for panel in panels(content):
             log_series(self.recording, panel, content)
@@ -136,6 +154,9 @@ class Recorder:
                     send_steps(self.recording, drawing, self.pages[0], self.clock, start, end)
             if self.words:
                 send_words(self.recording, drawing, self.quantities, self.clock, start, end)
+            if self.chart is not None:
+                cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
+                send_cursor(self.recording, cursors, self.clock, start)
             send_readings(self.recording, self.content, self.clock, start, end)
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
@@ -185,6 +206,8 @@ class Recorder:
         for tick in self.ticks:
             self.sheet.frame(tick.page)
             self.arms.frame(tick.arms)
+            if self.chart is not None:
+                self.over_time.frame(self.chart.upto(tick.step))
         self.sheet.end()
         if self.words:
             style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)

@@ -199,6 +199,8 @@ def run_scene(
             with progress(f"showing {scene.name}"):
                 unwritten, unshown = live.complete(results)
             problems += unwritten
+            if save is not None and not unwritten:
+                told["saved"] = str(save)
             told["warnings"] = [*results.summary["warnings"], *unshown]
     problems += _drawn(pictures, standing, progress)
     standing.tell(**told)

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from ..simulate.stepping import Rows
 
 
+_SLOW = 2.0  # s that a viewer may be behind a run before it is said
+
+
 @dataclass(frozen=True, slots=True)
 class LiveRun:
     """A run and the viewer that shows it."""
@@ -45,7 +48,8 @@ class LiveRun:
         """
         self.live.complete(of_results(results, self.drawing, asdict(self.scene.show)))
         if not self.live.problem:
-            return [], []
+            slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
+            return [], [slow] if self.live.behind > _SLOW else []
         why = one_line(self.live.problem)
         if self.live.path and not self.live.filed:
             return [f"{self.live.path} was not written: {why}"], []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -81,6 +81,9 @@ def content(
         vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
         detail=detail if detail in recording.DETAILS else "stages",
         views=views,
+        numbers=tuple(known(n) for n, u in units.items() if u in ("", "1"))
+        if model not in MODELS
+        else (),
         live=live,
     )
 
@@ -98,14 +101,29 @@ def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
     }
 
 
-def default_pairs(names: Iterable[str]) -> list[tuple[str, str]]:
-    """Return the displacements and rates of the phase planes to draw by default."""
-    names = set(names)
-    for displacements in _PLANES:
-        pairs = [(y, rate) for y in displacements if {y, rate := rate_of(y)} <= names]
+def default_pairs(units: Mapping[str, str]) -> list[tuple[str, str]]:
+    """Return the displacements and rates of the phase planes to draw by default.
+
+    Those of the models here are known by name; of other FMUs, a variable and what is named as its rate
+    or its derivative make a pair, or else the only two outputs in m and m/s, or in rad and rad/s.
+    """
+    names = list(units)
+    for displacements in (*_PLANES, names):
+        pairs = [
+            (y, rate) for y in displacements for rate in _rates(y) if {y, rate} <= units.keys()
+        ]
         if pairs:
             return pairs
+    for unit, per_second in (("m", "m/s"), ("rad", "rad/s")):
+        alone = [[n for n in names if units[n] == u] for u in (unit, per_second)]
+        if len(alone[0]) == len(alone[1]) == 1:
+            return [(alone[0][0], alone[1][0])]
     return []
+
+
+def _rates(name: str) -> tuple[str, ...]:
+    """Return how the rate of a variable may be named."""
+    return rate_of(name), f"der({name})", f"der_{name}", f"{name}_dot", f"d{name}"
 
 
 def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Vehicle | None:

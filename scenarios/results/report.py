@@ -77,6 +77,8 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     yield ""
     for i, name in enumerate(summary.get("files", ())):  # a single table has none
         yield _line("" if i else "files", _path(folder / name))
+    if summary.get("saved"):
+        yield _line("recording", summary["saved"])
 
 
 def _measured(measures: Mapping[str, Any]) -> Iterator[str]:

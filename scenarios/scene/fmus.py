@@ -207,7 +207,8 @@ def _refuse_other_kinds(path: Path) -> None:
 
 def _variable(scalar: ScalarVariable) -> Variable:
     read = _TYPES[scalar.type]
-    unit = scalar.unit if scalar.unit in UNITS else ""
+    declared = scalar.unit or (scalar.declaredType.unit if scalar.declaredType else "")
+    unit = declared if declared in UNITS else ""
     try:
         start = read(scalar.start or {"Real": "0", "Integer": "0"}.get(scalar.type, ""))
     except ValueError:

@@ -76,7 +76,6 @@ def test_entities(recorded: Recorded) -> None:
         "/histories/acceleration/wheel_acceleration",
         "/histories/force/contact_force",
         "/histories/force/contact_force/drawn",
-        "/lanes/wheel",
     }
     assert {"/sheet", "/sheet/paper/lines", "/sheet/paper/letters"} <= set(recorded.static)
 
@@ -112,11 +111,10 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
         "y\N{SUBSCRIPT ONE}": "/",
         "y\N{SUBSCRIPT TWO}": "/",
         "turn angles": "/",
-        "lanes": "/lanes",
-        "displacement [cm]": "/histories/displacement",
-        "velocity [m/s]": "/histories/velocity",
-        "acceleration [m/s\N{SUPERSCRIPT TWO}]": "/histories/acceleration",
-        "force [N]": "/histories/force",
+        "displacement [cm], 0 to 40": "/histories/displacement",
+        "velocity [m/s], 0 to 2": "/histories/velocity",
+        "acceleration [m/s\N{SUPERSCRIPT TWO}], 0 to 20": "/histories/acceleration",
+        "force [N], 0 to 2e+03": "/histories/force",
         "what is drawn": "/words",
     }
     paths = {"/" + path.split("/")[1] for path in recorded.rows}

@@ -197,3 +197,25 @@ def test_unusable_contents(tmp_path: Path, change: dict[str, object], message: s
             tmp_path / "f.rrd",
         )
     assert list(tmp_path.iterdir()) == []
+
+
+def test_lanes_show_what_changes(tmp_path: Path) -> None:
+    airborne = (TIME > 0.2) & (TIME < 0.3)
+    made = recorded(tmp_path, Content("a run", histories={**MOTION, "airborne": airborne}))
+    states = [(row["t"], row["StateChange:state"]) for row in made.rows["/lanes/wheel"]]
+    assert [state for _, state in states] == [["calm"], ["loud"], ["calm"]]
+    assert states[1][0] == pytest.approx(TIME[airborne][0])
+    labels = made.static["/lanes/wheel"]["StateConfiguration:labels"]
+    assert labels == ["on the road", "off the road"]
+    calm = recorded(tmp_path, Content("a run", histories={**MOTION, "airborne": 0 * TIME}))
+    assert not any(path.startswith("/lanes") for path in calm.rows)
+
+
+def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
+    columns = {"time": TIME, "pressure": TIME, "gain": TIME}
+    content = Content("any", histories=columns, units={"pressure": "Pa", "gain": ""})
+    made = recorded(tmp_path, replace(content, numbers=("gain",)))
+    assert {"/histories/Pa/pressure", "/histories/gain/gain"} <= set(made.rows)
+    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
+             if "ViewBlueprint:display_name" in row]  # fmt: skip
+    assert any(name.startswith("[Pa]") for name in names)

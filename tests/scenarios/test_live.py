@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -16,12 +17,14 @@ from urllib.request import urlopen
 
 import pytest
 from click.testing import CliRunner
+from fmpy.model_description import ScalarVariable, SimpleType
 from fmpy.util import read_csv
 from hosting import HANGS, started, wait_until
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw.live import LiveRun
 from phaseplane.scenarios.draw.recording_content import default_pairs, vehicle
+from phaseplane.scenarios.scene.fmus import _variable
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.simulate.stepping import Rows
@@ -38,6 +41,9 @@ PAIR = f"{DEFLECTION},{DEFLECTION}_rate"
 
 def entities(path: Path) -> set[str]:
     return {chunk.entity_path for chunk in RrdReader(path).stream() if not chunk.is_static}
+
+
+QUIET = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 
 
 @pytest.fixture(autouse=True)
@@ -155,7 +161,7 @@ def test_any_fmu_with_a_plane_of_its_own() -> None:
 def test_every_case_has_a_recording_with_its_vehicle(name: str) -> None:
     scene = load_scene(name)
     shown = vehicle(scene.fmu.model, scene.all_parameters, scene.duration)
-    pairs = default_pairs(scene.fmu.outputs())
+    pairs = default_pairs({n: v.unit for n, v in scene.fmu.outputs().items()})
     assert pairs
     assert (shown is not None) == ("road.shape" in scene.all_parameters)
     if shown:
@@ -214,3 +220,30 @@ def test_bad_input(arguments: list[str], message: str) -> None:
     assert result.exit_code == 2
     assert message in result.stderr
     assert len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("units", "pairs"),
+    [
+        ({"h": "m", "v": "m/s", "e": ""}, [("h", "v")]),
+        ({"x": "", "der(x)": "", "y": "", "y_dot": ""}, [("x", "der(x)"), ("y", "y_dot")]),
+        ({"x1": "m", "x2": "m", "v": "m/s"}, []),
+        ({"phi": "rad", "omega": "rad/s"}, [("phi", "omega")]),
+    ],
+)
+def test_planes_of_any_fmu_are_guessed(units: dict[str, str], pairs: list[tuple[str, str]]) -> None:
+    assert default_pairs(units) == pairs
+
+
+def test_units_of_declared_types_are_known() -> None:
+    kind = SimpleType()
+    kind.unit = "m/s"
+    scalar = ScalarVariable("v", 1)
+    scalar.type, scalar.causality, scalar.declaredType = "Real", "output", kind
+    assert _variable(scalar).unit == "m/s"
+
+
+def test_a_saved_recording_is_told() -> None:
+    result = CliRunner().invoke(main, ["run", "ap57", "--save", "x.rrd", "--json", *QUIET])
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["saved"] == "x.rrd"

@@ -1,0 +1,129 @@
+"""The displacements over time as a page, which grows as the construction does (AP57 figure 14)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import ceil
+
+import numpy as np
+import numpy.typing as npt
+
+from phaseplane.constructions.primitives import Drawing
+from phaseplane.constructions.sheet import round_step
+
+from .page import Page, Text
+from .paper import Box
+from .quantities import Quantity
+from .styles import PARTS
+from .words import bracketed, in_words, number
+
+_WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
+_EM = 0.0095
+_MOST = 600  # vertices of a curve
+_SERIES = 4
+
+
+class Chart:
+    """Columns of one quantity over the time of a construction.
+
+    Parameters
+    ----------
+    drawing : the construction, with the readings that are marked
+    histories : `time` (s) and columns over it
+    names : of the columns, the first four of which are drawn
+    quantity : of the columns
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        histories: Mapping[str, npt.ArrayLike],
+        names: tuple[str, ...],
+        quantity: Quantity,
+    ) -> None:
+        self.drawing, self.quantity = drawing, quantity
+        last = drawing.frames[-1]
+        self.start, self.end = drawing.frames[0].time, last.time + last.duration
+        times = np.asarray(histories["time"], float)
+        until = times <= self.end * (1.0 + 1e-9)
+        every = max(1, int(until.sum()) // _MOST)
+        self.names = names[:_SERIES]
+        self.times = times[until][::every]
+        self.values = {
+            n: quantity.factor * np.asarray(histories[n], float)[until][::every] for n in self.names
+        }
+        read = [f.readings[n] for f in drawing.instants for n in self.names if n in f.readings]
+        every_value = np.concatenate(
+            [*self.values.values(), quantity.factor * np.array(read), [0.0]]
+        )
+        every_value = every_value[np.isfinite(every_value)]
+        self.low, self.high = float(every_value.min()), float(every_value.max())
+        self.stays = self._stays()
+
+    def at(self, time: float, value: float) -> complex:
+        """Return the point of a value at a time."""
+        span = (self.high - self.low) or 1.0
+        x = _WIDTH * (time - self.start) / ((self.end - self.start) or 1.0)
+        return complex(x, _HEIGHT * (value - self.low) / span)
+
+    def _stays(self) -> Page:
+        view = Box(complex(0.48 * _WIDTH, 0.44 * _HEIGHT), complex(0.66 * _WIDTH, 0.76 * _HEIGHT))
+        sheet = Drawing("", (), (), {}, ())
+        page = Page(sheet, view, _EM, [np.zeros(1, complex)])
+        zero = self.at(self.start, 0.0)
+        page.arrow("axis", zero, zero + 1.03 * _WIDTH)
+        page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
+        unit = bracketed(self.quantity.unit)
+        page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.04, _HEIGHT + 2.2 * _EM)))
+        page.write_if_free(Text("axis", "t [ms]", zero + _WIDTH + 1.4j * _EM))
+        self._values(page)
+        for name in self.names:
+            curve = [self.at(t, v) for t, v in zip(self.times, self.values[name], strict=True)]
+            if len(curve) > 1:
+                page.lines(_part(name), [curve], 0.8, 0.6)
+        bottom = self.at(self.start, self.low).imag - 2.6 * _EM
+        left = [-0.04, -0.04]
+        for number_of, name in enumerate(self.names):
+            row = number_of % 2
+            half = Text(_part(name), in_words(name), 0j, 0.9).box(_EM).half.real
+            place = complex(left[row] + half, bottom - 1.5 * row * _EM)
+            page.write_if_free(Text(_part(name), in_words(name), place, 0.9))
+            left[row] += 2.0 * half + _EM
+        return page
+
+    def _values(self, page: Page) -> None:
+        """Write round values along both axes."""
+        step = round_step((self.high - self.low) or 1.0, 4)
+        for i in range(ceil(self.low / step), int(self.high / step) + 1):
+            z = self.at(self.start, i * step)
+            page.lines("axis", [[z, z + 0.4 * _EM]])
+            page.write_if_free(Text("value", number(i * step), z - 1.3 * _EM, 0.8, "value"))
+        step = round_step(1e3 * (self.end - self.start) or 1.0, 6)
+        for i in range(1, int(1e3 * (self.end - self.start) / step) + 1):
+            z = self.at(self.start + 1e-3 * i * step, 0.0)
+            page.lines("axis", [[z, z + 0.4j * _EM]])
+            page.write_if_free(Text("value", number(i * step), z - 1.0j * _EM, 0.8, "value"))
+
+    def upto(self, step: int) -> Page:
+        """Return a page with what was read off the planes up to a step, and a line at its time."""
+        page = self.stays.following()
+        instants = self.drawing.instants[: step + 1]
+        every = max(1, len(instants) // _MOST)
+        for name in self.names:
+            points = [
+                self.at(f.time, self.quantity.factor * f.readings[name])
+                for f in instants[::every]
+                if name in f.readings
+            ]
+            page.dots(_part(name), points, 0.9)
+        page.lines("value", [self.cursor(instants[-1].time)])
+        return page
+
+    def cursor(self, time: float) -> list[complex]:
+        """Return the line at a time."""
+        return [self.at(time, self.low), self.at(time, self.high)]
+
+
+def _part(name: str) -> str:
+    """Return the role of a column: the part of the car that it belongs to."""
+    return next((word for word in name.split("_") if word in PARTS), "construction")
