@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from .engine import Integrator, why_stopped
 from .models import build_checked
-from .outputs import Reading
+from .outputs import Reading, reading_of
 from .series import Series, is_at_end, is_over_time, joints
 from .session import start_state
 from .systems import System
@@ -172,7 +172,7 @@ def _outputs(model: str, wanted: Callable[[Reading], bool]) -> list[str]:
     """Return the outputs that are read in a wanted way."""
     declared = outputs_of(model)
     system = build_checked(model, checked_parameters(model, {}))
-    return [name for name, v in declared.items() if v.reading and wanted(v.reading(system, v))]
+    return [name for name, v in declared.items() if wanted(reading_of(v, system))]
 
 
 @dataclass(frozen=True, slots=True)

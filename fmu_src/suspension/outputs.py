@@ -89,6 +89,13 @@ class OfLedger:
 Reading = Line | OfContact | OfFlow | OfLedger | OfRun
 
 
+def reading_of(output: Variable, system: System) -> Reading:
+    """Return how a system is read for an output of its model."""
+    assert output.reading is not None, output.name
+    reading: Reading = output.reading(system, output)
+    return reading
+
+
 @dataclass(slots=True)
 class Contact:
     """The contact of one tyre with the road, and its history up to the present time."""

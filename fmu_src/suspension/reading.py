@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 from .outputs import (
     ACCELERATION,
     DISPLACEMENT,
+    FORCE,
     VELOCITY,
     Line,
     OfContact,
@@ -15,6 +16,7 @@ from .outputs import (
     OfLedger,
     OfRun,
     Reading,
+    reading_of,
 )
 from .signals import Signal
 from .systems import System
@@ -139,9 +141,7 @@ class Readers(dict[str, Read]):
         self._integrator, self._run = integrator, run
 
     def __missing__(self, name: str) -> Read:
-        output = self._declared[name]
-        assert output.reading is not None
-        reading = output.reading(self._system, output)
+        reading = reading_of(self._declared[name], self._system)
         read = self[name] = _reader(reading, self._integrator, self._run)
         return read
 
@@ -182,17 +182,14 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
 
 
 def _of_line(line: Line, run: Run) -> Read:
-    """Return the reader of sum b x + sum c u + offset."""
-    if line.quantity in (DISPLACEMENT, VELOCITY):
-        moved = _of_motion(
-            line.terms, run.state.q if line.quantity == DISPLACEMENT else run.state.v
-        )
-    else:
-        moved = _of_forces(line, run)
-    if not line.signals and line.offset == 0.0:
-        return moved
+    """Return the reader of sum b x + sum c u + offset; as short as it can be."""
+    moved, signals, offset = _of_terms(line, run), line.signals, line.offset
     order = VELOCITY if line.quantity == VELOCITY else DISPLACEMENT
-    signals, offset = line.signals, line.offset
+    if not signals:
+        return (lambda: moved() + offset) if offset else moved
+    if len(signals) == 1 and not offset:
+        (name, factor), *_ = signals
+        return lambda: moved() + factor * run.state.signals[name][order]
 
     def read() -> float:
         value = moved()
@@ -203,29 +200,33 @@ def _of_line(line: Line, run: Run) -> Read:
     return read
 
 
-def _of_motion(terms: Sequence[tuple[int, float]], x: Sequence[float]) -> Callable[[], float]:
-    """Return the reader of sum b x for a vector that changes in place; most have one term or two."""
-    if len(terms) == 1 and terms[0][1] == 1.0:
-        i = terms[0][0]
-        return lambda: x[i]
-    if len(terms) == 2:
-        (i, b), (j, c) = terms
+def _of_terms(line: Line, run: Run) -> Callable[[], float]:
+    """Return the reader of sum b x."""
+    terms = line.terms
+    if not terms:
+        return lambda: 0.0
+    if line.quantity == ACCELERATION:
+        return _computed(terms, lambda: run.state.a)
+    if line.quantity == FORCE:
+        return _computed(terms, lambda: run.state.forces)
+    x = run.state.q if line.quantity == DISPLACEMENT else run.state.v  # which change in place
+    (i, b), *more = terms
+    if not more:
+        return (lambda: x[i]) if b == 1.0 else (lambda: b * x[i])
+    if len(more) == 1:
+        ((j, c),) = more
         return lambda: b * x[i] + c * x[j]
     return lambda: _sum(terms, x)
 
 
-def _of_forces(line: Line, run: Run) -> Callable[[], float]:
+def _computed(
+    terms: Sequence[tuple[int, float]], x: Callable[[], Sequence[float]]
+) -> Callable[[], float]:
     """Return the reader of sum b x for what is computed on request."""
-    terms = line.terms
-    if line.quantity == ACCELERATION:
-        if line.index is not None:
-            i = line.index
-            return lambda: run.state.a[i]
-        return lambda: _sum(terms, run.state.a)
-    if line.index is not None:
-        e = line.index
-        return lambda: run.state.forces[e]
-    return lambda: _sum(terms, run.state.forces)
+    (i, b), *more = terms
+    if more:
+        return lambda: _sum(terms, x())
+    return (lambda: x()[i]) if b == 1.0 else (lambda: b * x()[i])
 
 
 def _sum(terms: Iterable[tuple[int, float]], x: Sequence[float]) -> float:

@@ -17,7 +17,17 @@ import numpy as np
 import numpy.typing as npt
 
 from .engine import KINDS, Rows
-from .outputs import ACCELERATION, DISPLACEMENT, FORCE, Contact, Line, OfContact, OfRun, Reading
+from .outputs import (
+    ACCELERATION,
+    DISPLACEMENT,
+    FORCE,
+    Contact,
+    Line,
+    OfContact,
+    OfRun,
+    Reading,
+    reading_of,
+)
 from .signals import Segment
 from .systems import System
 from .variable import Variable
@@ -91,8 +101,8 @@ class Series:
     ) -> None:
         self._integrator, self._times, self._declared = integrator, times, [*over_time.values()]
         self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
-        self._readings = [output.reading(system, output) for output in self._declared]  # type: ignore[misc]
-        self._at_end = {name: v.reading(system, v) for name, v in at_end.items()}  # type: ignore[misc]
+        self._readings = [reading_of(output, system) for output in self._declared]
+        self._at_end = {name: reading_of(v, system) for name, v in at_end.items()}
         self.needs_systems = corners or any(
             isinstance(one, Line) and one.index is None for one in self._readings
         )
@@ -132,13 +142,11 @@ class Series:
                 if isinstance(reading, OfContact):
                     for k, log in enumerate(self._logs):
                         column[first + k] = self._of_contact(reading, self._times, log, k)
-                elif reading.index is not None:
-                    filled = self._filled[reading.quantity][: last - first]
-                    column[first:last] = filled[:, reading.index]
+                elif isinstance(reading, Line) and reading.index is not None:
+                    i = reading.index
+                    column[first:last] = self._filled[reading.quantity][: last - first, i]
                 else:
-                    systems = self._systems[first:last]
-                    lines = [output.reading(system, output) for system in systems]  # type: ignore[misc]
-                    self._fill(column[first:last], lines, systems)
+                    self._fill(column[first:last], output, self._systems[first:last])
         return ended
 
     def _taken_apart(self, ended: Sequence[Ended]) -> list[_Log]:
@@ -154,8 +162,9 @@ class Series:
         """Return the times at which an element changed its branch in run k of the last batch, s."""
         return [instant for instant, *_ in self._logs[k]]
 
-    def _fill(self, column: Column, lines: Sequence[Line], systems: Sequence[System]) -> None:
+    def _fill(self, column: Column, output: Variable, systems: Sequence[System]) -> None:
         """Fill the column of successive runs, (runs, times), with sum b x + sum c u + offset."""
+        lines: list[Line] = [reading_of(output, system) for system in systems]  # type: ignore[misc]
         first = lines[0]
         x = self._filled[first.quantity]
         column[:] = 0.0
