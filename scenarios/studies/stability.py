@@ -18,7 +18,7 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, System
 
-from .extremes import CASES, Happened, run_case
+from .extremes import CASES, TOLERANCES, Happened, run_case
 from .problems import Problem
 from .telling import compared_versions, machine
 
@@ -307,11 +307,20 @@ def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
         theory = f"{1e3 * limit.theory:.3g}" if limit.theory else "none"
         measured = f"{1e3 * limit.measured:.3g}" if limit.measured else "none"
         lines.append(f"{limit.problem:<24}{limit.method:<24}{theory:>9}{measured:>10}")
-    lines += ["", f"{'extreme case':<38}{'outcome':<9}{'error':>9}{'steps':>9}{'ms':>8}"]
+    width = 2 + max(len(case.name) for case in CASES)
+    names = " ".join(f"{tolerance:>8g}" for tolerance in TOLERANCES)
+    lines += [
+        "",
+        f"{'':<{width + 9}}error in tolerances of",
+        f"{'extreme case':<{width}}{'outcome':<9}{names}{'steps':>9}{'ms':>8}",
+    ]
     for case in happened:
-        error = f"{case.error:.1e}" if case.error is not None else ""
+        errors = " ".join(
+            f"{case.in_tolerances[tolerance]:>8.2g}" if tolerance in case.errors else f"{'':>8}"
+            for tolerance in TOLERANCES
+        )
         lines.append(
-            f"{case.name:<38}{case.outcome:<9}{error:>9}{case.steps:>9}{1e3 * case.seconds:>8.1f}"
+            f"{case.name:<{width}}{case.outcome:<9}{errors}{case.steps:>9}{1e3 * case.seconds:>8.1f}"
             + (f"  {case.said}" if case.said else "")
         )
     return "\n".join(lines)
