@@ -15,7 +15,7 @@ from phaseplane import figures, scenarios, vehicle_fmus
 
 PACKAGES = [
     "phaseplane", "phaseplane.constructions", "phaseplane.portrait", "phaseplane.figures",
-    "phaseplane.equations", "phaseplane.recording", "phaseplane.vehicle_fmus",
+    "phaseplane.equations", "phaseplane.exercises", "phaseplane.recording", "phaseplane.vehicle_fmus",
     "phaseplane.scenarios.simulate", "phaseplane.scenarios.draw",
 ]  # fmt: skip
 

@@ -125,7 +125,7 @@ class Touching(OneDofPlane):
             return (1e-18 - 1e-3 * (time - 0.01),)
         return (0.01 - time if time < 0.013 else 1.0,)
 
-    def succeeding(self, mode, limit):
+    def mode_after(self, mode, limit, states, time):
         return "flight" if mode == "contact" else "contact"
 
     def event(self, mode, successor):
