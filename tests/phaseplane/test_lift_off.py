@@ -125,6 +125,12 @@ class Touching(OneDofPlane):
             return (1e-18 - 1e-3 * (time - 0.01),)
         return (0.01 - time if time < 0.013 else 1.0,)
 
+    def points(self, mode, states, window):
+        return super().points("contact", states, window)
+
+    def scheme_of(self, mode):
+        return "contact"
+
     def mode_after(self, mode, limit, states, time):
         return "flight" if mode == "contact" else "contact"
 
