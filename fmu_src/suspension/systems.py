@@ -103,6 +103,11 @@ class Element:
         return self.modulation is not ALWAYS and self.modulation != ALWAYS
 
     @property
+    def holding(self) -> float:
+        """The largest dry friction while it sticks, N."""
+        return max(self.friction, self.breakaway)
+
+    @property
     def free_length(self) -> float:
         """Deflection at which the spring alone reaches the limit, m; 0 if there is none."""
         free = self.spring.argument(self.limit) if self.limit < inf else 0.0

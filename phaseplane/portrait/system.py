@@ -163,7 +163,7 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
 
     Raises
     ------
-    ValueError : no such coordinate, or an element that yields.
+    ValueError : no such coordinate, or an element that yields or whose friction breaks away.
     """
     n = len(system.mass)
     if not 0 <= coordinate < n:
@@ -175,6 +175,10 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
             raise ValueError(
                 f"{element.name} has a memory: its forces do not depend on x and x' alone, so there "
                 "is no phase portrait"
+            )
+        if element.holding > element.friction:
+            raise ValueError(
+                f"{element.name}: friction that breaks away later than it slips has no phase portrait"
             )
     inverse = np.linalg.inv(np.array(system.mass, float))[coordinate]
     acting = [
@@ -243,6 +247,8 @@ def _over(law: Characteristic) -> Callable[[Grid], Grid] | None:
     """Return a characteristic as a function of arrays; None if it is zero."""
     if law.is_zero:
         return None
+    if any(piece.power or piece.own for piece in law.pieces):
+        return np.vectorize(law.force, otypes=[float])
     if not law.corners and not law.pieces[0].saturation:
         only, (c0, c1, c2, c3) = law.pieces[0].origin, law.pieces[0].coefficients
         if c2 == c3 == 0.0:

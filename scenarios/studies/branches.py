@@ -304,7 +304,7 @@ class Branches:
         if bound is None:
             return 0.0, 1.0
         element = self.system.elements[guard.element]
-        unit = {"contact": element.limit, "multiplier": element.friction}.get(guard.kind, 1.0)
+        unit = {"contact": element.limit, "multiplier": element.holding}.get(guard.kind, 1.0)
         return -guard.side / unit, guard.side * bound / unit
 
     def _write_sticking(self) -> None:
@@ -334,7 +334,7 @@ class Branches:
         if guard.kind == "friction":
             return side * LATE if self.slip[i] == -side else None
         if guard.kind == "multiplier":
-            return side * element.friction * (1.0 + LATE) if self.slip[i] == 0 else None
+            return side * element.holding * (1.0 + LATE) if self.slip[i] == 0 else None
         if yields and guard.kind == "damper":
             return side * LATE if self.spring[i] == _ELASTIC - side else None
         if yields:

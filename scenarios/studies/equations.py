@@ -55,6 +55,10 @@ class Equations:
     choosing_source : `rhs(t, y, dy, p)` in which the elements choose their branches from the state;
         empty if an element has memory
     memory : why it is empty, or ""
+
+    Raises
+    ------
+    ValueError : an element with a power law or a function of one's own.
     """
 
     def __init__(self, system: System) -> None:
@@ -97,6 +101,8 @@ class Equations:
         return replace(course, at=self._take(len(course.numbers(segments[0]))))
 
     def _law(self, law: Characteristic, *, yields: bool = False) -> Law:
+        if any(piece.power or piece.own for piece in law.pieces):
+            raise ValueError("powers and functions of one's own are not written as source text")
         degrees = (0, 1) if yields else degrees_of(piece.coefficients for piece in law.pieces)
         made = Law(law.pieces, degrees, any(piece.saturation for piece in law.pieces))
         if len(law.pieces) == 1 and not yields:

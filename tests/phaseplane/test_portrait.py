@@ -6,7 +6,9 @@ from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from phaseplane.suspension import characteristics
 from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import checked_parameters
 
 from phaseplane.portrait import (
@@ -202,6 +204,21 @@ def test_sections_of_the_models() -> None:
     frame = build("Elastoplastic", checked_parameters("Elastoplastic", {}))
     with pytest.raises(ValueError, match="has a memory"):
         of_coordinate(frame)
+
+
+def test_laws_with_powers_and_functions_of_ones_own() -> None:
+    strut = Element(
+        "strut", (1.0,), characteristics.function(sin, cos), characteristics.power(0.3, 2.0)
+    )
+    system = of_coordinate(System(("x",), ((1.0,),), (strut,), scales=(1.0,)))
+    x, v = np.array([0.4, -0.7]), np.array([-1.5, 2.0])
+    expected = np.sin(x) + 0.3 * v * np.abs(v)
+    assert system.on_arrays is not None
+    assert system.on_arrays(v, x, np.zeros(2)) == pytest.approx(expected)
+    assert system.function(2.0, -0.7, 0.0) == pytest.approx(expected[1])
+    block = Element("block", (1.0,), characteristics.linear(1.0), friction=1.0, breakaway=2.0)
+    with pytest.raises(ValueError, match="block: friction that breaks away"):
+        of_coordinate(System(("x",), ((1.0,),), (block,), scales=(1.0,)))
 
 
 @pytest.mark.parametrize("sides", [(1.0, 0.0, 0.0, 1.0), (0.0, 1.0, 0.0, float("inf"))])

@@ -15,8 +15,9 @@ from phaseplane.scenarios.studies.equations import Equations
 from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from phaseplane.scenarios.studies.reference import largest_error, plain, truth, until
 from phaseplane.suspension import characteristics, roads
+from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.engine import Integrator
-from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.systems import Element, Load, System
 
 
 def single(element: Element, **more: object) -> System:
@@ -51,6 +52,32 @@ def test_dry_friction_takes_the_same_from_every_swing_and_then_holds() -> None:
     problem = free(single(element), 0.1, 4.0 * swing, 4)
     found = truth(problem)[:, 0]
     assert found == pytest.approx([0.1, -0.06, 0.02, 0.02, 0.02], abs=1e-10)
+
+
+def test_stick_and_slip_of_a_block_that_is_pulled_ever_harder() -> None:
+    """It breaks away at 3 N and slips at 2 N; as the integrator, which shares nothing with the truth."""
+    block = Element(
+        "block", (1.0,), spring=characteristics.linear(100.0), friction=2.0, breakaway=3.0
+    )
+    pull = roads.table([(0.0, 0.0), (5.0, 20.0)], 1.0)
+    system = single(block, signals={"pull": pull}, loads=(Load((1.0,), "pull"),))
+    found = truth(Problem("pulled", "", "non-smooth", system, 4.0, 80))[:, 0]
+    integrator = Integrator(system, tolerance=1e-11)
+    for t, expected in zip(np.linspace(0.0, 4.0, 81), found, strict=True):
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        assert integrator.sample_q[0] == pytest.approx(expected, abs=1e-9)
+    slips = [(time, after) for time, *_, after in integrator.take_log() if time < 4.0]
+    assert slips[0] == (pytest.approx(0.75, abs=1e-9), 1)  # 4 N/s
+    assert len(slips) > 4
+
+
+@pytest.mark.parametrize(
+    "law", [characteristics.power(3.0, 2.0), characteristics.function(np.sin, np.cos)]
+)
+def test_what_cannot_be_written_is_refused(law: Characteristic) -> None:
+    with pytest.raises(ValueError, match="not written as source text"):
+        Equations(single(Element("spring", (1.0,), spring=law)))
 
 
 def test_bouncing_follows_the_closed_form() -> None:

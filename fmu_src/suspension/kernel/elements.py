@@ -550,5 +550,5 @@ def element_numbers(element):
         element.permanent_set,
         element.spring.tangent(0.0) if yields else 0.0,
         element.opening,
-        max(element.friction, element.breakaway),
+        element.holding,
     ]
