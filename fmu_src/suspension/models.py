@@ -5,7 +5,7 @@ Their parts are defined in `systems` and can be imported from here too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import sqrt
 
@@ -21,7 +21,7 @@ from .signals import Signal
 from .systems import Axle, Element, Load, Motion, System
 from .units import nearest
 from .variable import number
-from .variables import ParameterError, Value, checked_parameters
+from .variables import ParameterError, Value, Variable, checked_parameters, declare
 
 __all__ = [
     "SYSTEMS",
@@ -363,7 +363,7 @@ def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, harden
         )
 
 
-_BUILDERS = {
+_BUILDERS: dict[str, Callable[[Mapping[str, Value]], System]] = {
     "OneDof": one_dof,
     "QuarterCar": quarter_car,
     "HalfCarRigidTyres": half_car_rigid_tyres,
@@ -371,7 +371,22 @@ _BUILDERS = {
     "Elastoplastic": elastoplastic,
 }
 SYSTEMS = tuple(_BUILDERS)
-"""The models that are systems and can be run."""
+"""The models of this package that are systems and can be run."""
+
+
+def register(
+    name: str, declared: tuple[Variable, ...], make: Callable[[Mapping[str, Value]], System]
+) -> None:
+    """Add a model, or replace one that was added before.
+
+    Parameters
+    ----------
+    name : of the model
+    declared : its public variables
+    make : returns its system, given all of its parameters
+    """
+    declare(name, declared)
+    _BUILDERS[name] = make
 
 
 def build(model: str, parameters: Mapping[str, object]) -> System:

@@ -231,6 +231,24 @@ def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
     )  # fmt: skip
 
 
+def rotation(coordinate: str, what: str) -> tuple[Variable, ...]:
+    """Return angle, rate and angular acceleration of a coordinate."""
+    return (
+        output(f"{coordinate}_angle", f"angle of {what} from static equilibrium", "rad",
+                display="deg", nominal=0.01, reading=_moves),
+        output(f"{coordinate}_rate", f"rate of change of {coordinate}_angle", "rad/s",
+                display="deg/s", nominal=0.1, reading=_moves),
+        output(f"{coordinate}_acceleration", f"rate of change of {coordinate}_rate", "rad/s2",
+                display="deg/s2", nominal=1.0, reading=_moves),
+    )  # fmt: skip
+
+
+def force_of(element: str, what: str) -> Variable:
+    """Return the force of an element."""
+    return output(f"{element}_force", f"force of {what}, from static equilibrium, positive in extension",
+                  "N", display="kN", nominal=1e3, reading=_force)  # fmt: skip
+
+
 def _deflection(
     name: str, between: str, reading: Callable[[System, Variable], Reading]
 ) -> tuple[Variable, ...]:

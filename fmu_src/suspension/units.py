@@ -44,6 +44,7 @@ UNITS: dict[str, Unit] = {
     "Hz": Unit({"s": -1}, {"kHz": 1e3, "1/min": 1 / 60.0}),
     "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
     "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
+    "kg.m2": Unit({"kg": 1, "m": 2}, {"g.m2": 1e-3, "t.m2": 1e3}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF, "lbf": 4.4482216152605}),
     "N/m": Unit(
         {"kg": 1, "s": -2},

@@ -254,6 +254,13 @@ def _road_source() -> tuple[Variable, ...]:
 SOURCES: dict[str, tuple[Variable, ...]] = {"Road": _road_source()}
 
 
+def declare(model: str, declared: tuple[Variable, ...]) -> None:
+    """Add the public variables of a model, or replace those of one that was added before."""
+    MODELS[model] = declared
+    for known in (outputs, _parameters, _defaults):
+        known.cache_clear()
+
+
 def variables(model: str) -> tuple[Variable, ...]:
     """Return the public variables of a model, or of a source that drives one.
 

@@ -17,6 +17,7 @@ from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
+from phaseplane.suspension.own import load
 from phaseplane.suspension.variables import Value, refuse_unknown
 
 from . import systems
@@ -38,6 +39,7 @@ def build(
     folder: Path,
     *,
     parameters: Mapping[str, Mapping[str, object]] | None = None,
+    own: Mapping[str, str] | None = None,
     references: bool = False,
     ssp: bool = False,
 ) -> list[Path]:
@@ -47,9 +49,10 @@ def build(
 
     Parameters
     ----------
-    models : keys of `SCRIPTS`
+    models : keys of `SCRIPTS` or of `own`
     folder : output folder; created if it is missing
     parameters : start values for each model that replace the defaults, as accepted by `Session`
+    own : for each system of one's own that has been loaded, the content of its file
     references : whether to write a reference result beside each FMU
     ssp : whether to write a system `<model>.ssp` for each vehicle, in which the FMU `Road` provides
         its road
@@ -64,8 +67,8 @@ def build(
     RuntimeError : pythonfmu could not build an FMU (the message includes its output), or its library
         for Linux is not a known one that lets a process exit cleanly.
     """
-    parameters = parameters or {}
-    refuse_unknown(models, SCRIPTS, f"FMUs exist for {', '.join(SCRIPTS)}, not for")
+    parameters, own = parameters or {}, own or {}
+    refuse_unknown(models, {**SCRIPTS, **own}, f"FMUs exist for {', '.join(SCRIPTS)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
@@ -73,7 +76,7 @@ def build(
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start)
+        files[f"{model}.fmu"] = _packed(model, start, own.get(model, ""))
         if references:
             files |= reference_files(model, start)
         if ssp and systems.connections(model):
@@ -110,7 +113,38 @@ def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
     return source
 
 
-def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, list[Path]]:
+_OWN = '''"""The FMU script of `{name}`, a system that is described by a file."""
+
+from phaseplane.suspension.own import load
+from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
+
+load({text!r}, {key!r}, checked=False)
+
+
+class {name}(VehicleSlave):
+    """See the description."""
+
+    model = {key!r}
+    description = {about!r}
+'''
+
+
+def _script(model: str, own: str) -> tuple[str, bytes]:
+    """Return name and content of an FMU's script.
+
+    The model of a system of one's own has a hash of the file in its name, as FMUs share their modules.
+    """
+    if not own:
+        slave = SLAVES / SCRIPTS[model]
+        return slave.stem, slave.read_bytes()
+    about = load(own, checked=False).about or model
+    key = hashed(model, own.encode())
+    return model.lower(), _OWN.format(name=model, key=key, text=own, about=about).encode()
+
+
+def _staged(
+    model: str, start: Mapping[str, Value], stage: Path, own: str
+) -> tuple[Path, list[Path]]:
     """Write the FMU's contents to the stage; return its script, and the paths packed beside it."""
     package = suspension_sources()
     names = {"phaseplane.suspension": suspension_name(package)}
@@ -122,9 +156,9 @@ def _staged(model: str, start: Mapping[str, Value], stage: Path) -> tuple[Path, 
     names["phaseplane.vehicle_fmus.slaves.vehicle_slave"] = hashed("vehicle_slave", base)
     base_file = stage / f"{names['phaseplane.vehicle_fmus.slaves.vehicle_slave']}.py"
     base_file.write_bytes(base)
-    slave = SLAVES / SCRIPTS[model]
-    content = _renamed_imports(slave.read_bytes(), names)
-    script = stage / f"{hashed(slave.stem, content)}.py"
+    stem, source = _script(model, own)
+    content = _renamed_imports(source, names)
+    script = stage / f"{hashed(stem, content)}.py"
     script.write_bytes(content)
     start_values = stage / START_VALUES
     start_values.write_text(json.dumps(dict(sorted(start.items())), indent=1) + "\n", "utf-8")
@@ -143,20 +177,20 @@ def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
         raise RuntimeError(f"pythonfmu could not build {target.name}:\n{done.stderr.strip()}")
 
 
-def _packed(model: str, start: dict[str, Value]) -> bytes:
+def _packed(model: str, start: dict[str, Value], own: str = "") -> bytes:
     """Return the archive of one FMU."""
     with TemporaryDirectory() as work:
         stage, raw = Path(work, "stage"), Path(work, f"{model}.fmu")
         stage.mkdir()
-        _run_pythonfmu(*_staged(model, start, stage), raw)
+        _run_pythonfmu(*_staged(model, start, stage, own), raw)
         with zipfile.ZipFile(raw) as archive:
             members = {name: archive.read(name) for name in archive.namelist()}
     members |= {n: _mended(members[n]) for n in members if n.startswith("binaries/linux")}
     members[_PYTHONFMU] = _without_builder(members[_PYTHONFMU])
     about = production()
     members |= {
-        "model.png": (DOCUMENTATION / f"{model}.png").read_bytes(),
-        "documentation/index.html": page(model, start, about["generationTool"]).encode(),
+        "model.png": (DOCUMENTATION / f"{'HalfCar' if own else model}.png").read_bytes(),
+        "documentation/index.html": page(model, start, about["generationTool"], own).encode(),
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),
     }

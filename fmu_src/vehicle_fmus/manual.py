@@ -14,6 +14,11 @@ from .pictures import picture
 
 DOCUMENTATION = Path(__file__).parent / "documentation"
 
+_OWN = Template("""<h2>System</h2>
+<p>The equations of motion are M q'' + sum b f(b' q - u, b' q' - u') = p(t), with the masses,
+directions b and characteristics f of this description:</p>
+<pre>$file</pre>
+""")
 _HEADINGS: dict[str, Callable[[Variable], bool]] = {
     "Parameters fixed before the run": lambda v: v.causality == "parameter" and not v.tunable,
     "Parameters that may change between communication steps": lambda v: v.tunable,
@@ -22,7 +27,7 @@ _HEADINGS: dict[str, Callable[[Variable], bool]] = {
 }
 
 
-def page(model: str, start: dict[str, Value], colophon: str) -> str:
+def page(model: str, start: dict[str, Value], colophon: str, own: str = "") -> str:
     """Return documentation/index.html of a model.
 
     Parameters
@@ -30,11 +35,12 @@ def page(model: str, start: dict[str, Value], colophon: str) -> str:
     model : `QuarterCar`
     start : parameters whose start values are not the defaults
     colophon : the tools that made the FMU
+    own : the file of a system of one's own, which stands in place of equations
     """
     return Template(_part("index")).substitute(
         model=model,
-        picture=picture(model),
-        equations=_part(model),
+        picture="" if own else picture(model),
+        equations=_OWN.substitute(file=escape(own)) if own else _part(model),
         stepping="" if model in SOURCES else _part("stepping"),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import click
-from phaseplane.suspension.variables import ParameterError, refuse_unknown
+from phaseplane.suspension.variables import ParameterError
 from phaseplane.vehicle_fmus.content import SCRIPTS
 
 from phaseplane import vehicle_fmus
 
 from ..errors import InputError, RunError, one_line
 from ..results.plain import as_json
+from ..scene.loading import load_scene
 from .console import json_option
+
+if TYPE_CHECKING:
+    from ..scene.schema import Scene
 
 
 @click.command()
@@ -31,7 +38,8 @@ from .console import json_option
 def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
     """Pack FMUs: the given MODELs, or all.
 
-    Write a reference result beside each FMU.
+    MODEL is also a scene or the file of a system: its FMU has the parameters of the scene as start
+    values. Write a reference result beside each FMU.
     """
     files = [str(path) for path in build_models(models, output, ssp)]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
@@ -49,14 +57,41 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
+    scenes = [
+        load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in SCRIPTS
+    ]
     try:
-        refuse_unknown(models, SCRIPTS, "there is no FMU of")
         folder.mkdir(parents=True, exist_ok=True)
-        chosen = list(dict.fromkeys(models)) or list(SCRIPTS)
-        return vehicle_fmus.build.build(chosen, folder, references=True, ssp=ssp)
+        chosen = [name for name in dict.fromkeys(models) if name in SCRIPTS]
+        files = []
+        if chosen or not models:
+            files += vehicle_fmus.build.build(
+                chosen or list(SCRIPTS), folder, references=True, ssp=ssp
+            )
+        for scene in scenes:
+            files += _of_scene(scene, folder, ssp)
+        return files
     except ParameterError as error:
         raise InputError(str(error)) from None
     except OSError as error:
         raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
     except RuntimeError as error:
         raise RunError(one_line(error)) from error
+
+
+def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
+    """Pack the FMU of a scene, with its parameters as start values, under the scene's name."""
+    fmu, model = scene.fmu, scene.fmu.model
+    if not fmu.is_ours or fmu.path is not None:
+        raise InputError(f"{scene.name}: an FMU is made of models of this package, not of {model}")
+    own = {model: fmu.system.read_text(encoding="utf-8")} if fmu.system is not None else {}
+    with TemporaryDirectory() as work:
+        made = vehicle_fmus.build.build(
+            [model], Path(work), parameters={model: scene.parameters}, own=own, references=True,
+            ssp=ssp and not own,
+        )  # fmt: skip
+        files = []
+        for path in made:
+            target = folder / f"{scene.name}{path.name.removeprefix(model)}"
+            files.append(Path(shutil.copy(path, target)))
+        return files

@@ -235,7 +235,7 @@ def _solver_words(summary: Mapping[str, Any]) -> str:
 
 
 def _line(name: str, words: str) -> str:
-    return f"{name:<{_WIDTH}}{words}"
+    return f"{name:<{_WIDTH - 1}} {words}".rstrip()
 
 
 def _number(value: object) -> str:

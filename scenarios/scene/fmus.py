@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension import extent
 from phaseplane.suspension.units import UNITS, nearest
@@ -44,11 +44,19 @@ class Fmu:
     model : name of the model
     path : the `.fmu` file; None for a model of this package that has yet to be packed
     variables : its public variables
+    system : the file of a system of one's own; None for other models
     """
 
     model: str
     path: Path | None
     variables: tuple[Variable, ...]
+    system: Path | None = None
+
+    def __reduce__(self) -> Any:
+        """Read the file of a system again where it is unpickled, so that its model is known there."""
+        if self.system is not None:
+            return find_fmu, (str(self.system),)
+        return Fmu, (self.model, self.path, self.variables)
 
     @property
     def is_ours(self) -> bool:
@@ -63,6 +71,8 @@ class Fmu:
             return sha256(self.path.read_bytes()).hexdigest()[:24]
         if self.model == EQUATION:
             return ""
+        if self.system is not None:
+            return sha256(self.system.read_bytes()).hexdigest()[:24]
         return content_key(self.model)
 
     def parameters(self) -> dict[str, Variable]:
@@ -119,6 +129,8 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
         return Fmu(reference, None, MODELS[reference])
     if reference == EQUATION:
         return Fmu(EQUATION, None, equation_variables(parameters))
+    if reference.endswith(".toml"):
+        return _of_system((folder or Path()) / reference)
     if not reference.endswith(".fmu"):
         known = (*MODELS, EQUATION)
         raise InputError(
@@ -130,6 +142,19 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
     if not path.is_file():
         raise InputError(f"no such file ({path})")
     return _described(path.resolve())
+
+
+def _of_system(path: Path) -> Fmu:
+    """Return the model of a system of one's own."""
+    from phaseplane.suspension.own import load  # noqa: PLC0415  (rarely needed)
+
+    try:
+        definition = load(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(f"{path}: {one_line(error, 300)}") from None
+    return Fmu(definition.name, None, MODELS[definition.name], path.resolve())
 
 
 def fmu_named(model: str) -> Fmu:

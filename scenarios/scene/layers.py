@@ -317,7 +317,10 @@ def _read(path: Path, name: str) -> dict[str, Any]:
             raise SceneError(
                 one_line(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
             )
-        return dict(flattened(tomllib.loads(path.read_text(encoding="utf-8")), name))
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        if isinstance(content.pop("system", None), dict):
+            content.setdefault("fmu", path.name)  # the scene of the system that it describes
+        return dict(flattened(content, name))
     except SceneError:
         raise
     except OSError as error:

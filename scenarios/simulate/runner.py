@@ -65,6 +65,8 @@ def run(
         nothing; its results say when it stopped and why.
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
+    if scene.fmu.system is not None:
+        return solve(scene)
     if scene.fmu.model == EQUATION:
         return _solved(scene, progress)
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there

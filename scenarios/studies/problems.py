@@ -313,7 +313,7 @@ def find_problem(name: str) -> Problem:
             )
         )
     scene = load_scene(name)
-    if scene.fmu.path is not None or scene.fmu.model not in SYSTEMS:
+    if scene.fmu.path is not None or not scene.fmu.is_ours:
         raise InputError(
             one_line(
                 f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "

@@ -1,0 +1,129 @@
+"""Systems of one's own as scenes, sweeps and FMUs."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.build import build_models
+from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.scene.fmus import find_fmu
+
+import phaseplane
+
+SYSTEM = """
+duration = "0.5 s"
+[parameters]
+initial.x_displacement = "1 cm"
+[system]
+name = "OneMass"
+[system.parameters]
+stiffness = "800 N/m"
+[system.coordinates]
+x = 2
+[system.elements.spring]
+direction = { x = 1 }
+spring = { rate = "stiffness" }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mass.toml").write_text(SYSTEM)
+    return tmp_path
+
+
+def test_the_file_of_a_system_is_a_scene(folder):
+    run = phaseplane.run("mass.toml", solver={"tolerance": 1e-10})
+    np.testing.assert_allclose(run["x_displacement"], 0.01 * np.cos(20.0 * run.time), atol=1e-9)
+    Path("other.toml").write_text('extends = "mass.toml"\n[parameters]\nstiffness = 200\n')
+    other = phaseplane.run("other.toml", solver={"tolerance": 1e-10})
+    np.testing.assert_allclose(other["x_displacement"], 0.01 * np.cos(10.0 * other.time), atol=1e-9)
+
+
+def test_its_fmu_gives_the_same_bits(folder):
+    (path, *_) = build_models(["mass.toml"], folder / "fmus")
+    assert path.name == "mass.fmu"
+    ours, theirs = phaseplane.run("mass.toml"), phaseplane.run(path, duration=0.5)
+    for name, column in ours.items():
+        np.testing.assert_array_equal(column, theirs[name])
+
+
+def test_the_fmu_of_a_scene_starts_with_its_parameters(folder):
+    Path("car.toml").write_text('fmu = "QuarterCar"\nduration = 0.3\n[parameters]\nspeed = 12\n')
+    (path, *_) = build_models(["car.toml"], folder / "fmus")
+    theirs = phaseplane.run(path, duration=0.3)
+    assert theirs.summary["parameters"]["speed"] == 12.0
+    np.testing.assert_array_equal(
+        theirs["body_velocity"], phaseplane.run("car.toml")["body_velocity"]
+    )
+
+
+def test_a_sweep_varies_it_in_other_processes(folder):
+    fmu = find_fmu("mass.toml")
+    assert pickle.loads(pickle.dumps(fmu)) == fmu
+    Path("sweep.toml").write_text(
+        'scene = "mass.toml"\nmeasures = ["natural_frequencies"]\n[vary]\nstiffness = [200, 800]\n'
+    )
+    told = CliRunner().invoke(main, ["sweep", "sweep.toml", "--workers", "2"])
+    assert told.exit_code == 0, told.output
+
+
+@pytest.mark.parametrize("case", ["full_car", "double_pendulum"])
+def test_the_systems_of_the_package_hold(case):
+    assert phaseplane.run(case).holds
+
+
+def test_the_full_car_pitches_like_the_half_car(folder):
+    """Both wheels of an axle over the bump: half of the full car's body on each side."""
+    same = {
+        f"{axle}.{name}": value
+        for axle in ("front", "rear")
+        for name, value in {
+            "unsprung_mass": 30.0,
+            "spring.rate": 15e3,
+            "tyre.damping": 1000.0,
+        }.items()
+    }
+    text = (
+        Path(phaseplane.scenarios.__file__).with_name("cases").joinpath("full_car.toml").read_text()
+    )
+    Path("even.toml").write_text(text.replace("level = true\n", "").replace(
+        "[system.wheels.rear_right]", '[system.wheels.rear_right]\ndelay = "(to_front + to_rear) / speed"'
+    ))  # fmt: skip
+    shared = {"duration": 0.6, "solver": {"tolerance": 1e-9}}
+    full = phaseplane.run("even.toml", same, outputs="all", expect=False, measures=[], **shared)
+    half = phaseplane.run(
+        "HalfCar",
+        {**same, "sprung_mass": 600.0, "pitch_radius_of_gyration": (900.0 / 600.0) ** 0.5,
+         **{f"{axle}.damper": {"rebound_rate": 2000, "bump_rate": 500} for axle in ("front", "rear")},
+         **{f"{axle}.tyre.stiffness": 150e3 for axle in ("front", "rear")}},
+        outputs="all", measures=[], **shared,
+    )  # fmt: skip
+    for ours, theirs in (("heave_displacement", "body_displacement"), ("pitch_angle", "pitch_angle"),
+                         ("front_left_contact_force", "front_contact_force")):  # fmt: skip
+        size = abs(half[theirs]).max()
+        np.testing.assert_allclose(full[ours], half[theirs], atol=2e-6 * size)
+    assert abs(full["roll_angle"]).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [("rate = ", "rat = ", "mass.toml: .*unknown key 'rat'"),
+     ("x = 2", "x = -2", "not positive definite")],
+)  # fmt: skip
+def test_what_is_wrong_is_said_with_its_file(folder, before, after, words):
+    Path("mass.toml").write_text(SYSTEM.replace(before, after))
+    with pytest.raises(InputError, match=words):
+        phaseplane.run("mass.toml")
+
+
+def test_an_fmu_of_others_is_not_packed_again(folder):
+    Path("pendulum.toml").write_text(
+        'fmu = "Equation"\nduration = 1\n[parameters]\nequation = "x"\n'
+    )
+    with pytest.raises(InputError, match="models of this package"):
+        build_models(["pendulum.toml"], folder / "fmus")

@@ -1,0 +1,132 @@
+"""Systems of one's own, described by a file."""
+
+from math import cos, pi, sqrt
+
+import numpy as np
+import pytest
+from phaseplane.suspension import own
+from phaseplane.suspension.models import build
+from phaseplane.suspension.session import Session, simulate
+from phaseplane.suspension.variable import ParameterError
+from phaseplane.suspension.variables import MODELS, checked_parameters
+
+QUARTER = """
+[system]
+name = "OwnQuarterCar"
+[system.parameters]
+body_mass = "294.1995 kg"
+[system.coordinates]
+body = "body_mass"
+[system.wheels.only]
+axle = "only"
+body = { body = 1 }
+load = "body_mass"
+"""
+OSCILLATOR = """
+[system]
+name = "OwnOscillator"
+[system.parameters]
+mass = { value = "2 kg", min = 0.1 }
+stiffness = "800 N/m"
+[system.coordinates]
+x = "mass"
+[system.elements.spring]
+direction = { x = 1 }
+spring = { rate = "stiffness" }
+[system.loads.push]
+direction = { x = 1 }
+"""
+
+
+@pytest.fixture(autouse=True)
+def as_before():
+    """Forget the models of a test."""
+    before = dict(MODELS)
+    yield
+    for name in MODELS.keys() - before.keys():
+        del MODELS[name]
+        own._OWN.pop(name, None)
+
+
+def test_a_wheel_and_a_body_are_the_quarter_car():
+    own.load(QUARTER)
+    times = [0.005 * k for k in range(101)]
+    shared = {"speed": 15.0, "road.height": 0.06}
+    stops = {"bump_stop.stiffness": 2e5, "bump_stop.gap": 0.03}
+    ours = simulate(
+        "OwnQuarterCar", {**shared, **{f"only.{k}": v for k, v in stops.items()}}, times,
+        ["body_displacement", "only_contact_force", "only_bump_stop_force", "only_airborne"],
+    )  # fmt: skip
+    theirs = simulate(
+        "QuarterCar", {**shared, **stops, "sprung_mass": 294.1995}, times,
+        ["body_displacement", "contact_force", "bump_stop_force", "airborne"],
+    )  # fmt: skip
+    assert any(theirs["airborne"])
+    for a, b in zip(list(ours.values())[1:], list(theirs.values())[1:], strict=True):
+        np.testing.assert_allclose(np.array(a, float), np.array(b, float), rtol=1e-9, atol=1e-12)
+
+
+def test_payloads_lie_over_the_wheels():
+    own.load(QUARTER)
+    ours = build("OwnQuarterCar", {"only.payload": 50.0})
+    theirs = build("QuarterCar", {"payload": 50.0, "sprung_mass": 294.1995})
+    assert ours.mass == theirs.mass
+    assert ours.axles[0].static_load == pytest.approx(theirs.axles[0].static_load)
+
+
+def test_a_load_is_an_input_and_a_table():
+    own.load(OSCILLATOR)
+    omega = sqrt(800.0 / 2.0)
+    session = Session("OwnOscillator", {"solver.tolerance": 1e-10})
+    session.set_input("push", 8.0)
+    session.advance(0.3)
+    assert session.value("x_displacement") == pytest.approx(0.01 * (1 - cos(omega * 0.3)), rel=1e-7)
+    table = simulate("OwnOscillator", {"push.table": "0:8, 9:8", "solver.tolerance": 1e-10}, [0.0, 0.3],
+                     ["x_displacement"])  # fmt: skip
+    assert table["x_displacement"][1] == pytest.approx(0.01 * (1 - cos(omega * 0.3)), rel=1e-7)
+
+
+def test_expressions_follow_the_parameters():
+    own.load(OSCILLATOR.replace('"mass"', '"2 * mass - mass^1 * (1 - 0.5) / 2"'))
+    assert build("OwnOscillator", {"mass": 4.0}).mass == ((7.0,),)
+
+
+def test_a_sine_drives_at_its_frequency():
+    own.load(OSCILLATOR + 'sine = { amplitude = "stiffness / 800", frequency = 2 }\n')
+    system = build("OwnOscillator", {})
+    wave = system.signals["push_sine"]
+    assert [wave.value(t) for t in (0.0, 0.125, 0.375)] == pytest.approx([0.0, 1.0, -1.0])
+    assert wave.derivatives(0.0)[1] == pytest.approx(4.0 * pi)
+
+
+def test_a_file_that_changes_replaces_its_model():
+    own.load(OSCILLATOR)
+    own.load(OSCILLATOR.replace("800", "900"))
+    assert checked_parameters("OwnOscillator", {})["stiffness"] == 900.0
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ('name = "OwnOscillator"', 'name = "QuarterCar"', "is a model of this package"),
+        ('name = "OwnOscillator"', 'name = "my car"', "must be one word"),
+        ('"stiffness"', '"stifness"', "did you mean 'stiffness'"),
+        ('"stiffness"', '"stiffness * ("', "not an expression"),
+        ('"stiffness"', '"stiffness / 0"', "not an expression"),
+        ('"stiffness"', '"__import__(1)"', "no parameter '__import__'"),
+        ('"stiffness"', "true", "must be a number or an expression"),
+        ("{ x = 1 }", "{ y = 1 }", "unknown key 'y'"),
+        ("spring = {", "sprung = {", "did you mean 'spring'"),
+        ('"2 kg"', '"2 parsec"', "must be a number with a unit"),
+        ('x = "mass"', 'x = "-mass"', "not positive definite"),
+        ('"stiffness"', '"-stiffness"', "rest is unstable"),
+        ("spring = { rate", "damper = { rate = -5 }\nspring = { rate", "adds energy"),
+        ("[system]", "[system", "not TOML"),
+        ("[system]", "[sys]", "must be one word"),
+        ("[system.coordinates]\nx", "[system.coordinates]\nX", "small letters"),
+    ],
+)  # fmt: skip
+def test_what_is_no_system_is_refused_in_words(before, after, words):
+    assert before in OSCILLATOR
+    with pytest.raises(ParameterError, match=words):
+        own.load(OSCILLATOR.replace(before, after, 1))
