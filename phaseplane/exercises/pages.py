@@ -16,7 +16,7 @@ from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns
 
 _ASSETS = files("phaseplane.exercises") / "assets"
-_ROUNDED = 5  # digits of cm
+_ROUNDED = 4  # digits of cm
 _ARC = 0.1  # rad between two points of an arc
 
 

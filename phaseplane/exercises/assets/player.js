@@ -75,7 +75,7 @@ function phaseplanePlayer(root, data) {
     const now = html("div", side, undefined, "now"), words = html("div", side, undefined, "words");
     words.setAttribute("aria-live", "polite");
     const buttons = html("div", side, undefined, "buttons");
-    for (const [text, way, title] of [["⏮", "Home", "first stage"], ["◀", "ArrowLeft", "stage back"], ["▶", "ArrowRight", "next stage"], ["▶▶", "ArrowDown", "next step"], ["⏭", "End", "last stage"]]) {
+    for (const [text, way, title] of [["|◀", "Home", "first stage"], ["◀", "ArrowLeft", "stage back"], ["▶", "ArrowRight", "next stage"], ["▶▶", "ArrowDown", "next step"], ["▶|", "End", "last stage"]]) {
       const one = html("button", buttons, text);
       one.type = "button"; one.title = `${title} (${way})`; one.setAttribute("aria-label", title);
       one.onclick = () => go(way);
@@ -109,12 +109,15 @@ function phaseplanePlayer(root, data) {
       const [i, k] = stages[at], step = data.steps[i];
       data.planes.forEach((_, n) => line(moving, "trail", data.steps.slice(0, i + 1).map(s => s.state[n]), 1.8));
       for (const s of data.steps.slice(0, i + 1)) s.state.forEach(p => dot(moving, "state", p, 0.7));
+      const written = [];  // points that coincide have their letters one above the other
       step.stages.slice(0, k + 1).forEach((stage, n) => {
         const weight = n === k ? 1.6 : 0.9;
         for (const [role, points] of stage.lines) line(moving, role, points, weight, role === "foot" ? `${em / 4}` : "");
         for (const [role, label, x, y] of stage.marks) {
           dot(moving, role, [x, y]);
-          letters(moving, role, label, [x + 0.35 * em, y + 0.45 * em]);
+          const near = written.filter(([a, b]) => Math.hypot(a - x, b - y) < 0.8 * em).length;
+          written.push([x, y]);
+          letters(moving, role, label, [x + 0.35 * em, y + (0.45 + 1.05 * near) * em]);
         }
       });
       now.textContent = `Step ${step.step}, t = ${+step.time.toPrecision(6)} s, stage ${k + 1} of ${step.stages.length}` + (step.event ? ` (${step.event})` : "");
