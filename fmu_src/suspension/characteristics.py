@@ -216,6 +216,8 @@ class Characteristic:
 
     def scaled(self, factor: float) -> Characteristic:
         """Return the law with all forces multiplied by a factor."""
+        if factor == 1.0:
+            return self
         pieces = []
         for piece in self.pieces:
             c0, c1, c2, c3 = (factor * c for c in piece.coefficients)
