@@ -28,7 +28,16 @@ templates_path = ["_templates"]
 # what the front page's column shows; GitHub shows the README without it
 CONTENTS = {
     "Begin": ("start", "installation", "terms"),
-    "Guides": ("scenes", "sweeps", "design", "fmus", "python", "constructions", "figures"),
+    "Guides": (
+        "scenes",
+        "sweeps",
+        "design",
+        "systems",
+        "fmus",
+        "python",
+        "constructions",
+        "figures",
+    ),
     "How it works": ("how_it_works",),
     "How well it works": ("validation", "accuracy"),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),

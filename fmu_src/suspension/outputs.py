@@ -7,7 +7,7 @@ whole columns; model descriptions, scenes and printed tables take name and meani
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from .systems import Axle, System
@@ -232,15 +232,17 @@ def motion(coordinate: str, what: str) -> tuple[Variable, ...]:
 
 
 def rotation(coordinate: str, what: str) -> tuple[Variable, ...]:
-    """Return angle, rate and angular acceleration of a coordinate."""
-    return (
-        output(f"{coordinate}_angle", f"angle of {what} from static equilibrium", "rad",
-                display="deg", nominal=0.01, reading=_moves),
-        output(f"{coordinate}_rate", f"rate of change of {coordinate}_angle", "rad/s",
-                display="deg/s", nominal=0.1, reading=_moves),
-        output(f"{coordinate}_acceleration", f"rate of change of {coordinate}_rate", "rad/s2",
-                display="deg/s2", nominal=1.0, reading=_moves),
-    )  # fmt: skip
+    """Return angle, rate and angular acceleration of a coordinate, named like those of a displacement."""
+    units = (("rad", "deg"), ("rad/s", "deg/s"), ("rad/s2", "deg/s2"))
+    return tuple(
+        replace(
+            v,
+            description=v.description.replace(", upwards positive", ""),
+            unit=unit,
+            display=display,
+        )
+        for v, (unit, display) in zip(motion(coordinate, what), units, strict=True)
+    )
 
 
 def force_of(element: str, what: str) -> Variable:

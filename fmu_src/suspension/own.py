@@ -59,7 +59,7 @@ from .outputs import (
 )
 from .parts import force_course, points, road_from, suspension_elements, tyre_element
 from .signals import Segment, Signal
-from .systems import Axle, Element, Load, Motion, System
+from .systems import Axle, Element, Load, System
 from .units import UNITS, UnitError, nearest, to_si
 from .variable import ParameterError, Value, Variable, number, parameter
 from .variables import MODELS, checked_parameters
@@ -209,14 +209,6 @@ class Definition:
             scales=(scale if self.wheels and scale else _SMALL,) * len(names),
             loads=tuple(loads),
             axles=tuple(axles),
-            motions=tuple(
-                Motion(
-                    (f"{name}_angle", f"{name}_rate", f"{name}_acceleration"),
-                    tuple(float(other == name) for other in names),
-                )
-                for name, (_, _, angle) in self.coordinates.items()
-                if angle
-            ),
         )
 
     def _mass(

@@ -103,11 +103,11 @@ def test_the_full_car_pitches_like_the_half_car(folder):
          **{f"{axle}.tyre.stiffness": 150e3 for axle in ("front", "rear")}},
         outputs="all", measures=[], **shared,
     )  # fmt: skip
-    for ours, theirs in (("heave_displacement", "body_displacement"), ("pitch_angle", "pitch_angle"),
+    for ours, theirs in (("heave_displacement", "body_displacement"), ("pitch_displacement", "pitch_angle"),
                          ("front_left_contact_force", "front_contact_force")):  # fmt: skip
         size = abs(half[theirs]).max()
         np.testing.assert_allclose(full[ours], half[theirs], atol=2e-6 * size)
-    assert abs(full["roll_angle"]).max() < 1e-12
+    assert abs(full["roll_displacement"]).max() < 1e-12
 
 
 @pytest.mark.parametrize(
