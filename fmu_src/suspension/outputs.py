@@ -235,12 +235,7 @@ def rotation(coordinate: str, what: str) -> tuple[Variable, ...]:
     """Return angle, rate and angular acceleration of a coordinate, named like those of a displacement."""
     units = (("rad", "deg"), ("rad/s", "deg/s"), ("rad/s2", "deg/s2"))
     return tuple(
-        replace(
-            v,
-            description=v.description.replace(", upwards positive", ""),
-            unit=unit,
-            display=display,
-        )
+        replace(v, description=v.description.partition(", upwards")[0], unit=unit, display=display)
         for v, (unit, display) in zip(motion(coordinate, what), units, strict=True)
     )
 

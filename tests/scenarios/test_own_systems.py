@@ -103,8 +103,10 @@ def test_the_full_car_pitches_like_the_half_car(folder):
          **{f"{axle}.tyre.stiffness": 150e3 for axle in ("front", "rear")}},
         outputs="all", measures=[], **shared,
     )  # fmt: skip
-    for ours, theirs in (("heave_displacement", "body_displacement"), ("pitch_displacement", "pitch_angle"),
-                         ("front_left_contact_force", "front_contact_force")):  # fmt: skip
+    for ours, theirs in (
+        ("heave_displacement", "body_displacement"), ("pitch_displacement", "pitch_angle"),
+        ("front_left_contact_force", "front_contact_force"),
+    ):  # fmt: skip
         size = abs(half[theirs]).max()
         np.testing.assert_allclose(full[ours], half[theirs], atol=2e-6 * size)
     assert abs(full["roll_displacement"]).max() < 1e-12
