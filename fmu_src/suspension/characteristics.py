@@ -365,21 +365,21 @@ def power(coefficient: float, exponent: float, linear_below: float = 0.0) -> Cha
     Parameters
     ----------
     coefficient : N per unit of x to the power of the exponent
-    exponent : > 0; below 1 the slope at zero is infinite, and needs `linear_below`
+    exponent : > 0, at most 10; below 1 the slope at zero is infinite, and needs `linear_below`
     linear_below : within this distance of zero the law is the chord through zero instead
 
     Raises
     ------
-    ValueError : an exponent that is not positive, or below 1 without `linear_below`; a number that is
+    ValueError : an exponent out of its range, or below 1 without `linear_below`; a number that is
         not finite.
     """
     for name, value in (("coefficient", coefficient), ("exponent", exponent),
                         ("linear_below", linear_below)):  # fmt: skip
         if not isfinite(value):
             raise ValueError(f"power law: {name} = {value:g} must be finite")
-    if not exponent > 0.0 or linear_below < 0.0:
+    if not 0.0 < exponent <= 10.0 or linear_below < 0.0:
         raise ValueError(
-            f"power law: exponent = {exponent:g} must be positive and linear_below = "
+            f"power law: exponent = {exponent:g} must be positive and at most 10, and linear_below = "
             f"{linear_below:g} at least 0"
         )
     if exponent < 1.0 and linear_below == 0.0:

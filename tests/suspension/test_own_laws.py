@@ -11,7 +11,7 @@ import pytest
 from phaseplane.suspension import characteristics
 from phaseplane.suspension.characteristics import Characteristic, function, power
 from phaseplane.suspension.checking import check_characteristic, check_system
-from phaseplane.suspension.engine import Integrator, Rows
+from phaseplane.suspension.engine import FAILURES, Integrator, Rows
 from phaseplane.suspension.signals import Segment, Signal
 from phaseplane.suspension.systems import Element, Load, System
 from scipy.special import beta
@@ -200,6 +200,16 @@ def test_compiled_and_uncompiled_power_laws_are_the_same_to_the_bit() -> None:
     system = oscillator(strut, mass=2.0)
     found = kernels.motion(system, [0.1, 0.55], [0.2], [0.5], tolerance=1e-6)
     assert found.switches  # the line of the damper, and the zero of the spring
+
+
+def test_a_motion_that_a_power_law_drives_apart_ends_alike_compiled_and_not() -> None:
+    ends = []
+    for kernel in kernels._KERNELS:
+        integrator = kernel(spring(power(-3.0, 10.0)))
+        integrator.set_state([1.0], [1.0])
+        ends.append((integrator.advance(5.0), integrator.step_count, integrator.time))
+    assert ends[0] == ends[1]
+    assert ends[0][0] in FAILURES
 
 
 @pytest.mark.parametrize(

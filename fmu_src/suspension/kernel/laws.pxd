@@ -3,7 +3,7 @@ from libc.math cimport exp, fabs, log1p, pow, sinh, tanh
 from .signals cimport Signals
 
 cdef int _LAWS, _PIECE, _FORCE, _SLOPE, _INTEGRAL
-cdef double _LOG_2, _NEAR
+cdef double _LOG_2, _NEAR, _FARTHEST
 
 cdef class Laws(Signals):
     cdef double[::1] piece

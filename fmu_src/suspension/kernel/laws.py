@@ -20,6 +20,7 @@ _LAWS = 3  # of each element: spring, damper, modulation of the damper
 _PIECE = 12  # numbers stored for one piece of a law
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # what is asked of a function in Python
 _NEAR = 1e-5  # relative distance for its second derivative
+_FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _LOG_2 = 0.6931471805599453
 
 
@@ -169,7 +170,7 @@ class Laws(Signals):
             energy += self.piece[at + 6] * self.piece[at + 7] * log_cosh(s / self.piece[at + 7])
         if self.piece[at + 9] != 0.0:
             exponent = self.piece[at + 10] + 1.0
-            energy += self.piece[at + 9] / exponent * pow(fabs(s), exponent)
+            energy += self.piece[at + 9] / exponent * pow(min(fabs(s), _FARTHEST), exponent)
         if self.piece[at + 11] != 0.0:
             energy += self.own(p, _INTEGRAL, s)
         return energy
@@ -205,13 +206,13 @@ def log_cosh(u):
 
 def power_of(power, exponent, s):
     """Return power |s|^exponent with the sign of s."""
-    force = power * pow(fabs(s), exponent)
+    force = power * pow(min(fabs(s), _FARTHEST), exponent)
     return force if s > 0.0 else -force
 
 
 def power_slope(power, exponent, s):
     """Return the slope of `power_of`."""
-    return power * exponent * pow(fabs(s), exponent - 1.0)
+    return power * exponent * pow(min(fabs(s), _FARTHEST), exponent - 1.0)
 
 
 def functions_of(element):
