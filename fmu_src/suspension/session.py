@@ -37,6 +37,9 @@ _AT_REST = 1e-12  # s by which a communication point may precede the present, fr
 
 
 _MOST_EVENTS = 100_000  # stored per run
+_DRIFT = 30.0  # tolerances by which the energy may be off, of all energy held, taken and brought in
+_ROUNDING = 1e-9
+_FIRST_LOOK = 1000  # steps; later after twice as many each time
 _NO_ENERGIES = Energies(nan, nan, nan, (nan,) * 8)  # of a run that fails
 
 
@@ -90,7 +93,8 @@ class Session:
         self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
-        self._warned = self._passed_over = False
+        self._warned = self._passed_over = self._drifts = False
+        self._look_at = _FIRST_LOOK
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
@@ -236,6 +240,7 @@ class Session:
         self._note_switches()
         self._note_stability()
         self._note_overruns()
+        self._note_drift()
         if status != 0:
             self.ok = False
             self._run.time = self._integrator.time
@@ -260,6 +265,26 @@ class Session:
                     "info",
                     f"solver.step = {self.parameters['solver.step']:g} s is not stable from "
                     f"{since:.6g} s on: it is divided into parts of at most {stable:.3g} s",
+                )
+            )
+
+    def _note_drift(self) -> None:
+        """Say once that errors have added up: in a long run without damping nothing forgets them."""
+        if self._integrator.step_count < self._look_at or self._drifts:
+            return
+        self._look_at = 2 * self._integrator.step_count
+        kinetic, stored, dissipated, supplied = self._integrator.energies()
+        # all that has been there, and what has gone through it: a residual of that is no drift
+        turned_over = kinetic + sum(map(abs, (*stored, *dissipated, *supplied)))
+        part = abs(self._integrator.residual_end) / (turned_over or inf)
+        tolerance = float(self.parameters["solver.tolerance"])
+        if part > _DRIFT * tolerance and part > _ROUNDING:
+            self._drifts = True
+            self.messages.append(
+                (
+                    "info",
+                    f"errors add up: by {self._integrator.time:.6g} s the energy balance is off by "
+                    f"{part:.2g} of all energy; reduce solver.tolerance for a long run",
                 )
             )
 

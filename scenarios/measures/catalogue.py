@@ -15,6 +15,7 @@ from .motion import peak as largest
 from .reading import COUNT, Measure, Reading, Run
 from .ride import of_ride
 from .road import of_roads
+from .sensitivity import of_sensitivity
 
 # The measures taken by default: cheap and of general interest.
 _DEFAULT_PEAKS = ("_displacement", "_deflection", "_acceleration")
@@ -40,7 +41,7 @@ def _measures_of(variables: tuple[Variable, ...]) -> Mapping[str, Measure]:
     outputs = {variable.name: variable for variable in variables}
     measures = [
         *of_motion(outputs), *of_axles(outputs), *of_ride(outputs), *of_roads(outputs),
-        *of_modes(outputs), *_of_the_solver(outputs),
+        *of_modes(outputs), *of_sensitivity(outputs), *_of_the_solver(outputs),
     ]  # fmt: skip
     return MappingProxyType({measure.name: measure for measure in measures})
 

@@ -94,6 +94,10 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
     if "energy_residual" in measures and measures["energy_residual"]["value"] is not None:
         told.add("energy_residual")
         yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
+    if measures.get("magnification", {}).get("value") is not None:
+        told.add("magnification")
+        by = measures["magnification"]["value"]
+        yield _line("sensitivity", f"this motion magnifies small differences by {by:.2g}")
     yield from _table({n: m for n, m in measures.items() if n not in told and n not in peaks})
 
 

@@ -197,3 +197,19 @@ def test_a_start_later_than_zero_only_shifts_time() -> None:
     late.advance(3.25)
     for name in MOTION:
         assert late.value(name) == pytest.approx(early.value(name), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+def test_errors_that_add_up_are_told_once(tolerance: float) -> None:
+    """An undamped car keeps them for ever; one that is driven and damped forgets them."""
+    undamped = {"damper.rebound_rate": 0.0, "damper.bump_rate": 0.0, "tyre.damping": 0.0}
+    driven = {"road.shape": "sine", "road.length": 5.0}
+    said = []
+    for car in (undamped, driven):
+        session = Session("QuarterCar", {**car, "lift_off": False, "solver.tolerance": tolerance})
+        for k in range(1, 201):
+            session.advance(0.5 * k)
+        said.append([text for _, text in session.messages if "errors add up" in text])
+    assert len(said[0]) == 1
+    assert "energy balance is off by" in said[0][0]
+    assert said[1] == []
