@@ -184,3 +184,7 @@ ACTUATOR_FORCE = Variable(
     "actuator_force", "force of an actuator between body and wheel (or road), positive pushes the body "
     "up and the wheel down", "input", 0.0, "N", "kN", nominal=1e3,
 )  # fmt: skip
+SPRUNG_MASS = parameter("sprung_mass", 30 * KGF, "body mass on one wheel", "kg", positive=True)
+ROAD_UNDER_WHEEL = road(
+    "road under the wheel; 'input' uses the inputs road_elevation and road_velocity"
+)

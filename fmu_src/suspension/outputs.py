@@ -297,6 +297,21 @@ CONTACT = (
             start=-1.0, reading=_contact),
 )  # fmt: skip
 
+ON_WHEEL = (  # outputs of a suspension that stands on a wheel
+    *motion("body", "the body"),
+    *motion("wheel", "the wheel"),
+    *suspension_deflection("body minus wheel displacement"),
+    *TYRE_DEFLECTION,
+    *GROUND,
+    *SUSPENSION_FORCES,
+    *CONTACT,
+)
+ON_ROAD = (  # outputs of a suspension that stands directly on the road
+    *motion("body", "the body"),
+    *suspension_deflection("body displacement minus ground elevation"),
+    *GROUND,
+    *SUSPENSION_FORCES,
+)
 PITCH = (
     output("pitch_angle", "pitch of the body from static equilibrium, front upwards positive",
             "rad", display="deg", nominal=0.01, reading=_moves),

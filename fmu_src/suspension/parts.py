@@ -480,3 +480,17 @@ _ROADS: Mapping[str, Callable[[Mapping[str, Value]], Signal]] = {
     "spline": _from_table(roads.spline, ends="level"),
     "sequence": _sequence,
 }
+
+
+SMALL = 1e-3  # m, scale of errors if neither road nor weight gives a displacement
+
+
+def body_mass(p: Mapping[str, Value]) -> float:
+    """Return the mass of the body on one wheel with its payload, kg."""
+    return number(p, "sprung_mass") + number(p, "payload")
+
+
+def body_forces(p: Mapping[str, Value]) -> dict[str, Signal]:
+    """Return the external force on the body, and that of its table, if there is one."""
+    course = force_course(p, "body_force.table")
+    return {"body_force": roads.LEVEL} | ({} if course is None else {"body_force_table": course})

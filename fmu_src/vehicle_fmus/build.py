@@ -17,12 +17,13 @@ from tempfile import TemporaryDirectory
 from uuid import UUID
 from xml.etree import ElementTree
 
+from phaseplane.suspension.models import ALL, FILES
 from phaseplane.suspension.own import load
 from phaseplane.suspension.variables import Value, refuse_unknown
 
 from . import systems
 from .archives import digest_of, write_all, zipped
-from .content import SCRIPTS, SLAVES, hashed, production, suspension_name, suspension_sources
+from .content import SLAVES, hashed, picture_file, production, suspension_name, suspension_sources
 from .manual import DOCUMENTATION, page
 from .model_description import completed
 from .reference import reference_files, session_of
@@ -49,7 +50,7 @@ def build(
 
     Parameters
     ----------
-    models : keys of `SCRIPTS` or of `own`
+    models : keys of `suspension.models.FILES` or of `own`
     folder : output folder; created if it is missing
     parameters : start values for each model that replace the defaults, as accepted by `Session`
     own : for each system of one's own that has been loaded, the content of its file
@@ -68,7 +69,7 @@ def build(
         for Linux is not a known one that lets a process exit cleanly.
     """
     parameters, own = parameters or {}, own or {}
-    refuse_unknown(models, {**SCRIPTS, **own}, f"FMUs exist for {', '.join(SCRIPTS)}, not for")
+    refuse_unknown(models, {**FILES, **own}, f"FMUs exist for {', '.join(FILES)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     files: dict[str, bytes] = {}
     roads: dict[str, bytes] = {}  # one may serve several systems
@@ -113,13 +114,10 @@ def _renamed_imports(source: bytes, names: Mapping[str, str]) -> bytes:
     return source
 
 
-_OWN = '''"""The FMU script of `{name}`, a system that is described by a file."""
+_SCRIPT = '''"""The FMU script of `{name}`."""
 
-from phaseplane.suspension.own import load
 from phaseplane.vehicle_fmus.slaves.vehicle_slave import VehicleSlave
-
-load({text!r}, {key!r}, checked=False)
-
+{before}
 
 class {name}(VehicleSlave):
     """See the description."""
@@ -127,19 +125,25 @@ class {name}(VehicleSlave):
     model = {key!r}
     description = {about!r}
 '''
+_LOADING = """
+from phaseplane.suspension.own import load
+
+load({text!r}, {key!r}, checked=False)
+"""
 
 
-def _script(model: str, own: str) -> tuple[str, bytes]:
-    """Return name and content of an FMU's script.
+def _script(model: str, own: str) -> tuple[str, str]:
+    """Return name and content of the script that pythonfmu makes an FMU from.
 
     The model of a system of one's own has a hash of the file in its name, as FMUs share their modules.
     """
     if not own:
-        slave = SLAVES / SCRIPTS[model]
-        return slave.stem, slave.read_bytes()
+        about = ALL[model].summary
+        return FILES[model], _SCRIPT.format(name=model, key=model, about=about, before="")
     about = load(own, checked=False).about or model
     key = hashed(model, own.encode())
-    return model.lower(), _OWN.format(name=model, key=key, text=own, about=about).encode()
+    before = _LOADING.format(text=own, key=key)
+    return model.lower(), _SCRIPT.format(name=model, key=key, about=about, before=before)
 
 
 def _staged(
@@ -157,7 +161,7 @@ def _staged(
     base_file = stage / f"{names['phaseplane.vehicle_fmus.slaves.vehicle_slave']}.py"
     base_file.write_bytes(base)
     stem, source = _script(model, own)
-    content = _renamed_imports(source, names)
+    content = _renamed_imports(source.encode(), names)
     script = stage / f"{hashed(stem, content)}.py"
     script.write_bytes(content)
     start_values = stage / START_VALUES
@@ -189,7 +193,7 @@ def _packed(model: str, start: dict[str, Value], own: str = "") -> bytes:
     members[_PYTHONFMU] = _without_builder(members[_PYTHONFMU])
     about = production()
     members |= {
-        "model.png": (DOCUMENTATION / f"{'HalfCar' if own else model}.png").read_bytes(),
+        "model.png": picture_file("HalfCar" if own else model).read_bytes(),
         "documentation/index.html": page(model, start, about["generationTool"], own).encode(),
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),

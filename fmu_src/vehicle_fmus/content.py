@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from phaseplane.suspension.kernel_name import KERNEL, kernel_name
+from phaseplane.suspension.models import FILES
 
 from .archives import digest, digest_of
 from .versions import installed
@@ -17,14 +18,6 @@ from .versions import installed
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
 NOT_CARRIED = ("batch.py", "many.py", "series.py")  # need numpy, and are not needed in an FMU
-SCRIPTS = {
-    "OneDof": "one_dof.py",
-    "QuarterCar": "quarter_car.py",
-    "HalfCarRigidTyres": "half_car_rigid_tyres.py",
-    "HalfCar": "half_car.py",
-    "Elastoplastic": "elastoplastic.py",
-    "Road": "road.py",
-}
 
 
 def content_key(model: str) -> str:
@@ -36,7 +29,13 @@ def content_key(model: str) -> str:
         if path.is_file() and path.suffix != ".pyc"
     }
     about = {"model": model.encode(), "about": json.dumps(production()).encode()}
+    files["picture"] = picture_file(model).read_bytes()
     return digest_of({**files, **suspension_sources(), **about})[:24]
+
+
+def picture_file(model: str) -> Path:
+    """Return the file of a model's picture."""
+    return KERNEL.parent / "models" / f"{FILES[model]}.png"
 
 
 def suspension_name(package: Mapping[str, bytes]) -> str:
@@ -66,6 +65,7 @@ def _sources(package: Path) -> dict[str, bytes]:
     binaries = kernel / kernel_name(kernel)
     paths = [
         *(path for path in package.glob("*.py") if path.name not in NOT_CARRIED),
+        *package.glob("models/*.py"),
         *kernel.glob("*.py"),
         *kernel.glob("*.pxd"),  # the kernel's name depends on these too
         *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),

@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 from string import Template
 
+from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import SOURCES, Value, Variable, variables
 
 from .model_description import in_words
@@ -40,7 +41,7 @@ def page(model: str, start: dict[str, Value], colophon: str, own: str = "") -> s
     return Template(_part("index")).substitute(
         model=model,
         picture="" if own else picture(model),
-        equations=_OWN.substitute(file=escape(own)) if own else _part(model),
+        equations=_OWN.substitute(file=escape(own)) if own else f"{ALL[model].page}\n",
         stepping="" if model in SOURCES else _part("stepping"),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),

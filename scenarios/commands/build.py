@@ -9,8 +9,8 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import click
+from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import ParameterError
-from phaseplane.vehicle_fmus.content import SCRIPTS
 
 from phaseplane import vehicle_fmus
 
@@ -57,16 +57,14 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
-    scenes = [
-        load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in SCRIPTS
-    ]
+    scenes = [load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in FILES]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        chosen = [name for name in dict.fromkeys(models) if name in SCRIPTS]
+        chosen = [name for name in dict.fromkeys(models) if name in FILES]
         files = []
         if chosen or not models:
             files += vehicle_fmus.build.build(
-                chosen or list(SCRIPTS), folder, references=True, ssp=ssp
+                chosen or list(FILES), folder, references=True, ssp=ssp
             )
         for scene in scenes:
             files += _of_scene(scene, folder, ssp)

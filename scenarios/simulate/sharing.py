@@ -22,8 +22,11 @@ def share_modules() -> str:
     sources = suspension_sources()
     name = suspension_name(sources)
     if name not in sys.modules:  # else an FMU has brought its copy already
-        modules = [path.removesuffix(".py") for path in sources if path.endswith(".py")]
-        for module in (m for m in modules if "/" not in m and m != "__init__"):
+        paths = (
+            path for path in sources if path.endswith(".py") and not path.startswith("kernel/")
+        )
+        modules = (path.removesuffix(".py").removesuffix("/__init__") for path in paths)
+        for module in (m.replace("/", ".") for m in modules if m != "__init__"):
             sys.modules[f"{name}.{module}"] = import_module(f"{_PACKAGE}.{module}")
         sys.modules[name] = import_module(_PACKAGE)
     return name

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension.engine import Integrator, why_stopped
+from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import MODELS
-from phaseplane.vehicle_fmus.content import SCRIPTS
 
 from ..draw.constructions import constructed, planes_of
 from ..errors import InputError, one_line
@@ -69,7 +69,7 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
 
     problem = bench.problem
-    if problem.model not in SCRIPTS:
+    if problem.model not in FILES:
         raise UnableError("there is no FMU of this system")
     folder = str(_unpacked(problem.model))
     description = read_model_description(folder, validate=False)

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.simulation import instantiate_fmu
-from phaseplane.vehicle_fmus.build import SCRIPTS, build
+from phaseplane.suspension.models import ALL
+from phaseplane.vehicle_fmus.build import build
 
 
 class Host:
@@ -62,8 +63,8 @@ class Host:
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """All FMUs by model."""
-    files = build(list(SCRIPTS), tmp_path_factory.mktemp("fmus"))
-    return dict(zip(SCRIPTS, files, strict=True))
+    files = build(list(ALL), tmp_path_factory.mktemp("fmus"))
+    return dict(zip(ALL, files, strict=True))
 
 
 @pytest.fixture(scope="session")
@@ -73,7 +74,7 @@ def folders(fmus: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     return {model: extract(str(file), str(base / model)) for model, file in fmus.items()}
 
 
-@pytest.fixture(params=list(SCRIPTS))
+@pytest.fixture(params=list(ALL))
 def model(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

@@ -17,6 +17,7 @@ from fmpy import extract, read_model_description
 from phaseplane.suspension import engine
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, variables
+from phaseplane.vehicle_fmus import build as builder
 from phaseplane.vehicle_fmus import content
 from phaseplane.vehicle_fmus.build import build
 
@@ -31,15 +32,15 @@ def guid(fmu: Path) -> str:
 def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The same FMU, packed from sources in which the kernel and a model differ."""
     sources = shutil.copytree(content.SUSPENSION, tmp_path / "sources")
-    stepper, models = sources / "kernel" / "stepper.py", sources / "models.py"
+    stepper, parts = sources / "kernel" / "stepper.py", sources / "parts.py"
     shorter_steps = stepper.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
-    heavier = models.read_text().replace(
+    heavier = parts.read_text().replace(
         'number(p, "sprung_mass")', '2.0 * number(p, "sprung_mass")'
     )
     assert shorter_steps != stepper.read_text()
-    assert heavier != models.read_text()
+    assert heavier != parts.read_text()
     stepper.write_text(shorter_steps)
-    models.write_text(heavier)
+    parts.write_text(heavier)
     monkeypatch.setattr(content, "SUSPENSION", sources)
     return build(["QuarterCar"], tmp_path)[0]
 
@@ -257,10 +258,7 @@ def bare_folder(quarter_car_folder: str, tmp_path: Path) -> Path:
 def test_what_a_slave_imports_within_a_function_is_carried_too(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected: list[Any]
 ) -> None:
-    slaves = shutil.copytree(content.SLAVES, tmp_path / "slaves")
-    with (slaves / "quarter_car.py").open("a") as file:
-        file.write(_IMPORTS_LATE)
-    monkeypatch.setattr("phaseplane.vehicle_fmus.build.SLAVES", slaves)
+    monkeypatch.setattr(builder, "_SCRIPT", builder._SCRIPT + _IMPORTS_LATE)
     (fmu,) = build(["QuarterCar"], tmp_path)
     told = run_in_a_bare_python(Path(extract(str(fmu), str(tmp_path / "fmu"))))
     assert told["values"] == pytest.approx(expected, rel=1e-12)

@@ -19,12 +19,13 @@ import pytest
 from fmpy import extract, read_model_description
 from hosting import compiled, fence, hosted, libpython
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
+from phaseplane.suspension.models import ALL
 from phaseplane.vehicle_fmus import build as packing
-from phaseplane.vehicle_fmus.build import SCRIPTS, build
+from phaseplane.vehicle_fmus.build import build
 
 HERE = Path(__file__).parent
 STATUS = 3  # what the hosts are told to end with
-SIX = sorted(SCRIPTS, key=lambda model: model == "QuarterCar")  # the last is to refuse something
+SIX = sorted(ALL, key=lambda model: model == "QuarterCar")  # the last is to refuse something
 ALL, SOME, NONE = len(SIX), 2, 0  # how many are freed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: no ELF")

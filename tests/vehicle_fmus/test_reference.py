@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.util import read_csv
-from phaseplane.vehicle_fmus.build import SCRIPTS, build
+from phaseplane.suspension.models import ALL
+from phaseplane.vehicle_fmus.build import build
 from phaseplane.vehicle_fmus.reference import reference_files
 
 INDEPENDENT = Path(__file__).parents[1] / "reference"
@@ -20,7 +21,7 @@ INDEPENDENT = Path(__file__).parents[1] / "reference"
 def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the reference of every model consists of."""
     folder = tmp_path_factory.mktemp("references")
-    for model in SCRIPTS:
+    for model in ALL:
         for name, content in reference_files(model, {}).items():
             (folder / name).write_bytes(content)
     return folder

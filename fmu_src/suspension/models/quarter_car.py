@@ -1,3 +1,85 @@
+"""Body and wheel, coupled elastically, on a tyre that cannot pull (AP57 eqs. 12-14, 26, 29).
+
+M x1'' + Phi + F = 0;  m x2'' - Phi - F + k2 (x2' - xi') + c2 (x2 - xi) = 0
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .. import roads
+from ..declared import (
+    ACTUATOR_FORCE,
+    BODY_FORCE_TABLE,
+    CONTACT_RULE,
+    GRAVITY,
+    LIFT_OFF,
+    PAYLOAD,
+    ROAD_INPUTS,
+    ROAD_UNDER_WHEEL,
+    SOLVER_PARAMETERS,
+    SPRUNG_MASS,
+    SUSPENSION,
+    WHEEL,
+    body_force,
+    initial,
+)
+from ..model import Model
+from ..outputs import ON_WHEEL, SOLVER_OUTPUTS, energies
+from ..parts import (
+    SMALL,
+    body_forces,
+    body_mass,
+    road_from,
+    suspension_elements,
+    tyre_element,
+    tyre_stiffness,
+)
+from ..systems import Axle, Load, System
+from ..variable import Value, number
+
+_VARIABLES = (
+    SPRUNG_MASS,
+    PAYLOAD,
+    *WHEEL,
+    *SUSPENSION,
+    LIFT_OFF,
+    CONTACT_RULE,
+    GRAVITY,
+    *ROAD_UNDER_WHEEL,
+    *initial({"body": "the body", "wheel": "the wheel"}),
+    BODY_FORCE_TABLE,
+    *SOLVER_PARAMETERS,
+    *ROAD_INPUTS,
+    body_force(),
+    ACTUATOR_FORCE,
+    *ON_WHEEL,
+    *energies("road", "body_force"),
+    *SOLVER_OUTPUTS,
+)
+
+
+def system(p: Mapping[str, Value]) -> System:
+    """Return the system; `p` holds the checked parameters."""
+    body, wheel = body_mass(p), number(p, "unsprung_mass")
+    load = (body + wheel) * number(p, "gravity")
+    road, forces = road_from(p), body_forces(p)
+    scale = road.scale or load / tyre_stiffness(p) or SMALL
+    return System(
+        coordinates=("body", "wheel"),
+        mass=((body, 0.0), (0.0, wheel)),
+        elements=(*suspension_elements(p, (1.0, -1.0)), tyre_element(p, (0.0, 1.0), load)),
+        signals={"road": road, **forces, "actuator_force": roads.LEVEL},
+        loads=(
+            *(Load((1.0, 0.0), name) for name in forces),
+            Load((1.0, -1.0), "actuator_force"),
+        ),
+        scales=(scale, scale),
+        axles=(Axle("", (1.0, -1.0), "road", "tyre", load),),
+    )
+
+
+_PAGE = """\
 <p>Body and wheel of one corner of a vehicle with elastic coupling, on a tyre that cannot pull on the
 road (AP57 sections 4, 5 and 8). The start values are those of the worked example of AP57 section 8.
 Displacements are positive upwards and, like the forces, measured from static equilibrium; forces are
@@ -36,4 +118,20 @@ same expression becomes positive. In flight (AP57 eqs. 29, 30):</p>
 <tr><td>N, g</td><td>contact force; gravitational acceleration</td>
 <td>contact_force, gravity</td></tr>
 <tr><td>p</td><td>external force on the body, upwards</td><td>body_force</td></tr>
-</table>
+</table>"""
+
+_PICTURE = """\
+<rect class="body" x="51" y="22" width="154" height="40" rx="8"/>
+<use href="#suspension" x="128" y="62"/>
+<path d="M128 124 v58"/>
+<use href="#wheel" x="128" y="182"/>
+<path class="road" d="M10 240 h140 c22 0 24 -16 44 -16 s22 16 44 16 h8"/>"""
+
+MODEL = Model(
+    summary="Quarter car: body and wheel, nonlinear suspension, tyre that can leave the road",
+    variables=_VARIABLES,
+    system=system,
+    rank=2,
+    page=_PAGE,
+    picture=_PICTURE,
+)

@@ -1,3 +1,107 @@
+"""A body and two wheels on tyres, each of which may leave the road (AP57 eq. 1).
+
+Each axle is modelled as in `quarter_car`, the body as in `half_car_rigid_tyres`. At rest the
+tyres carry (b M / L + m1) g in front and (a M / L + m2) g behind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..declared import (
+    ACTUATOR_FORCE,
+    BODY_FORCE_TABLE,
+    CONTACT_RULE,
+    GRAVITY,
+    LIFT_OFF,
+    PAYLOAD,
+    ROAD_INPUTS,
+    SOLVER_PARAMETERS,
+    SUSPENSION,
+    WHEEL,
+    body_force,
+    initial,
+)
+from ..model import Model
+from ..outputs import ON_WHEEL, SOLVER_OUTPUTS, energies
+from ..parts import SMALL, body_forces, suspension_elements, tyre_element, tyre_stiffness
+from ..systems import Axle, Load, System
+from ..two_axles import (
+    BODY_OVER_AXLES,
+    RIGID_BODY,
+    RIGID_BODY_MOTION,
+    ROAD,
+    Body,
+    both_axles,
+    loads_of,
+)
+from ..variable import Value, number
+
+_VARIABLES = (
+    *RIGID_BODY,
+    *both_axles((PAYLOAD, *WHEEL, *SUSPENSION)),
+    LIFT_OFF,
+    CONTACT_RULE,
+    GRAVITY,
+    *ROAD,
+    *initial({**BODY_OVER_AXLES, "front_wheel": "the front wheel", "rear_wheel": "the rear wheel"}),
+    BODY_FORCE_TABLE,
+    *SOLVER_PARAMETERS,
+    *both_axles(ROAD_INPUTS),
+    body_force(" at its centre of gravity"),
+    *both_axles((ACTUATOR_FORCE,)),
+    *RIGID_BODY_MOTION,
+    *both_axles(ON_WHEEL),
+    *energies("front_road", "rear_road", "body_force"),
+    *SOLVER_OUTPUTS,
+)
+
+
+def system(p: Mapping[str, Value]) -> System:
+    """Return the system; `p` holds the checked parameters."""
+    body = Body.of(p)
+    front, rear, coupling = body.masses
+    front_wheel, rear_wheel = number(p, "front.unsprung_mass"), number(p, "rear.unsprung_mass")
+    front_load, rear_load = loads_of(p)
+    front_strut, rear_strut = (1.0, 0.0, -1.0, 0.0), (0.0, 1.0, 0.0, -1.0)
+    scale = (
+        body.signals["front_road"].scale
+        or max(
+            front_load / tyre_stiffness(p, "front"),
+            rear_load / tyre_stiffness(p, "rear"),
+        )
+        or SMALL
+    )
+    return System(
+        coordinates=("front_body", "rear_body", "front_wheel", "rear_wheel"),
+        mass=(
+            (front, coupling, 0.0, 0.0),
+            (coupling, rear, 0.0, 0.0),
+            (0.0, 0.0, front_wheel, 0.0),
+            (0.0, 0.0, 0.0, rear_wheel),
+        ),
+        elements=(
+            *suspension_elements(p, front_strut, "front"),
+            tyre_element(p, (0.0, 0.0, 1.0, 0.0), front_load, "front"),
+            *suspension_elements(p, rear_strut, "rear"),
+            tyre_element(p, (0.0, 0.0, 0.0, 1.0), rear_load, "rear"),
+        ),
+        signals=body.signals,
+        loads=(
+            *(Load((*body.shares, 0.0, 0.0), name) for name in body_forces(p)),
+            Load(front_strut, "front_actuator_force"),
+            Load(rear_strut, "rear_actuator_force"),
+        ),
+        scales=4 * (scale,),
+        axles=(
+            Axle("front_", front_strut, "front_road", "front_tyre", front_load),
+            Axle("rear_", rear_strut, "rear_road", "rear_tyre", rear_load),
+        ),
+        motions=body.motions(wheels=2),
+    )
+
+
+_PAGE = """\
 <p>A body and two wheels on tyres that cannot pull on the road: four degrees of freedom (AP57 sections 1
 and 7). Each wheel may leave the road independently. The start values are two quarter cars of the worked
 example of AP57 section 8, joined by a body that does not couple them. Displacements are positive upwards
@@ -51,4 +155,20 @@ front_damper_force; rear likewise</td></tr>
 <td>front_tyre_force; front.tyre.stiffness, front.tyre.damping; rear likewise</td></tr>
 <tr><td>v, g, p</td><td>speed; gravitational acceleration; upward force on the body at its centre of
 gravity</td><td>speed, gravity, body_force</td></tr>
-</table>
+</table>"""
+
+_PICTURE = """\
+<rect class="body" x="14" y="26" width="228" height="36" rx="8"/>
+<circle cx="128" cy="44" r="5" fill="currentColor"/>
+<use href="#suspension" x="62" y="62"/><path d="M62 124 v60"/><use href="#small_wheel" x="62" y="184"/>
+<use href="#suspension" x="194" y="62"/><path d="M194 124 v60"/><use href="#small_wheel" x="194" y="184"/>
+<path class="road" d="M10 217 h82 c18 0 18 -26 36 -26 s18 26 36 26 h82"/>"""
+
+MODEL = Model(
+    summary="Half car: body, two axles with nonlinear suspensions, tyres that can leave the road",
+    variables=_VARIABLES,
+    system=system,
+    rank=4,
+    page=_PAGE,
+    picture=_PICTURE,
+)

@@ -1,0 +1,32 @@
+"""What a module of `models` declares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from .systems import System
+from .variable import Value, Variable
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A model: all that its FMU, its page, scenes and tables say of it.
+
+    Parameters
+    ----------
+    summary : what it is, in one line
+    variables : parameters, inputs and outputs, in the order of the FMU
+    system : makes the system from all parameters, checked; None for a source of signals
+    rank : place in lists of models, simple ones first
+    page : equations and symbols, HTML
+    picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
+        `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
+    """
+
+    summary: str
+    variables: tuple[Variable, ...]
+    system: Callable[[Mapping[str, Value]], System] | None
+    rank: int
+    page: str
+    picture: str

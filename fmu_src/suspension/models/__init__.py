@@ -1,0 +1,158 @@
+"""The models, one module each: equations, variables, elements, the text of its page; its picture beside it.
+
+A module in this folder is a model: `quarter_car` is `QuarterCar`. It has a `MODEL`, see `model.Model`.
+Parts shared by models are in `declared`, `outputs`, `parts` and `two_axles`. The parts of systems, which
+are defined in `systems`, can be imported from here too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache
+from importlib import import_module
+from pkgutil import iter_modules
+
+from ..model import Model
+from ..parts import road_from, suspension_elements, tyre_element
+from ..systems import Axle, Element, Load, Motion, System
+from ..two_axles import axle_masses
+from ..units import nearest
+from ..variable import ParameterError, Value, Variable, refuse_unknown
+
+__all__ = [
+    "ALL",
+    "FILES",
+    "MODELS",
+    "SOURCES",
+    "SYSTEMS",
+    "Axle",
+    "Element",
+    "Load",
+    "Motion",
+    "System",
+    "axle_masses",
+    "build",
+    "build_checked",
+    "checked_parameters",
+    "outputs",
+    "register",
+    "road_from",
+    "suspension_elements",
+    "tyre_element",
+    "variables",
+]
+
+_IN_FILES: dict[str, Model] = {
+    found.name: import_module(f"{__name__}.{found.name}").MODEL for found in iter_modules(__path__)
+}
+FILES = {
+    file.title().replace("_", ""): file
+    for file in sorted(_IN_FILES, key=lambda file: (_IN_FILES[file].rank, file))
+}
+"""The name of the module of each model, by the name of the model."""
+ALL = {name: _IN_FILES[file] for name, file in FILES.items()}
+"""The models by name, simple ones first."""
+SYSTEMS = tuple(name for name, model in ALL.items() if model.system is not None)
+"""The models of this package that are systems and can be run."""
+
+MODELS = {name: model.variables for name, model in ALL.items() if model.system is not None}
+"""The variables of each model that is a system and can be run, by its name."""
+SOURCES = {name: model.variables for name, model in ALL.items() if model.system is None}
+"""The variables of each source of signals, by its name."""
+
+
+def variables(model: str) -> tuple[Variable, ...]:
+    """Return the public variables of a model, or of a source that drives one.
+
+    Raises
+    ------
+    ParameterError : no such model.
+    """
+    if model not in ALL:
+        raise ParameterError(
+            f"model {model!r} is unknown; models are {', '.join(ALL)}{nearest(model, ALL)}"
+        )
+    return ALL[model].variables
+
+
+def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Value]:
+    """Return all parameters of a model: given ones checked and in SI, the others at their defaults.
+
+    Raises
+    ------
+    ParameterError : unknown name, wrong type, unit or range.
+    """
+    declared = _parameters(model)
+    refuse_unknown(given, declared, f"{model} has no parameter")
+    checked = {name: declared[name].checked(value) for name, value in given.items()}
+    return _defaults(model) | checked
+
+
+@cache
+def outputs(model: str) -> dict[str, Variable]:
+    """Return the outputs of a model by name.
+
+    Raises
+    ------
+    ParameterError : no such model.
+    """
+    return {v.name: v for v in variables(model) if v.causality == "output"}
+
+
+@cache
+def _parameters(model: str) -> dict[str, Variable]:
+    return {v.name: v for v in variables(model) if v.causality == "parameter"}
+
+
+@cache
+def _defaults(model: str) -> dict[str, Value]:
+    return {name: variable.start for name, variable in _parameters(model).items()}
+
+
+def register(
+    name: str, declared: tuple[Variable, ...], make: Callable[[Mapping[str, Value]], System]
+) -> None:
+    """Add a model that is in no file of this folder, or replace one that was added before.
+
+    Parameters
+    ----------
+    name : of the model
+    declared : its public variables
+    make : returns its system, given all of its parameters
+    """
+    ALL[name] = Model("", declared, make, rank=len(ALL), page="", picture="")
+    MODELS[name] = declared
+    for known in (outputs, _parameters, _defaults, _built):
+        known.cache_clear()
+
+
+def build(model: str, parameters: Mapping[str, object]) -> System:
+    """Return the system of a model with the given public parameters, the others at their defaults.
+
+    Raises
+    ------
+    ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
+    """
+    return build_checked(model, checked_parameters(model, parameters))
+
+
+def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
+    """Return the system of a model from all of its parameters, as returned by `checked_parameters`.
+
+    Raises
+    ------
+    ParameterError : a model that is not a system, such as a road; an unreadable table.
+    """
+    return _built(model, tuple(parameters.items()))
+
+
+@lru_cache(maxsize=16)
+def _built(model: str, parameters: tuple[tuple[str, Value], ...]) -> System:
+    """Return a system, made once for all that a run wants of it: checks, steps, drawings, measures."""
+    made = ALL[model].system if model in ALL else None
+    if made is None:
+        raise ParameterError(
+            f"{model} is not a system that can be run; systems are {', '.join(SYSTEMS)}"
+            + nearest(model, SYSTEMS)
+        )
+    return made(dict(parameters))
