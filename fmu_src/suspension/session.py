@@ -19,11 +19,11 @@ from typing import Any
 
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
-from .models import build_checked
+from .models import build
 from .reading import Contacts, Energies, Readers, State
 from .signals import Segment, Signal
 from .systems import Axle, System
-from .variable import number
+from .variable import Checked, number
 from .variables import (
     ParameterError,
     Value,
@@ -101,7 +101,7 @@ class Session:
         self._tuned: dict[str, Value] = {}
         self._energies: Energies | None = None  # at the present time, once asked for
         self._inputs = [v.name for v in declared if v.causality == "input"]
-        system = build_checked(model, self.parameters)
+        system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
         self._tyres = [axle for axle in system.axles if axle.tyre]
@@ -303,10 +303,10 @@ class Session:
     def _take_parameters(self) -> None:
         """Rebuild the system with the parameters set, and continue from the present state."""
         tuned, self._tuned = self._tuned, {}
-        parameters = {**self.parameters, **tuned}
+        parameters = Checked(self.model, {**self.parameters, **tuned})
         if parameters == self.parameters:
             return
-        system = replace(build_checked(self.model, parameters), signals=self._signals)
+        system = replace(build(self.model, parameters), signals=self._signals)
         self._stop_here()
         self._energies = None
         before = self.energies()

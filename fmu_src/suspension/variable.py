@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from math import isfinite
-from typing import Any
+from typing import Any, NoReturn
 
 from .units import UnitError, nearest, to_si
 
@@ -114,6 +114,31 @@ class Variable:
         if self.maximum is not None:
             bounds.append(f"at most {self.maximum:g}")
         return " and ".join(bounds[1:] or bounds) + self._in_unit()
+
+
+class Checked(dict[str, Value]):
+    """All parameters of a model, each checked where it entered; nobody checks them again.
+
+    They do not change; parameters laid over them make a plain dict, which is checked where it enters.
+
+    Parameters
+    ----------
+    model : name of the model
+    values : all its parameters, in SI and of their types
+    """
+
+    def __init__(self, model: str, values: Mapping[str, Value]) -> None:
+        super().__init__(values)
+        self.model = model
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Checked, (self.model, dict(self))
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError("checked parameters do not change; lay others over them: {**these, ...}")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse  # type: ignore[assignment]
+    update = pop = popitem = clear = setdefault = _refuse  # type: ignore[assignment]
 
 
 def number(parameters: Mapping[str, Value], name: str) -> float:

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension import extent
 from phaseplane.suspension.units import UNITS, nearest
-from phaseplane.suspension.variables import MODELS, Value, Variable
+from phaseplane.suspension.variable import Checked
+from phaseplane.suspension.variables import MODELS, ParameterError, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
 
 from ..errors import InputError, one_line, shown
@@ -88,9 +89,16 @@ class Fmu:
         }
 
     def with_defaults(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
-        """Return all parameters, those not given at their defaults; see `road_length`."""
+        """Return all parameters, those not given at their defaults; see `road_length`.
+
+        Parameters
+        ----------
+        parameters : the parameters given, each checked
+        duration : duration of the run, s
+        """
         given = {name: v.start for name, v in self.parameters().items()} | dict(parameters)
-        return given | self.road_length(parameters, duration)
+        given |= self.road_length(parameters, duration)
+        return Checked(self.model, given) if self.is_ours else given
 
     def road_length(self, parameters: Mapping[str, Value], duration: float) -> dict[str, Value]:
         """Return the length of a random road, which is as long as the run, if it is not given, else {}.
@@ -192,8 +200,17 @@ def _described(path: Path) -> Fmu:
     fmu = Fmu(description.coSimulation.modelIdentifier, path, variables)
     if not fmu.is_ours:
         return fmu
-    declared = zip(MODELS[fmu.model], variables, strict=True)  # which have the ranges that apply
-    return Fmu(fmu.model, path, tuple(replace(ours, start=own.start) for ours, own in declared))
+    return Fmu(fmu.model, path, tuple(map(_started, MODELS[fmu.model], variables)))
+
+
+def _started(ours: Variable, described: Variable) -> Variable:
+    """Return a variable of this package, which has a range, with the start value of a file."""
+    if ours.causality != "parameter":
+        return replace(ours, start=described.start)
+    try:
+        return replace(ours, start=ours.checked(described.start))
+    except ParameterError as error:
+        raise InputError(f"{_DESCRIPTION}: {error}") from None
 
 
 def _refuse_other_kinds(path: Path) -> None:

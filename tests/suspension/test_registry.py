@@ -14,11 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from phaseplane.suspension import models
-from phaseplane.suspension.models import ALL, FILES, build
+from phaseplane.suspension.models import ALL, FILES, build, checked_parameters
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variable import Value, number
 from phaseplane.vehicle_fmus import content
 
+ALL_DEFAULTS = checked_parameters("QuarterCar", {})
 FOLDER = Path(models.__file__).parent
 
 ADDED = '''
@@ -144,3 +145,47 @@ def test_a_system_is_built_once(monkeypatch: pytest.MonkeyPatch) -> None:
     assert build("QuarterCar", parameters) is build("QuarterCar", dict(parameters))
     assert build("QuarterCar", {"spring.rate": "12345.679 N/m"}).elements
     assert made == [12345.678, 12345.679]
+
+
+_COUNTED = """
+import json, sys
+from dataclasses import replace
+from phaseplane.suspension.models import ALL
+from phaseplane.suspension.variable import Variable
+from phaseplane.scenarios.cli import main
+
+checked, built = [], []
+check, model = Variable.checked, ALL["QuarterCar"]
+
+def counted(variable, value):
+    if variable.name == "damper.rebound_rate":
+        checked.append(value)
+    return check(variable, value)
+
+def system(parameters):
+    built.append(parameters["damper.rebound_rate"])
+    return model.system(parameters)
+
+Variable.checked = counted
+ALL["QuarterCar"] = replace(model, system=system)
+for _ in range(2):  # the first run may pack the FMU, which makes the default system
+    checked.clear()
+    try:
+        main(["run", "ap57", *sys.argv[1:]])
+    except SystemExit:
+        pass
+print(json.dumps([checked, built]), file=sys.stderr)
+"""
+
+
+def test_a_run_checks_a_value_where_it_enters_and_builds_its_system_once(tmp_path: Path) -> None:
+    """It enters twice, the scene and the FMU; FMU, measures, planes and energies share a system."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", _COUNTED, "--no-expect", "--set", "damper.rebound_rate=1900",
+         "--set", "show.figures=[]"],
+        cwd=tmp_path, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    checked, built = json.loads(done.stderr.splitlines()[-1])
+    assert checked == [1900, 1900.0]
+    assert built.count(1900.0) == 1
+    assert set(built) <= {1900.0, ALL_DEFAULTS["damper.rebound_rate"]}

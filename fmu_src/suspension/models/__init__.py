@@ -17,7 +17,7 @@ from ..parts import road_from, suspension_elements, tyre_element
 from ..systems import Axle, Element, Load, Motion, System
 from ..two_axles import axle_masses
 from ..units import nearest
-from ..variable import ParameterError, Value, Variable, refuse_unknown
+from ..variable import Checked, ParameterError, Value, Variable, refuse_unknown
 
 __all__ = [
     "ALL",
@@ -32,7 +32,6 @@ __all__ = [
     "System",
     "axle_masses",
     "build",
-    "build_checked",
     "checked_parameters",
     "outputs",
     "register",
@@ -75,17 +74,19 @@ def variables(model: str) -> tuple[Variable, ...]:
     return ALL[model].variables
 
 
-def checked_parameters(model: str, given: Mapping[str, object]) -> dict[str, Value]:
+def checked_parameters(model: str, given: Mapping[str, object]) -> Checked:
     """Return all parameters of a model: given ones checked and in SI, the others at their defaults.
 
     Raises
     ------
     ParameterError : unknown name, wrong type, unit or range.
     """
+    if isinstance(given, Checked) and given.model == model:
+        return given
     declared = _parameters(model)
     refuse_unknown(given, declared, f"{model} has no parameter")
     checked = {name: declared[name].checked(value) for name, value in given.items()}
-    return _defaults(model) | checked
+    return Checked(model, _defaults(model) | checked)
 
 
 @cache
@@ -131,19 +132,10 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 
     Raises
     ------
-    ParameterError : unknown model or name, wrong type, unit or range, unreadable table.
+    ParameterError : unknown model or name, wrong type, unit or range, unreadable table, or a model that
+        is not a system, such as a road.
     """
-    return build_checked(model, checked_parameters(model, parameters))
-
-
-def build_checked(model: str, parameters: Mapping[str, Value]) -> System:
-    """Return the system of a model from all of its parameters, as returned by `checked_parameters`.
-
-    Raises
-    ------
-    ParameterError : a model that is not a system, such as a road; an unreadable table.
-    """
-    return _built(model, tuple(parameters.items()))
+    return _built(model, tuple(checked_parameters(model, parameters).items()))
 
 
 @lru_cache(maxsize=16)

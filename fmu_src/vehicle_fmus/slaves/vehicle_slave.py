@@ -83,7 +83,8 @@ class VehicleSlave(Fmi2Slave):
         self._names = [variable.name for variable in declared]
         self._starts = {variable.name: variable.start for variable in declared}
         # parameters and inputs as set by the host, checked when a session is made from them
-        self._parameters = checked_parameters(self.model, _start_values(self.resources))
+        starts = _start_values(self.resources)
+        self._parameters = dict(checked_parameters(self.model, starts))
         self._input_names = {v.name for v in declared if v.causality == "input"}
         self._output_names = {v.name for v in declared if v.causality == "output"}
         self._inputs: dict[str, float] = {}  # only those that the host has set
@@ -94,7 +95,9 @@ class VehicleSlave(Fmi2Slave):
         self._stop_time: float | None = None
         self._refusal = ""  # why the next step cannot be made
         self._initialised = False
-        self._session: Session | RoadSource | None = self._new_session()
+        self._session: Session | RoadSource | None = None
+        if starts:  # refused here if they are not those of a model
+            self._session = self._new_session()
         for variable in declared:
             self.register_variable(
                 _scalar_variable(
