@@ -348,8 +348,8 @@ def test_a_force_table_is_read_alike(tmp_path: Path) -> None:
     [
         ("x,z\n0,1\n", ("m", "kg"), "unit 'kg' does not fit here; allowed: m, mm"),
         ("x,z\n0,1\n", ("N", "m"), "unit 'N' does not fit here; allowed: m, .* s, ms"),
-        ("", ("m", "m"), "has no column 'x' .columns: none"),
-        ("X,z\n0,1\n", ("m", "m"), "road.csv has no column 'x'.*columns: 'X', 'z'"),
+        ("", ("m", "m"), "has no column 'x'; its columns are none"),
+        ("X,z\n0,1\n", ("m", "m"), "road.csv has no column 'x'.*columns are 'X', 'z'"),
         ("x,z,x\n0,1,2\n", ("m", "m"), "2 columns are called 'x'"),
         ("x,z\n", ("m", "m"), "no rows"),
         ("x,z\n0,1\n1,two\n", ("m", "m"), "road.csv, line 3: 'z' must be a finite .* 'two' found"),
