@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.simulation import instantiate_fmu
-from phaseplane.suspension.models import ALL
+from phaseplane.suspension.models import FILES
 from phaseplane.vehicle_fmus.build import build
 
 
@@ -63,8 +63,8 @@ class Host:
 @pytest.fixture(scope="session")
 def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """All FMUs by model."""
-    files = build(list(ALL), tmp_path_factory.mktemp("fmus"))
-    return dict(zip(ALL, files, strict=True))
+    files = build(list(FILES), tmp_path_factory.mktemp("fmus"))
+    return dict(zip(FILES, files, strict=True))
 
 
 @pytest.fixture(scope="session")
@@ -74,7 +74,7 @@ def folders(fmus: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     return {model: extract(str(file), str(base / model)) for model, file in fmus.items()}
 
 
-@pytest.fixture(params=list(ALL))
+@pytest.fixture(params=list(FILES))
 def model(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

@@ -19,14 +19,14 @@ import pytest
 from fmpy import extract, read_model_description
 from hosting import compiled, fence, hosted, libpython
 from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE
-from phaseplane.suspension.models import ALL
+from phaseplane.suspension.models import FILES
 from phaseplane.vehicle_fmus import build as packing
 from phaseplane.vehicle_fmus.build import build
 
 HERE = Path(__file__).parent
 STATUS = 3  # what the hosts are told to end with
-SIX = sorted(ALL, key=lambda model: model == "QuarterCar")  # the last is to refuse something
-ALL, SOME, NONE = len(SIX), 2, 0  # how many are freed
+SIX = sorted(FILES, key=lambda model: model == "QuarterCar")  # the last is to refuse something
+FILES, SOME, NONE = len(SIX), 2, 0  # how many are freed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: no ELF")
 
@@ -108,8 +108,8 @@ def test_the_fence_finds_it_in_every_host(
 def test_a_host_in_c(ending: str, in_c: Any, fenced: Path, folders: dict[str, str]) -> None:
     meant = -signal.SIGINT if ending == "killed" else STATUS
     for models in (SIX, ["QuarterCar"]):
-        for freed in {NONE, SOME, ALL} if models is SIX else {NONE}:
-            if ending == "refused" and freed == ALL:
+        for freed in {NONE, SOME, FILES} if models is SIX else {NONE}:
+            if ending == "refused" and freed == FILES:
                 continue  # FMI forbids it for the one that failed
             found = in_c(ending, freed, [folders[model] for model in models], fenced)
             assert found == (meant, ""), (models, freed)
@@ -123,8 +123,8 @@ def test_a_host_in_python(
 ) -> None:
     for models in (SIX, ["QuarterCar"]):
         # libcosim and Ecos free all or none
-        for freed in {NONE, SOME, ALL} if (host, models) == ("fmpy", SIX) else {NONE, ALL}:
-            if (host, ending, freed) == ("fmpy", "refused", ALL):
+        for freed in {NONE, SOME, FILES} if (host, models) == ("fmpy", SIX) else {NONE, FILES}:
+            if (host, ending, freed) == ("fmpy", "refused", FILES):
                 continue  # FMI forbids it for the one that failed
             files = [fmus[model] for model in models]
             found = in_python(host, ending, freed, files, tmp_path, fenced)
@@ -177,7 +177,7 @@ def test_one_process_after_another(fmus: dict[str, Path], tmp_path: Path) -> Non
     def six(k: int) -> tuple[int, str]:
         scratch = tmp_path / f"six {k}"
         scratch.mkdir()
-        return in_python("fmpy", "done", k % ALL, [fmus[model] for model in SIX], scratch)
+        return in_python("fmpy", "done", k % FILES, [fmus[model] for model in SIX], scratch)
 
     with ThreadPoolExecutor(2) as two:
         ends = [*two.map(main_job, range(20)), *two.map(six, range(20))]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 from fmpy.util import read_csv
-from phaseplane.suspension.models import ALL
+from phaseplane.suspension.models import FILES
 from phaseplane.vehicle_fmus.build import build
 from phaseplane.vehicle_fmus.reference import reference_files
 
@@ -21,7 +21,7 @@ INDEPENDENT = Path(__file__).parents[1] / "reference"
 def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """What the reference of every model consists of."""
     folder = tmp_path_factory.mktemp("references")
-    for model in ALL:
+    for model in FILES:
         for name, content in reference_files(model, {}).items():
             (folder / name).write_bytes(content)
     return folder

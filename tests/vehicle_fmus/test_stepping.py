@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.suspension.models import ALL
+from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import MODELS
 
 END = 0.25  # s
-STEPPED = [model for model in ALL if model in MODELS]
+STEPPED = [model for model in FILES if model in MODELS]
 # an instant in mid flight, or in mid yielding
 AMID = {"QuarterCar": 0.05, "HalfCar": 0.17, "Elastoplastic": 0.45}
 
