@@ -31,6 +31,7 @@ from math import inf, isfinite, pi
 from typing import Any
 
 from . import characteristics, roads
+from .characteristics import Characteristic
 from .checking import check_system
 from .declared import (
     CONTACT_RULE,
@@ -67,6 +68,11 @@ from .variables import MODELS, checked_parameters
 _SECTIONS = (
     "name", "about", "source", "parameters", "coordinates", "couplings", "wheels", "elements", "loads",
 )  # fmt: skip
+_POWER = (
+    "power",
+    "exponent",
+    "linear_below",
+)  # added to a spring or damper; see `characteristics.power`
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {
@@ -294,7 +300,7 @@ def _read(content: Mapping[str, Any]) -> Definition:
     wheels = tables["wheels"]
     for key, allowed in (
         ("wheels", ("axle", "body", "load", "delay", "level")),
-        ("elements", ("direction", "spring", "damper", "friction", "road")),
+        ("elements", ("direction", "spring", "damper", "friction", "breakaway", "road")),
         ("loads", ("direction", "sine")),
     ):
         for part, said in tables[key].items():
@@ -372,30 +378,46 @@ def _element(
     spring = _table(said.get("spring", {}), f"{where}.spring")
     damper = _table(said.get("damper", {}), f"{where}.damper")
     _refuse_others(
-        spring, ("rate", "cubic", "table", "yield_force", "hardening"), f"{where}.spring"
+        spring, ("rate", "cubic", "table", "yield_force", "hardening", *_POWER), f"{where}.spring"
     )
-    _refuse_others(damper, ("rate", "rebound_rate", "bump_rate", "table"), f"{where}.damper")
+    _refuse_others(
+        damper, ("rate", "rebound_rate", "bump_rate", "table", *_POWER), f"{where}.damper"
+    )
 
     def at(table: Mapping[str, Any], key: str, default: float = 0.0) -> float:
         return _value(table.get(key, default), p, f"{where}.{key}")
+
+    def with_power(law: Characteristic, table: Mapping[str, Any]) -> Characteristic:
+        if not any(key in table for key in _POWER):
+            return law
+        return law + characteristics.power(
+            at(table, "power"), at(table, "exponent", 1.0), at(table, "linear_below")
+        )
 
     rate = at(damper, "rate")
     try:
         return Element(
             name,
             direction,
-            characteristics.table(points(f"{where}.spring.table", str(spring["table"])))
-            if "table" in spring
-            else characteristics.cubic(at(spring, "rate"), at(spring, "cubic")),
-            characteristics.table(points(f"{where}.damper.table", str(damper["table"])))
-            if "table" in damper
-            else characteristics.damper(
-                at(damper, "rebound_rate", rate), at(damper, "bump_rate", rate)
+            with_power(
+                characteristics.table(points(f"{where}.spring.table", str(spring["table"])))
+                if "table" in spring
+                else characteristics.cubic(at(spring, "rate"), at(spring, "cubic")),
+                spring,
+            ),
+            with_power(
+                characteristics.table(points(f"{where}.damper.table", str(damper["table"])))
+                if "table" in damper
+                else characteristics.damper(
+                    at(damper, "rebound_rate", rate), at(damper, "bump_rate", rate)
+                ),
+                damper,
             ),
             road=_road_name(said, where),
             yield_force=at(spring, "yield_force", inf) if "yield_force" in spring else inf,
             hardening=at(spring, "hardening"),
             friction=at(said, "friction"),
+            breakaway=at(said, "breakaway"),
         )
     except ParameterError:
         raise

@@ -330,6 +330,14 @@ def find_problem(name: str) -> Problem:
         scene.duration,
         intervals,
     )
+    if any(
+        piece.power
+        for element in problem.system.elements
+        for piece in (*element.spring.pieces, *element.damper.pieces)
+    ):
+        raise InputError(
+            f"{name}: there is no independent solution with power laws to measure errors from"
+        )
     smooth = not any(
         element.limit < inf
         or element.friction

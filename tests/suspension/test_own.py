@@ -99,6 +99,22 @@ def test_a_sine_drives_at_its_frequency():
     assert wave.derivatives(0.0)[1] == pytest.approx(4.0 * pi)
 
 
+def test_power_laws_and_friction_that_breaks_away():
+    more = (
+        "friction = 10\nbreakaway = 15\ndamper = { rate = 1, power = 3, exponent = 2 }\nspring = {"
+    )
+    own.load(OSCILLATOR.replace("spring = {", more))
+    (element,) = build("OwnOscillator", {}).elements
+    assert [element.damper.force(v) for v in (-2.0, 0.5)] == pytest.approx([-14.0, 1.25])
+    session = Session("OwnOscillator", {})
+    for force, moves in ((12.0, False), (14.9, False), (15.1, True)):
+        session.set_input("push", force)
+        session.advance(session.time + 0.5)
+        assert (session.value("x_displacement") != 0.0) is moves
+    # between where it turns and where 10 N or 15 N would hold it
+    assert 0.1 / 800.0 < session.value("x_displacement") < 2.0 * 5.1 / 800.0
+
+
 def test_a_file_that_changes_replaces_its_model():
     own.load(OSCILLATOR)
     own.load(OSCILLATOR.replace("800", "900"))
@@ -121,6 +137,8 @@ def test_a_file_that_changes_replaces_its_model():
         ('x = "mass"', 'x = "-mass"', "not positive definite"),
         ('"stiffness"', '"-stiffness"', "rest is unstable"),
         ("spring = { rate", "damper = { rate = -5 }\nspring = { rate", "adds energy"),
+        ("spring = {", "damper = { power = 3, exponent = 0.5 }\nspring = {", "linear_below"),
+        ("spring = {", "friction = 10\nbreakaway = 5\nspring = {", "breakaway = 5 must be at least"),
         ("[system]", "[system", "not TOML"),
         ("[system]", "[sys]", "must be one word"),
         ("[system.coordinates]\nx", "[system.coordinates]\nX", "small letters"),
