@@ -118,6 +118,14 @@ class Formula:
         """f(v, x, t) of three numbers; NaN outside the domain of f."""
         return _guarded(self._made(self._tree, VARIABLES, _NUMBERS))
 
+    def of(self, *names: str) -> Callable[..., float]:
+        """Return the function of these names in this order; other parameters keep their values."""
+        return _guarded(self._made(self._tree, names, _NUMBERS))
+
+    def mentions(self, name: str) -> bool:
+        """Whether a name occurs in the text."""
+        return _mentions(self._tree, name)
+
     @cached_property
     def on_arrays(self) -> Callable[..., npt.NDArray[np.float64]]:
         """f(v, x, t) of numpy arrays; NaN outside the domain of f."""

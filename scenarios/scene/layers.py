@@ -19,11 +19,11 @@ from ..errors import SceneError, one_line, shown
 from .fmus import default_duration
 from .names import CASES, case_names, meant
 
-SECTIONS = ("parameters", "show", "construction", "expect")
+SECTIONS = ("parameters", "controller", "show", "construction", "expect")
 KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
 # A scene that changes one of these changes the motion, so its base's expectations no longer apply.
 # Solver settings do not count: they must not change the motion.
-MOTION = ("fmu", "duration", "parameters")
+MOTION = ("fmu", "duration", "parameters", "controller")
 SOLVER = "parameters.solver."
 SET = "--set"
 REFERENCE = "reference"  # a table within [expect]

@@ -14,6 +14,7 @@ from ..errors import InputError, shown
 from ..measures import catalogue
 from ..results.comparison import check_comparable
 from ..results.tables import read_table as read_columns
+from .controller import read_controller
 from .equation import EQUATION, check_equation
 from .expectations import Bounds, During, Reference, bounds_from
 from .fields import SECONDS, TEXT, Kind, RefusedError, read_table
@@ -60,6 +61,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
         title=_value("title", content, TEXT, ""),
         source=_value("source", content, TEXT, ""),
         parameters=_parameters(fmu, duration, _table("parameters", content), folders),
+        controller=read_controller(_table("controller", content), fmu),
         show=read_table(Show, content.get("show", {}), "show"),
         construction=read_table(Construction, content.get("construction", {}), "construction"),
         expect=_bounds(fmu, expect),

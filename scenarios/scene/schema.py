@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from phaseplane.suspension.variables import Value
 
     from ..results.tables import Columns
+    from .controller import Controller
     from .expectations import Bounds, During, Reference
     from .fmus import Fmu
 
@@ -43,6 +44,7 @@ class Scene:
     fmu : a model's name, or the path of an `.fmu` file
     duration : s
     parameters : parameters that differ from the FMU's defaults, in SI
+    controller : what sets the inputs during the run, or None
     expect : bounds on measures by name
     during : bounds on outputs within an interval of time; in the file `expect.during`
     reference : results that the run must agree with; in the file `expect.reference`
@@ -59,6 +61,7 @@ class Scene:
     title: str = ""
     source: str = ""
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    controller: Controller | None = None
     show: Show = field(default_factory=Show)
     construction: Construction = field(default_factory=Construction)
     expect: Mapping[str, Bounds] = field(default_factory=dict)
@@ -127,7 +130,7 @@ class Scene:
         """A hash of everything that decides the motion and the columns; equal for equal runs."""
         said = (
             self.fmu.model, self.fmu.path and self.fmu.content, self.duration, self.show.output_interval,
-            sorted(self.all_parameters.items()), self.columns,
+            sorted(self.all_parameters.items()), self.columns, self.controller,
         )  # fmt: skip
         return sha256(repr(said).encode()).hexdigest()[:16]
 

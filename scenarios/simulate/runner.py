@@ -18,6 +18,7 @@ from ..measures.solution import Solution, instants, refinement, solved, solved_b
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
+from .controlling import controlled
 from .drive import Drive, Progress, Watch
 from .interrupts import deferred_interrupt
 from .measuring import measured
@@ -65,7 +66,7 @@ def run(
         nothing; its results say when it stopped and why.
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
-    if scene.fmu.system is not None:
+    if scene.fmu.system is not None or scene.controller is not None:
         return solve(scene)
     if scene.fmu.model == EQUATION:
         return _solved(scene, progress)
@@ -103,9 +104,13 @@ def solve(scene: Scene) -> Results:
     time = instants(scene.duration, interval, parts)
     expected = {one.output for one in scene.during}
     wanted = {*scene.columns, *(scene.outputs_expected - expected)}
-    own = next(
-        solved(model, [given], time, [m for m in measures if not m.at_rows], expected, wanted)
-    )
+    if scene.controller is not None:
+        wanted |= {output for one in measures for output in one.needs} | expected
+        own = controlled(model, given, scene.controller, time, wanted)
+        at_rows = set()
+    else:
+        taken = [one for one in measures if not one.at_rows]
+        own = next(solved(model, [given], time, taken, expected, wanted))
     if not len(own.columns["time"]):
         raise RunError(f"no run: {own.failure}")
     at = own.rows(parts)

@@ -190,7 +190,8 @@ class Plan:
     @property
     def parameters_only(self) -> bool:
         """Whether only parameters of the model are varied."""
-        return all(key in self.scene.fmu.parameters() for key in self.keys)
+        parameters = self.scene.fmu.parameters()
+        return self.scene.controller is None and all(key in parameters for key in self.keys)
 
     @property
     def warnings(self) -> list[str]:

@@ -204,7 +204,7 @@ def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
     except InputError as error:
         yield Row(run, (None,) * len(plan.measures), one_line(error))
         return
-    if scene.fmu.path is not None or scene.fmu.model == EQUATION:
+    if scene.fmu.path is not None or scene.fmu.model == EQUATION or scene.controller is not None:
         yield from _scene_by_scene(plan, [run])
         return
     alone = Plan(**{**vars(plan), "scene": scene, "keys": (), "points": ((),)})
@@ -218,7 +218,7 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
         for run in runs:
             try:
                 scene = plan.scene_of(plan.points[run])
-                if scene.fmu.model == EQUATION:
+                if scene.fmu.model == EQUATION or scene.controller is not None:
                     summary = runner.run(scene).summary
                 else:
                     if scene.fmu not in fmus:

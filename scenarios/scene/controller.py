@@ -1,0 +1,125 @@
+"""A controller in a scene: inputs of the model as formulas of its outputs, at equal intervals.
+
+[controller]
+period = "1 ms"
+events = true                                     # at every switch of the model, too
+actuator_force = "-skyhook * body_velocity"
+constants = { skyhook = 1500 }                    # in SI
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+from phaseplane.suspension.units import nearest
+
+from phaseplane.equations import Formula
+
+from ..errors import shown
+from .fields import FLAG, SECONDS, RefusedError
+
+if TYPE_CHECKING:
+    from .fmus import Fmu
+
+_SETTINGS = ("period", "events", "constants")
+_PERIOD = 1e-3  # s
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Formulas that give inputs from outputs.
+
+    Parameters
+    ----------
+    period : time between two evaluations, s
+    events : whether to evaluate at every switch of the model, too
+    formulas : the formula of each input, and the outputs that occur in it
+    constants : values of the names in the formulas, SI
+    """
+
+    period: float
+    events: bool
+    formulas: Mapping[str, tuple[str, tuple[str, ...]]]
+    constants: Mapping[str, float]
+
+    @property
+    def outputs(self) -> frozenset[str]:
+        """The outputs that the formulas need."""
+        return frozenset(name for _, names in self.formulas.values() for name in names)
+
+    def laws(self) -> dict[str, tuple[Callable[..., float], tuple[str, ...]]]:
+        """Return the function of each input, of the time and the outputs named."""
+        found = {}
+        for name, (text, outputs) in self.formulas.items():
+            formula = Formula(text, {**self.constants, **dict.fromkeys(outputs, 0.0)})
+            found[name] = (formula.of("t", *outputs), outputs)
+        return found
+
+
+def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
+    """Return the controller of a scene; None without one.
+
+    Raises
+    ------
+    RefusedError : an unknown input or output, a text that is no formula, or a value out of its range.
+    """
+    if not given:
+        return None
+    if not fmu.is_ours or fmu.path is not None:
+        raise RefusedError("controller", f"controller: {fmu.model} is not a model of this package")
+    inputs = {v.name for v in fmu.variables if v.causality == "input"}
+    constants = _constants(given)
+    formulas = {}
+    for name, text in given.items():
+        if name in _SETTINGS or name.startswith("constants."):
+            continue
+        key = f"controller.{name}"
+        if name not in inputs:
+            known = (*inputs, *_SETTINGS)
+            raise RefusedError(
+                key, f"{key}: {fmu.model} has no input {shown(name)}{nearest(name, known)}"
+            )
+        if not isinstance(text, str):
+            raise RefusedError.value(
+                key, text, "must be a formula, such as '-1500 * body_velocity'"
+            )
+        formulas[name] = (text, _outputs_in(key, text, fmu, constants))
+    if not formulas:
+        raise RefusedError(
+            "controller", f"controller: give a formula for one of {', '.join(inputs)}"
+        )
+    try:
+        period = SECONDS.read(given.get("period", _PERIOD))
+        events = FLAG.read(given.get("events", False))
+    except ValueError as error:
+        raise RefusedError("controller", f"controller: {error}") from None
+    return Controller(period, events, formulas, constants)
+
+
+def _constants(given: Mapping[str, Any]) -> dict[str, float]:
+    constants = {
+        key.removeprefix("constants."): value
+        for key, value in given.items()
+        if key.startswith("constants.")
+    }
+    for name, value in constants.items():
+        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+            raise RefusedError.value(
+                f"controller.constants.{name}", value, "must be a number in SI"
+            )
+    return {name: float(value) for name, value in constants.items()}
+
+
+def _outputs_in(key: str, text: str, fmu: Fmu, constants: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the outputs that a formula names."""
+    outputs = fmu.outputs()
+    try:
+        formula = Formula(text, {**dict.fromkeys(outputs, 0.0), **constants})
+    except ValueError as error:
+        raise RefusedError(key, f"{key}: {str(error).removeprefix('equation ')}") from None
+    if any(formula.mentions(name) for name in ("v", "x")):
+        raise RefusedError(key, f"{key} = {shown(text)}: v and x mean nothing here; name outputs")
+    return tuple(sorted(formula.names - constants.keys()))

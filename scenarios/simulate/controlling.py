@@ -1,0 +1,99 @@
+"""Runs under a controller, in this process."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+from phaseplane.suspension.session import Session, SimulationError
+
+from ..measures.solution import Column, Solution
+from ..scene.controller import Controller
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from phaseplane.suspension.variables import Value
+
+_CLOSE = 1e-9  # s between two instants that are the same
+_MOST_AWAKENINGS = 50  # by events within one period
+
+
+def controlled(
+    model: str,
+    given: Mapping[str, Value],
+    controller: Controller,
+    time: Column,
+    outputs: Collection[str],
+) -> Solution:
+    """Return a run in which a controller sets the model's inputs.
+
+    Between two evaluations an input follows the rule for sampled inputs of the model. At an event the
+    run returns to it, the controller is evaluated there, and the run goes on from it.
+
+    Parameters
+    ----------
+    model, given : the model and its parameters
+    controller : what sets the inputs
+    time : instants to read the outputs at, s, ascending from 0
+    outputs : names of the outputs
+    """
+    laws = controller.laws()
+    names, rows, failure = list(outputs), [], ""
+    session = Session(model, given)
+
+    def evaluate() -> None:
+        for name, (law, read) in laws.items():
+            value = law(session.time, *(float(session.value(one)) for one in read))
+            if not isfinite(value):
+                raise SimulationError(f"controller.{name} is {value} at {session.time:.6g} s")
+            session.set_input(name, value)
+
+    try:
+        evaluate()
+        session.advance(0.0)
+        for instant, acts in _instants(time, controller.period):
+            _advance(session, instant, evaluate if controller.events else None)
+            if acts is not None:
+                evaluate()
+            if acts is not True:
+                rows.append([session.value(name) for name in names])
+    except SimulationError as error:
+        failure = str(error)
+    columns = dict(zip(names, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
+    switches = sorted(event.time for event in session.events)
+    ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}
+    return Solution({"time": time[: len(rows)], **columns}, ends, failure, switches)
+
+
+def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]]:
+    """Yield all instants: with None to read outputs only, True to evaluate only, False for both."""
+    ticks = 1
+    for instant in time.tolist():
+        while ticks * period < instant - _CLOSE:
+            yield ticks * period, True
+            ticks += 1
+        both = abs(ticks * period - instant) <= _CLOSE
+        yield instant, False if both else None
+        ticks += both
+
+
+def _advance(session: Session, until: float, evaluate: object) -> None:
+    """Step to a time; with a controller that events wake, from event to event."""
+    if not callable(evaluate):
+        session.advance(until)
+        return
+    for _ in range(_MOST_AWAKENINGS):
+        state, begun = session.snapshot(), session.time
+        session.advance(until)
+        event = next(
+            (e.time for e in session.events if begun + _CLOSE < e.time < until - _CLOSE), None
+        )
+        if event is None:
+            return
+        session.restore(state)
+        session.advance(event)
+        evaluate()
+    session.advance(until)

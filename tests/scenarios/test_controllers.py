@@ -1,0 +1,109 @@
+"""Inputs that a controller sets from outputs."""
+
+import numpy as np
+import pytest
+from phaseplane.scenarios.errors import InputError
+
+import phaseplane
+
+FREE = {
+    "fmu": "OneDof", "duration": 1.0,
+    "parameters": {"road.shape": "flat", "initial.body_displacement": 0.02, "spring.rate": 2e4,
+                   "damper.rebound_rate": 0.0, "damper.bump_rate": 0.0},
+}  # fmt: skip
+
+
+def with_controller(**keys):
+    return {**FREE, "controller": keys}
+
+
+@pytest.mark.parametrize("period", [4e-3, 1e-3])
+def test_a_controller_that_damps_is_a_damper_up_to_its_period(period):
+    rate = 800.0
+    ours = phaseplane.run(
+        with_controller(period=period, actuator_force="-c * body_velocity", constants={"c": rate})
+    )
+    damper = {"damper": {"rebound_rate": rate, "bump_rate": rate}}
+    theirs = phaseplane.run(FREE, damper)
+    apart = abs(ours["body_displacement"] - theirs["body_displacement"]).max()
+    assert apart < 0.02 * period / 1e-3 * 0.1
+    assert apart > 0.0
+
+
+def test_the_error_falls_with_the_period():
+    rate, apart = 800.0, []
+    theirs = phaseplane.run(FREE, damper={"rebound_rate": rate, "bump_rate": rate})
+    for period in (8e-3, 4e-3, 2e-3):
+        run = phaseplane.run(
+            with_controller(period=period, actuator_force=f"-{rate} * body_velocity")
+        )
+        apart.append(abs(run["body_displacement"] - theirs["body_displacement"]).max())
+    assert apart[1] < 0.7 * apart[0]
+    assert apart[2] < 0.7 * apart[1]
+
+
+def test_the_reaction_presses_the_wheel():
+    run = phaseplane.run(
+        "QuarterCar", duration=5.0, road={"shape": "flat"}, output_interval=0.01,
+        controller={"period": 0.01, "actuator_force": "f", "constants": {"f": 200.0}},
+    )  # fmt: skip
+    spring = run.scene.all_parameters["spring.rate"]
+    assert run["suspension_deflection"][-1] == pytest.approx(200.0 / spring, rel=2e-4)
+    assert run["contact_force"][-1] == pytest.approx(run["contact_force"][0], rel=1e-4)
+
+
+def test_events_wake_a_controller():
+    """A force in the air begins at the lift-off, not at the next period."""
+    force = {"period": "50 ms", "actuator_force": "-2000 * airborne"}
+    asleep, awake = (
+        phaseplane.run("ap57", duration=0.1, controller={**force, "events": events}, expect=False)
+        for events in (False, True)
+    )
+    lift_off = awake.measures["lift_offs"][0]
+    assert 0.0 < lift_off < 0.05
+    early = asleep.time < lift_off
+    np.testing.assert_allclose(
+        asleep["body_velocity"][early], awake["body_velocity"][early], atol=1e-9
+    )
+    first = int((asleep.time > lift_off).argmax())  # a row after it
+    apart = abs(asleep["wheel_acceleration"] - awake["wheel_acceleration"])[first]
+    mass = awake.scene.all_parameters["unsprung_mass"]
+    assert apart == pytest.approx(2000.0 / mass, rel=0.05)
+
+
+def test_a_sweep_varies_a_gain(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "gain.toml").write_text(
+        'scene = "skyhook"\nmeasures = ["suspension_travel"]\n[vary]\n'
+        '"controller.constants.skyhook" = [0, 3000]\nduration = [0.2]\n'
+    )
+    from phaseplane.scenarios.sweeps.job import run_sweep  # noqa: PLC0415
+
+    _, summary, _ = run_sweep("gain.toml", workers=1)
+    assert not summary["failures"]
+    told = summary["measures"]["suspension_travel"]
+    assert told["min"] < told["max"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"actuator_forc": "1"}, "did you mean 'actuator_force'"),
+        ({"actuator_force": "-c * body_velocity"}, "'c' is not known"),
+        ({"actuator_force": "-3 * v"}, "v and x mean nothing here"),
+        ({"actuator_force": "body_velocity *"}, "not a formula"),
+        ({"actuator_force": 3}, "must be a formula"),
+        ({"period": "1 ms"}, "give a formula"),
+        ({"actuator_force": "1", "period": -1}, "greater than 0"),
+        ({"actuator_force": "c", "constants": {"c": "3 N"}}, "must be a number in SI"),
+    ],
+)
+def test_a_controller_that_is_none_is_refused(keys, words):
+    with pytest.raises(InputError, match=words):
+        phaseplane.run(with_controller(**keys))
+
+
+def test_a_force_that_is_no_number_ends_the_run():
+    run = phaseplane.run(with_controller(actuator_force="log(0.5 - t)", period=0.01))
+    assert run.failure.startswith("at 0.")
+    assert "controller.actuator_force" in run.failure
