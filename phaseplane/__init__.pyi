@@ -11,5 +11,6 @@ from .scenarios.design.job import optimise as optimise
 from .scenarios.desk.picture import Picture as Picture
 from .scenarios.desk.run import Run as Run
 from .scenarios.desk.run import run as run
+from .scenarios.desk.showing import show as show
 from .scenarios.desk.table import Table as Table
 from .version import __version__ as __version__

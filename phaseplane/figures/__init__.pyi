@@ -22,6 +22,12 @@ from .published import figure13 as figure13
 from .published import figure14 as figure14
 from .published import figure15 as figure15
 from .published import figure16 as figure16
+from .schematics import figure1 as figure1
+from .schematics import figure5 as figure5
+from .schematics import figure6 as figure6
+from .schematics import figure11 as figure11
+from .single_steps import figure2 as figure2
+from .single_steps import figure3 as figure3
 from .single_steps import figure4a as figure4a
 from .single_steps import figure4b as figure4b
 from .single_steps import figure8 as figure8

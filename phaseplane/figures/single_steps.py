@@ -1,4 +1,4 @@
-"""Single steps: AP57's figures 4a, 4b and 8, redrawn."""
+"""Single steps: AP57's figures 2, 3, 4a, 4b and 8, redrawn."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing, Frame, Plane
 from phaseplane.figures.canvas import figure_of, new_page
+from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page
@@ -191,3 +192,77 @@ def _lettered(
         page.dots(role, [z])
         letters.append((z, typeset(_fit(letter, plane)), role))
     return letters
+
+
+def figure2(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
+) -> Figure:
+    """Draw one step in a single plane, from P over A to D, with the excitation (AP57 figure 2).
+
+    Parameters
+    ----------
+    frame : index of the step; default: one whose letters have room
+
+    Raises
+    ------
+    ValueError : if there are several planes, or the frame does not exist.
+    """
+    if len(drawing.planes) != 1:
+        raise ValueError(
+            f"figure 2 shows one plane; {drawing.title!r} has {len(drawing.planes)}; "
+            "try the scene ap57_obstacle"
+        )
+    chosen = frame_at(drawing, frame)
+    page = step_page(drawing, chosen, look)
+    foot, d = chosen.points.get("A*"), chosen.points["D"]
+    if (
+        foot is not None
+        and abs(d - foot) > 4.0 * page.em
+        and "suspension" in drawing.planes[0].name
+    ):
+        dimensions.below(page, foot, d, r"$a\,\ddot{\xi}/\Omega^2$", 2.4)
+    page.letters(chosen)
+    page.title, page.words = title, f"The normal DP in the phase plane: {_which(chosen)}"
+    return figure_of(page, look)
+
+
+def figure3(
+    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
+) -> Figure:
+    """Draw the element of an integral curve: dy, dy-bar and ds in the turn dtau (AP57 figure 3, eq. 8).
+
+    The triangle of dy = QP dtau and dy-bar = QD dtau is similar to the triangle QPD.
+
+    Parameters
+    ----------
+    frame : index of the step; default: one whose letters have room
+
+    Raises
+    ------
+    ValueError : if the rule is not `tangent`, or the frame does not exist.
+    """
+    letters = (*_STEP, ("Q{n}", "Q{n}", "foot"))
+    _needs(drawing, "figure 3", "tangent")
+    one, plane = _clearest(drawing, letters, frame)
+    page = _close_up(drawing, one, plane, letters, look)
+    p, d, p_new, q = _points(one, plane, letters)
+    page.lines("foot", [[p, q]])
+    page.lines("construction", [[d, p_new]])
+    page.lines("successor", [[p, p_new]])
+    corner = complex(p_new.real, p.imag)
+    page.lines("projection", [[p, corner, p_new]])
+    n = plane.number
+    small = [
+        ((p + corner) / 2, "d" + typeset(f"y{n}"), "projection"),
+        (
+            (corner + p_new) / 2,
+            "d" + typeset(plane.scaled_velocity.label).split(" ")[0],
+            "projection",
+        ),
+        ((p + p_new) / 2, "ds", "successor"),
+    ]
+    _turn(page, one, plane, p, d)
+    dimensions.right_angle(page, p, d - p, p_new - p)
+    page.letter([*_lettered(page, one, plane, letters), *small])
+    page.title, page.words = title, f"ds = DP dτ on the tangent: {_which(one)}"
+    return figure_of(page, look)

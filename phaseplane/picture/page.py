@@ -177,6 +177,8 @@ class Page:
     view : the visible part of the sheet
     em : size of the type, m of paper
     motions : the state points of each plane; default: those of the drawing
+    title, words : above it
+    keyed : whether it has a legend
     """
 
     drawing: Drawing
@@ -187,6 +189,7 @@ class Page:
     taken: list[Box] = field(default_factory=list)
     title: str = ""
     words: str = ""
+    keyed: bool = True
 
     def __post_init__(self) -> None:
         """Read the motions once."""
@@ -231,7 +234,7 @@ class Page:
     def legend(self) -> list[tuple[str, str]]:
         """Return the roles in the legend, with their words."""
         found: dict[str, str] = {}
-        for role in self.roles:
+        for role in self.roles if self.keyed else ():
             words = _legend_words(self.drawing, role)
             if words and words not in found.values():
                 found[role] = typeset(words)

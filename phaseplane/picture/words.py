@@ -26,7 +26,7 @@ _LETTER = re.compile("(?!I$)([A-Za-z]|Δτ)[₀-₉ₘ]*\N{PRIME}?\\*?")
 _LEVEL = re.compile(r"[a-z]\d* = (-?[\d.e+-]+)(?: (\w+))?")
 # A letter that stands alone, with its number and its rates: P1', xi''/Omega^2, x2st.
 _SYMBOL = re.compile(
-    r"(?<![A-Za-z])(dtau|tau|xi|Omega|kappa|I{2,3}(?=\d)|[A-Za-zΩξτδκ])"
+    r"(?<![A-Za-z])(dtau|tau|xi|Omega|kappa|I{2,3}(?=\d)|[A-Za-zΩξτδκΦ])"
     r"(m?\d+|m(?=\b))?(st\b)?('{1,2})?(?:(?<=\d)|(?![A-Za-z']))(\^2)?"
 )
 _EVENTS = {

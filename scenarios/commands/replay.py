@@ -56,8 +56,8 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
     default="phase_planes",
     show_default=True,
     metavar="NAME",
-    help="Figure to draw: phase_planes, construction_sheet, storyboard, or one of AP57: figure4a, "
-    "figure4b, figure7 to figure10, figure12 to figure16.",
+    help="Figure to draw: phase_planes, construction_sheet, storyboard, or one of AP57: figure1 to "
+    "figure16, of which 4 is figure4a and figure4b.",
 )
 @click.option("--at-step", type=int, metavar="N", help="Step that a figure of one step shows.")
 @look_options

@@ -32,7 +32,12 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 RECORDING = "construction.rrd"
-RULES_SHOWN = {"figure4a": "mean_normal", "figure4b": "osculating_circle", "figure8": "tangent"}
+RULES_SHOWN = {
+    "figure3": "tangent",
+    "figure4a": "mean_normal",
+    "figure4b": "osculating_circle",
+    "figure8": "tangent",
+}
 """The step rule of each figure that shows a single rule."""
 
 

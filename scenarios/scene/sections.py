@@ -27,8 +27,9 @@ from .fields import (
 FIGURES = (
     "time_histories", "phase_planes", "construction_sheet", "storyboard",
     # the figures of AP57, redrawn
-    "figure4a", "figure4b", "figure7", "figure8", "figure9", "figure10", "figure12", "figure13",
-    "figure14", "figure15", "figure16",
+    "figure1", "figure2", "figure3", "figure4a", "figure4b", "figure5", "figure6", "figure7",
+    "figure8", "figure9", "figure10", "figure11", "figure12", "figure13", "figure14", "figure15",
+    "figure16",
 )  # fmt: skip
 CONSTRUCTION_FIGURES = tuple(name for name in FIGURES if name != "time_histories")
 DETAILS = ("trail", "steps", "stages")

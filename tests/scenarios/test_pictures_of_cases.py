@@ -70,7 +70,8 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     for tick in ticks:
         check_letters(tick.page, stays)
 
-    motion = np.concatenate(stays.motions)
+    others = [np.array(c.vertices) for c in drawing.curves if c.role == "trail"]
+    motion = np.concatenate(stays.motions + others)
     curves = complex(np.ptp(motion.real), np.ptp(motion.imag))
     for width, height in PANES:
         scale = min(width / stays.view.half.real, height / stays.view.half.imag) / 2.0

@@ -1,0 +1,237 @@
+"""The systems and the obstacle of AP57: its figures 1, 5, 6 and 11."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from phaseplane.constructions.primitives import Drawing
+from phaseplane.figures.canvas import figure_of, new_page
+from phaseplane.figures.style import PLAIN, Look
+from phaseplane.picture import dimensions
+from phaseplane.picture.page import Page, Text
+from phaseplane.picture.paper import Box
+from phaseplane.picture.words import typeset
+
+_COILS = 5
+_AXLE = 0.035  # half width of an axle
+_STRUT, _TYRE, _ROAD = 0.075, 0.055, 0.0  # heights of strut and tyre, and level of the road
+
+
+def figure1(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+    """Draw the car as a half car on two axles with tyres, of four degrees of freedom (AP57 figure 1).
+
+    Raises
+    ------
+    ValueError : if the construction is that of another car.
+    """
+    _needs(drawing, 4, "figure 1 shows a half car with tyres", "half_car_pitch")
+    page = _system(drawing, look, ("1", "2"), wheels=True)
+    return _finish(page, look, title, "Half car: body, two axles and their tyres")
+
+
+def figure6(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+    """Draw the quarter car with elastic coupling, of two degrees of freedom (AP57 figure 6).
+
+    Raises
+    ------
+    ValueError : if the construction is that of another car.
+    """
+    _needs(drawing, 2, "figure 6 shows a quarter car", "ap57", letter="A2*", without="H1")
+    page = _system(drawing, look, ("",), wheels=True)
+    return _finish(page, look, title, "Quarter car: elastic coupling of body and axle")
+
+
+def figure11(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+    """Draw the half car on rigid tyres with inertial coupling (AP57 figure 11).
+
+    Raises
+    ------
+    ValueError : if the construction is that of another car.
+    """
+    scene = "half_car_rigid_tyres"
+    _needs(drawing, 2, "figure 11 shows a half car on rigid tyres", scene, letter="H1")
+    page = _system(drawing, look, ("1", "2"), wheels=False)
+    return _finish(page, look, title, "Half car on rigid tyres: inertial coupling of its ends")
+
+
+def figure5(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+    """Draw the obstacle of three sections of constant acceleration (AP57 figure 5, eqs. 9 and 10).
+
+    Raises
+    ------
+    ValueError : if the road of the construction is another.
+    """
+    times = np.array([frame.time for frame in drawing.instants])
+    read = [frame.readings.get("road_elevation", 0.0) for frame in drawing.instants]
+    height = np.array(read)
+    over = np.flatnonzero(height > 1e-9)
+    peak = float(height.max(initial=0.0))
+    fits = False
+    if len(over) > 4:
+        start, end = times[over[0] - 1], times[min(over[-1] + 1, len(times) - 1)]
+        middle = times[int(height.argmax())]
+        span = 2.0 * max(middle - start, end - middle)
+        fits = any(
+            np.allclose(height, peak * _obstacle((times - (middle - t / 2)) / t), atol=0.03 * peak)
+            for t in np.linspace(0.85 * span, 1.02 * span, 35)
+        )
+    if not fits:
+        raise ValueError(
+            "figure 5 shows the obstacle of constant acceleration, which the road of "
+            f"{drawing.title!r} is not; try the scene ap57_obstacle"
+        )
+    return _finish(_obstacle_page(drawing, look), look, title,
+                   "Obstacle of three sections of constant acceleration, z = 16 a/T²")  # fmt: skip
+
+
+def _obstacle(part: np.ndarray) -> np.ndarray:
+    """Return xi / a over t / T (AP57 eq. 10)."""
+    s = np.clip(part, 0.0, 1.0)
+    rise, top = 8.0 * s**2, 1.0 - 8.0 * (s - 0.5) ** 2
+    return np.where(s < 0.25, rise, np.where(s <= 0.75, top, 8.0 * (1.0 - s) ** 2))
+
+
+def _obstacle_page(drawing: Drawing, look: Look) -> Page:
+    width, height, below = 0.24, 0.07, 0.09
+    page = new_page(drawing, Box(complex(0.12, -0.028), 0.16 + 0.125j), look)
+    part = np.linspace(0.0, 1.0, 201)
+    page.arrow("axis", -0.02 + 0j, 0.275 + 0j)
+    page.arrow("axis", -0.0j, 0.085j)
+    page.lines("excitation", [width * part + 1j * height * _obstacle(part)])
+    page.arrow("axis", complex(-0.02, -below), complex(0.275, -below))
+    z = 0.03
+    stairs = [
+        (0.0, 0.0),
+        (0.0, z),
+        (0.25, z),
+        (0.25, -z),
+        (0.75, -z),
+        (0.75, z),
+        (1.0, z),
+        (1.0, 0.0),
+    ]
+    page.lines("normal", [[complex(width * x, y - below) for x, y in stairs]])
+    for x in (0.25, 0.5, 0.75, 1.0):
+        page.lines("foot", [[complex(width * x, 0.0), complex(width * x, -below)]])
+    _say(page, 0.289 + 0j, "t, x")
+    _say(page, complex(0.283, -below), "t")
+    _say(page, 0.012 + 0.083j, "ξ")
+    _say(page, complex(-0.012, z - below), "z")
+    _say(page, complex(-0.014, -z - below), "−z")
+    for number, x in enumerate((0.125, 0.5, 0.875), 1):
+        _say(page, complex(width * x, 0.2 * height if number != 2 else 0.5 * height), str(number))
+    row = complex(0.0, -below - z)
+    ends = [complex(width * x, 0.0) + row for x in (0.0, 0.25, 0.75, 1.0)]
+    for (one, other), words in zip(pairwise(ends), ("T/4", "T/2", "T/4"), strict=True):
+        dimensions.length(page, one - 0.012j, other - 0.012j, words, towards=-1j)
+    dimensions.length(page, ends[0] - 0.027j, ends[-1] - 0.027j, "d = v T", towards=-1j)
+    middle = complex(0.5 * width, 0.0)
+    dimensions.length(page, middle, middle + 1j * height, "a", towards=1.0)
+    return page
+
+
+def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool) -> Page:
+    """Draw a body on axles, with springs, dampers, tyres and roads."""
+    apart = 0.22
+    places = [apart * k for k in range(len(axles))]
+    floor = _STRUT + (_TYRE + 0.02 if wheels else 0.012)
+    half = complex(0.5 * places[-1] + 0.09, 0.5 * floor + 0.052)
+    page = new_page(drawing, Box(complex(0.5 * places[-1], 0.5 * floor + 0.022), half), look)
+    _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
+    several = len(axles) > 1
+    middle = complex(0.5 * places[-1], floor + 0.015)
+    _say(page, middle, "M, J" if several and wheels else typeset("M1, M2, M3") if several else "M")
+    for x, n in zip(places, axles, strict=True):
+        foot = _TYRE + 0.02 if wheels else 0.012
+        _spring(page, complex(x - 0.02, foot), _STRUT, f"P{n}")
+        _damper(page, complex(x + 0.02, foot), _STRUT, f"Φ{n}" if n else "Φ")
+        if wheels:
+            _block(page, complex(x - _AXLE, _TYRE), complex(x + _AXLE, _TYRE + 0.02))
+            _say(page, complex(x, _TYRE + 0.01), typeset(f"m{n}"))
+            _spring(page, complex(x - 0.02, 0.006), _TYRE - 0.006, "p" + n if n else "c2")
+            _damper(page, complex(x + 0.02, 0.006), _TYRE - 0.006, "t" + n if n else "k2")
+            _coordinate(page, complex(x + 0.055, _TYRE + 0.01), f"x{n}2" if n else "x2")
+        else:
+            page.lines("axis", [[complex(x - _AXLE, foot), complex(x + _AXLE, foot)]])
+        _coordinate(page, complex(x - 0.03, floor + 0.036), _above(n, wheels))
+        _ground(page, x, 0.006 if wheels else 0.012)
+        _coordinate(page, complex(x + 0.055, -0.01), f"xi{n}")
+    if several and wheels:
+        dimensions.length(
+            page, complex(places[0], -0.016), complex(places[-1], -0.016), "L = a + b",
+            towards=-1j,
+        )  # fmt: skip
+    return page
+
+
+def _above(axle: str, wheels: bool) -> str:
+    if not axle:
+        return "x1"
+    return f"x{axle}1" if wheels else f"x{axle}"
+
+
+def _block(page: Page, low: complex, high: complex) -> None:
+    corners = [low, complex(high.real, low.imag), high, complex(low.real, high.imag), low]
+    page.lines("axis", [corners], 1.6)
+
+
+def _spring(page: Page, foot: complex, length: float, label: str) -> None:
+    zigzag = [
+        complex(0.008 * (-1) ** k, length * (0.15 + 0.7 * (k + 0.5) / (2 * _COILS)))
+        for k in range(2 * _COILS)
+    ]
+    strip = [0j, 0.15j * length, *zigzag, 0.85j * length, 1j * length]
+    page.lines("axis", [[foot + z for z in strip]], 1.2)
+    _say(page, foot + complex(-0.02, 0.5 * length), typeset(label))
+
+
+def _damper(page: Page, foot: complex, length: float, label: str) -> None:
+    w, low, high = 0.008, 0.3j * length, 0.65j * length
+    pot = [high - w, low - w, low + w, high + w]
+    piston = 0.5j * length
+    parts = [[0j, low], pot, [piston - 0.8 * w, piston + 0.8 * w], [piston, 1j * length]]
+    page.lines("axis", [[foot + z for z in part] for part in parts], 1.2)
+    _say(page, foot + complex(0.02, 0.5 * length), typeset(label))
+
+
+def _ground(page: Page, x: float, level: float) -> None:
+    page.lines("excitation", [[complex(x - 0.045, level), complex(x + 0.045, level)]])
+    marks = x - 0.04 + 0.01 * np.arange(9)
+    strokes = [[complex(m, level), complex(m - 0.006, level - 0.008)] for m in marks]
+    page.lines("excitation", strokes, 0.4)
+
+
+def _coordinate(page: Page, foot: complex, label: str) -> None:
+    page.lines("axis", [[foot - 0.006, foot + 0.006]])
+    page.arrow("axis", foot, foot + 0.022j)
+    _say(
+        page,
+        foot + complex(0.014, 0.012),
+        typeset(label) if label[:2] != "xi" else "ξ" + _low(label),
+    )
+
+
+def _low(label: str) -> str:
+    return typeset("x" + label[2:])[1:]
+
+
+def _say(page: Page, centre: complex, text: str) -> None:
+    page.write_if_free(Text("axis", text, centre, 1.5))
+
+
+def _finish(page: Page, look: Look, title: str, words: str) -> Figure:
+    page.title, page.words, page.keyed = title, words, False
+    return figure_of(page, look)
+
+
+def _needs(
+    drawing: Drawing, planes: int, shown: str, scene: str, letter: str = "", without: str = ""
+) -> None:
+    """Raise ValueError unless a construction has so many planes, one letter and not another."""
+    letters = {m.point for scheme in drawing.schemes.values() for m in scheme.marks}
+    if len(drawing.planes) != planes or (letter and letter not in letters) or without in letters:
+        raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")

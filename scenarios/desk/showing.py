@@ -1,0 +1,96 @@
+"""A construction in a notebook with one call: as a figure, an animation or a recording."""
+
+from __future__ import annotations
+
+import atexit
+import base64
+import os
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass
+from html import escape
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from phaseplane import recording
+
+from ..draw.constructions import constructed
+from ..draw.pictures import RULES_SHOWN, draw, figure_of
+from ..draw.recording_content import content, readings
+from ..scene.layers import Setting
+from ..scene.loading import load_scene
+from .picture import Picture
+
+_open = ExitStack()  # servers and their files, until the notebook ends
+atexit.register(_open.close)
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """What a notebook shows as HTML: an animation, or a recording in rerun's web viewer.
+
+    Parameters
+    ----------
+    html : shown if it is the last value of a cell
+    path : the file that is shown
+    """
+
+    html: str
+    path: Path
+
+    def _repr_html_(self) -> str:
+        return self.html
+
+
+def show(
+    scene: str | os.PathLike[str],
+    changes: Sequence[str] = (),
+    /,
+    kind: str = "phase_planes",
+    *,
+    at_step: int | None = None,
+    height: int = 640,
+    **look: Any,
+) -> Picture | Page:
+    """Show the construction of a scene in a notebook.
+
+    Parameters
+    ----------
+    scene : name of a case, or path of a scene file
+    changes : `key=value` texts
+    kind : name of a figure, such as `phase_planes`, `storyboard` or `figure7`; `animation`; or
+        `recording`, which is served to this machine alone until the notebook ends
+    at_step : step that a figure of one step shows
+    height : of a recording, in pixels
+    look : dark, width (m), font, mono, headed; see `figures.Look`
+
+    Raises
+    ------
+    InputError : if the scene has no construction, or there is no figure of that name.
+    ValueError : if the construction lacks what the figure shows.
+    """
+    settings: list[str | Setting] = list(changes)
+    if kind in RULES_SHOWN:
+        settings.insert(0, Setting("construction.rule", RULES_SHOWN[kind], "kind"))
+    found = load_scene(os.fspath(scene), settings, expect=False)
+    found.check_construction()
+    model, parameters = found.fmu.model, found.all_parameters
+    drawing = constructed(model, parameters, asdict(found.construction), found.construction_time)
+    title = found.title or found.name
+    if kind == "animation":
+        path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.gif"
+        draw("phase_planes", path, drawing, title=title, look=look)
+        encoded = base64.b64encode(path.read_bytes()).decode()
+        return Page(f'<img alt="{escape(title)}" src="data:image/gif;base64,{encoded}">', path)
+    if kind != "recording":
+        return Picture(figure_of(kind, drawing, title=title, look=look, step=at_step))
+    path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.rrd"
+    shown = content(
+        title=title, model=model, parameters=parameters, drawing=drawing, columns=readings(drawing),
+        units={}, duration=found.duration, shown={},
+    )  # fmt: skip
+    recording.record(shown, path)
+    server = _open.enter_context(recording.serving([path]))
+    frame = f'<iframe src="{escape(server.page)}" width="100%" height="{height}"></iframe>'
+    return Page(frame, path)

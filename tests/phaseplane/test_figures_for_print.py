@@ -1,0 +1,123 @@
+"""Figures as a publisher takes them, and those of AP57 that show systems and elements."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+from phaseplane.suspension.characteristics import damper, linear
+from phaseplane.suspension.roads import obstacle
+from PIL import Image
+from recorded import quarter_car
+from worked_example import STEP, ap57
+
+from phaseplane import figures
+from phaseplane.constructions import Drawing, OneDofPlane, delta, march, tangent
+from phaseplane.figures import Look, save
+
+
+@pytest.fixture(scope="module")
+def drawing() -> Drawing:
+    return march(quarter_car(), delta, step=0.0025, steps=30)
+
+
+def strips(figure: object, role: str) -> list[np.ndarray]:
+    axes = figure.axes[0]  # type: ignore[attr-defined]
+    return [s for c in axes.collections if c.get_gid() == role for s in c.get_segments()]
+
+
+def words(figure: object) -> set[str]:
+    return {text.get_text() for text in figure.findobj(Text)}  # type: ignore[attr-defined]
+
+
+def test_a_figure_is_as_wide_as_the_column(drawing: Drawing, tmp_path: Path) -> None:
+    figure = figures.phase_planes(drawing, look=Look(width=0.085))
+    assert figure.get_figwidth() * 25.4 == pytest.approx(85.0)
+    assert all(text.get_fontsize() >= 6.0 for text in figure.axes[0].texts)
+    path = save(figure, tmp_path / "f.png")
+    with Image.open(path) as picture:
+        assert picture.width == pytest.approx(85.0 / 25.4 * figure.dpi, abs=1.0)
+    assert figures.figure14(drawing, look=Look(width=0.085)).get_figwidth() < 3.4
+
+
+def test_pdf_has_truetype_fonts_and_svg_has_texts(drawing: Drawing, tmp_path: Path) -> None:
+    figure = figures.phase_planes(drawing, title="A bump")
+    made = save(figure, tmp_path / "f.pdf").read_bytes()
+    assert b"/Type3" not in made
+    assert b"/TrueType" in made or b"/CIDFontType2" in made
+    svg = save(figure, tmp_path / "f.svg").read_text(encoding="utf-8")
+    assert svg.count("<text") > 20
+    assert "<dc:title>A bump" in svg
+
+
+def test_a_heading_can_be_left_to_the_caption(drawing: Drawing, tmp_path: Path) -> None:
+    figure = figures.phase_planes(drawing, title="A bump", look=Look(headed=False))
+    assert not any(t.get_visible() for t in figure.texts if "A bump" in t.get_text())
+    svg = save(figure, tmp_path / "f.svg").read_text(encoding="utf-8")
+    assert "<dc:title>A bump" in svg
+    assert len(re.findall("A bump", svg)) == 1
+
+
+def test_mono_and_fonts(drawing: Drawing) -> None:
+    figure = figures.phase_planes(drawing, look=Look(mono=True, font="serif"))
+    colours = {tuple(c) for lines in figure.axes[0].collections for c in lines.get_colors()}
+    assert all(r == g == b or abs(r - b) < 0.06 for r, g, b, _ in colours)
+    assert {text.get_fontfamily()[0] for text in figure.findobj(Text)} == {"serif"}
+    dashes = {str(lines.get_linestyle()) for lines in figure.axes[0].collections}
+    assert len(dashes) >= 5
+
+
+def test_figure_6_names_the_parts_of_the_quarter_car(drawing: Drawing) -> None:
+    assert {"M", "m", "P", "Φ", "c₂", "k₂", "x₁", "x₂", "ξ"} <= words(figures.figure6(drawing))
+    for draw, message in (
+        (figures.figure1, "figure 1 shows a half car with tyres"),
+        (figures.figure11, "figure 11 shows a half car on rigid tyres"),
+        (figures.figure2, "figure 2 shows one plane"),
+        (figures.figure5, "figure 5 shows the obstacle"),
+    ):
+        with pytest.raises(ValueError, match=f"{message}.*try the scene"):
+            draw(drawing)
+
+
+@pytest.fixture(scope="module")
+def over_obstacle() -> Drawing:
+    plane = OneDofPlane(
+        mass=300.0, spring=linear(15e3), damper=damper(2e3, 5e2),
+        road=obstacle(height=0.05, length=4.0, speed=10.0),
+    )  # fmt: skip
+    return march(plane, delta, step=0.0025, steps=240)
+
+
+def test_figure_5_has_the_accelerations_of_eq_9(over_obstacle: Drawing) -> None:
+    figure = figures.figure5(over_obstacle)
+    (stairs,) = strips(figure, "normal")
+    heights = stairs[:, 1] - stairs[0, 1]
+    assert heights[1] == pytest.approx(-heights[3])
+    lengths = [stairs[2, 0] - stairs[1, 0], stairs[4, 0] - stairs[3, 0]]
+    assert lengths[1] == pytest.approx(2.0 * lengths[0])
+    assert {"a", "z", "d = v T", "T/2"} <= words(figure)
+
+
+def test_figure_2_ends_in_the_foot_of_the_normal(over_obstacle: Drawing) -> None:
+    figure = figures.figure2(over_obstacle, 100)
+    points = over_obstacle.frames[100].points
+    (normal,) = strips(figure, "normal")
+    ends = [(points["D"].real, points["D"].imag), (points["P"].real, points["P"].imag)]
+    np.testing.assert_allclose(normal, ends)
+
+
+def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
+    drawing = march(ap57(lift_off=False), tangent, step=STEP, steps=30)
+    figure = figures.figure3(drawing)
+    (triangle,) = strips(figure, "projection")
+    p, corner, p_new = triangle @ [1, 1j]
+    step = next(
+        f for f in drawing.frames for n in "12" if abs(f.points[f"P{n}"] - p) < 1e-12
+    )  # fmt: skip
+    n = next(n for n in "12" if abs(step.points[f"P{n}"] - p) < 1e-12)
+    qp = abs(step.points[f"P{n}"] - step.points[f"Q{n}"])
+    qd = abs(step.points[f"D{n}"] - step.points[f"Q{n}"])
+    assert abs(corner - p) / abs(p_new - corner) == pytest.approx(qp / qd)

@@ -1,0 +1,41 @@
+"""A construction shown in a notebook with one call."""
+
+from __future__ import annotations
+
+from urllib.request import urlopen
+
+import pytest
+from phaseplane.scenarios.desk.picture import Picture
+from phaseplane.scenarios.desk.showing import Page, show
+from phaseplane.scenarios.errors import InputError
+
+SHORT = ["construction.duration=20 ms"]
+
+
+def test_a_figure_is_shown_as_a_picture() -> None:
+    shown = show("ap57", SHORT, "storyboard", at_step=3, headed=False)
+    assert isinstance(shown, Picture)
+    assert shown._repr_png_().startswith(b"\x89PNG")
+    assert isinstance(show("ap57_figure13", kind="figure4b"), Picture)  # takes its rule
+
+
+def test_an_animation_is_in_the_page() -> None:
+    shown = show("van_der_pol", ["construction.duration=1 s"], "animation")
+    assert isinstance(shown, Page)
+    assert "data:image/gif;base64,R0lGOD" in shown._repr_html_()
+
+
+def test_a_recording_is_served_to_this_machine() -> None:
+    shown = show("ap57", SHORT, "recording", height=300)
+    assert isinstance(shown, Page)
+    html = shown._repr_html_()
+    assert 'height="300"' in html
+    address = html.split('src="')[1].split('"')[0]
+    assert address.startswith("http://127.0.0.1:")
+    with urlopen(address.split("?")[0]) as page:
+        assert page.status == 200
+
+
+def test_what_cannot_be_shown_is_refused() -> None:
+    with pytest.raises(InputError, match="no picture 'figure77'"):
+        show("ap57", SHORT, "figure77")
