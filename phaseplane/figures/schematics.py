@@ -76,8 +76,8 @@ def figure5(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
         middle = times[int(height.argmax())]
         span = 2.0 * max(middle - start, end - middle)
         fits = any(
-            np.allclose(height, peak * _obstacle((times - (middle - t / 2)) / t), atol=0.03 * peak)
-            for t in np.linspace(0.85 * span, 1.02 * span, 35)
+            np.allclose(height, peak * _obstacle((times - (middle - t / 2)) / t), atol=0.008 * peak)
+            for t in np.linspace(0.85 * span, 1.02 * span, 250)
         )
     if not fits:
         raise ValueError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -183,7 +183,8 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     words = "; ".join(" ".join(text.get_text().split()) for text in headings)
     metadata = {**_OPTIONS[suffix].get("metadata", {}), **({"Title": words} if words else {})}
     hidden = bool(headings) and not any(text.get_visible() for text in headings)
-    with written_whole(target) as temporary, rc_context(_TYPE):
+    plated = _with_plates(figure) if suffix != ".png" else nullcontext()
+    with written_whole(target) as temporary, rc_context(_TYPE), plated:
         figure.savefig(
             temporary,
             format=suffix[1:],
@@ -193,6 +194,23 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
             **{**_OPTIONS[suffix], "metadata": metadata},
         )
     return target
+
+
+@contextmanager
+def _with_plates(figure: Figure) -> Iterator[None]:
+    """Put plates behind texts in place of outlines, with which they would be written as paths."""
+    outlined = [text for text in figure.findobj(Text) if text.get_path_effects()]
+    effects = [text.get_path_effects() for text in outlined]
+    plate = {"facecolor": figure.get_facecolor(), "edgecolor": "none", "pad": 0.4, "alpha": 0.75}
+    for text in outlined:
+        text.set_path_effects([])
+        text.set_bbox(plate)
+    try:
+        yield
+    finally:
+        for text, before in zip(outlined, effects, strict=True):
+            text.set_bbox(None)
+            text.set_path_effects(before)
 
 
 @contextmanager
