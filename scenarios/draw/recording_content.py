@@ -39,6 +39,7 @@ _PLANES = (
 _READ_OFF = ("_displacement", "_elevation", "_acceleration", "_force")
 _MOST_ROWS = 20_000
 _ROAD_POINTS = 2_000
+_SIDE = {"", "front_", "rear_"}  # the prefixes of axles that are seen from the side
 
 
 def content(
@@ -127,7 +128,7 @@ def _rates(name: str) -> tuple[str, ...]:
 
 
 def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Vehicle | None:
-    """Return the side view of a model's vehicle; None for a model without a road.
+    """Return the side view of a model's vehicle; None without a road, or with wheels side by side.
 
     Parameters
     ----------
@@ -136,7 +137,7 @@ def vehicle(model: str, parameters: Mapping[str, Value], duration: float) -> Veh
     if model not in MODELS:
         return None
     system = build(model, parameters)
-    if not system.axles:
+    if not system.axles or not {axle.prefix for axle in system.axles} <= _SIDE:
         return None
     places = {
         "front_": float(parameters.get("cg_to_front", 0.0)),
