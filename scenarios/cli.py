@@ -19,7 +19,9 @@ COMMANDS = {
     "fit": Entry("design.fit", "Fit parameters of a scene to measured signals."),
     "replay": Entry("replay.replay", "Draw the construction of a SCENE or of a run's RESULTS."),
     "portrait": Entry("modelling.portrait", "Draw the phase portrait of SCENE."),
-    "exercise": Entry("exercise.exercise", "Write an exercise to construct by hand, or mark one."),
+    "exercise": Entry(
+        "exercise.exercise", "Write an exercise: construct the first steps of SCENE by hand."
+    ),
     "list": Entry("listing.list_cases", "List the scenes and sweeps in the package."),
     "new": Entry("new.new", "Write a commented scene to start from."),
     "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),

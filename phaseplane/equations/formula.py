@@ -20,6 +20,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from phaseplane.equations.switching import Switching
+from phaseplane.equations.typeset import name_of, typeset
 from phaseplane.suspension.units import nearest
 
 if TYPE_CHECKING:
@@ -107,6 +108,12 @@ class Formula:
     def names(self) -> frozenset[str]:
         """The parameters that occur in the text."""
         return frozenset(n for n in self.parameters if _mentions(self._tree, n))
+
+    @property
+    def words(self) -> str:
+        """The equation as it is written by hand, with the values of its parameters."""
+        values = ", ".join(f"{name_of(n)} = {self.parameters[n]:.6g}" for n in sorted(self.names))
+        return typeset(self._tree) + (f"   ({values})" if values else "")
 
     @property
     def autonomous(self) -> bool:

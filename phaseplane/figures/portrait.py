@@ -36,6 +36,10 @@ _KINDS = {
     "unstable": ("o", ORANGE),
     "degenerate": ("s", GREY),
 }
+_DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
+_STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
+_OUTER = 0.42  # windows from the centre: isoclines that end farther in are not labelled
+_HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
 _ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)  # in order of their periods
 _LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
     "orbit": (BLUE, 0.6, "-", "integral curves"),
@@ -85,6 +89,9 @@ def portrait(
             np.array([[at.x, 0.0], [at.until, 0.0]]) for at in shown.equilibria if at.stretches
         ],
     }
+    _slopes(axes, shown)
+    for role in _DIRECTED:
+        _arrows(axes, roles[role], shown.window, _LINES[role][0])
     handles = [handle for role, curves in roles.items() if (handle := _lines(axes, role, curves))]
     if shown.section is not None:
         handles += _section(axes, shown.section, colours)
@@ -96,6 +103,68 @@ def portrait(
         labelcolor=colours.ink,
     )  # fmt: skip
     return figure
+
+
+def _slopes(axes: Axes, shown: Portrait) -> None:
+    """Draw strokes of its slope along every isocline, and write the slope at its end."""
+    window = shown.window
+    sides = np.array([window.width, window.height])
+    corner = np.array([window.left, window.bottom])
+
+    def outwards(place: np.ndarray) -> float:
+        return float(np.abs((place - corner) / sides - 0.5).max())
+
+    for slope, curves in zip(shown.slopes, shown.isoclines, strict=True):
+        way = np.array([1.0, slope])
+        half = 0.5 * _STROKE * way / np.hypot(*(way / sides))
+        strokes, ends = [], []
+        for curve in curves:
+            inside = window.holds(*curve.T, -0.03)
+            went = np.concatenate([[0.0], np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum()])
+            for at in np.arange(0.5 * _APART, went[-1], _APART):
+                k = int(np.searchsorted(went, at))
+                if inside[k]:
+                    strokes.append([curve[k] - half, curve[k] + half])
+            ends += [curve[k] for k in np.flatnonzero(inside)[[0, -1]]] if inside.any() else []
+        if not strokes:
+            continue
+        axes.add_collection(
+            LineCollection(strokes, colors=TEAL, linewidths=1.0, zorder=2.8, gid="slope"),
+            autolim=False,
+        )
+        edge = max(ends, key=outwards)
+        if outwards(edge) < _OUTER:
+            continue
+        axes.annotate(
+            f"{slope:g}", edge, fontsize=7.0, color=TEAL, ha="center", va="center", zorder=6.5,
+            bbox={"boxstyle": "round,pad=0.1", "facecolor": axes.get_facecolor(), "linewidth": 0.0},
+        )  # fmt: skip
+
+
+def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: str) -> None:
+    """Draw arrows in the sense of time on curves: to the right where x' is positive."""
+    sides = np.array([window.width, window.height])
+    for curve in curves:
+        steps = np.hypot(*(np.diff(curve, axis=0) / sides).T)
+        went = np.concatenate([[0.0], steps.cumsum()])
+        if went[-1] < 4.0 * _HEAD:
+            continue
+        inside = window.holds(*curve.T, -0.02)
+        for at in np.arange(min(0.35 * went[-1], 0.3), went[-1], _BETWEEN)[:_MOST_ARROWS]:
+            k = int(np.searchsorted(went, at))
+            j = int(np.searchsorted(went, at - _HEAD))
+            if not 0 <= j < k < len(curve) or not (inside[j] and inside[k]):
+                continue
+            ends = (curve[j], curve[k])
+            middle, way = 0.5 * (ends[0] + ends[1]), ends[1] - ends[0]
+            if abs(middle[1]) < 0.02 * window.height and abs(way[0]) / sides[0] < 0.3 * _HEAD:
+                continue  # beside the axis the sense does not follow from x' alone
+            start, end = ends if way[0] * middle[1] > 0.0 else ends[::-1]
+            axes.annotate(
+                "", end, start, zorder=3.5, annotation_clip=True,
+                arrowprops={"arrowstyle": "-|>", "color": colour, "linewidth": 0.0,
+                            "mutation_scale": 13.0, "shrinkA": 0.0, "shrinkB": 0.0},
+            )  # fmt: skip
 
 
 def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palette) -> None:

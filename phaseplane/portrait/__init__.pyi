@@ -22,3 +22,4 @@ from .whole import Portrait as Portrait
 from .whole import fitted_window as fitted_window
 from .whole import good_window as good_window
 from .whole import whole_portrait as whole_portrait
+from .whole import window_of_equilibria as window_of_equilibria

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import sqrt
+from itertools import pairwise
+from math import isfinite, sqrt
 
 import numpy as np
 
@@ -17,6 +19,7 @@ from phaseplane.portrait.trajectories import followed
 
 _ROOM = 1.25  # size of the window relative to its content
 _SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in heights per width of the window
+_AROUND = 1.7  # of the farthest equilibrium: what lies beyond it
 _ASIDE = 0.01  # of the width: distance of a curve's start from a repelling equilibrium
 
 
@@ -30,6 +33,7 @@ class Portrait:
     field : x, x' and their rates, see `direction_field`; None for a driven system
     nullcline : curves x'' = 0
     isoclines : curves on which integral curves have equal slope; a list for each slope
+    slopes : dx'/dx on them
     energy_curves : curves of constant energy of a conservative system; a list for each energy
     orbits : integral curves of any other system
     equilibria, separatrices, cycles : inside the window
@@ -41,6 +45,7 @@ class Portrait:
     field: tuple[Grid, Grid, Grid, Grid] | None = None
     nullcline: Curves | tuple[()] = ()
     isoclines: tuple[Curves, ...] = ()
+    slopes: tuple[float, ...] = ()
     energy_curves: tuple[Curves, ...] = ()
     orbits: tuple[Grid, ...] = ()
     equilibria: tuple[Equilibrium, ...] = ()
@@ -62,6 +67,25 @@ def good_window(system: PhaseSystem, reach: float) -> Window:
     height = sqrt(2.0 * float(known.max())) if len(known) else 0.0
     height = height or reach
     return Window(-_ROOM * reach, _ROOM * reach, -_ROOM * height, _ROOM * height)
+
+
+def window_of_equilibria(system: PhaseSystem, reach: float, least: float = 0.0) -> Window:
+    """Return a window that fits the equilibria of a system, if there are several.
+
+    Parameters
+    ----------
+    reach : largest displacement to either side at first
+    least : displacement that must be inside
+    """
+    first = good_window(system, reach)
+    if system.driven:
+        return first
+    at_rest = equilibria(system, first)
+    if len(at_rest) < 2:
+        return first
+    places = [abs(e) for at in at_rest for e in (at.x, at.until) if isfinite(e)]
+    farthest = max(places)
+    return good_window(system, max(_AROUND * farthest, least))
 
 
 def fitted_window(shown: Section, otherwise: Window) -> Window:
@@ -99,7 +123,8 @@ def whole_portrait(
         system = system.frozen(frozen)
     at_rest = equilibria(system, window)
     steep = window.height / window.width
-    nullcline, *lines = isoclines(system, window, [0.0, *(slope * steep for slope in _SLOPES)])
+    slopes = tuple(_rounded(slope * steep) for slope in _SLOPES)
+    nullcline, *lines = isoclines(system, window, [0.0, *slopes])
     constant = conserves(system, window)
     saddles = [at for at in at_rest if "saddle" in at.kinds]
     ends = tuple(at.x for at in saddles) if constant else ()
@@ -109,6 +134,7 @@ def whole_portrait(
         direction_field(system, window),
         nullcline,
         tuple(lines),
+        slopes,
         _energy_curves(system, window) if constant else (),
         () if constant else orbits(system, window, at_rest, cycles),
         tuple(at_rest),
@@ -124,6 +150,24 @@ def _energy_curves(system: PhaseSystem, window: Window) -> tuple[Curves, ...]:
     return (*energy_levels(system, window)[1], *energy_levels(system, window, inner)[1])
 
 
+def _rounded(slope: float) -> float:
+    """Return a slope as it can be written on its isocline: two digits."""
+    return float(f"{slope:.2g}")
+
+
+def _between(
+    at_rest: list[Equilibrium] | tuple[Equilibrium, ...], window: Window
+) -> Iterator[float]:
+    """Yield places on the axis between neighbouring equilibria, nearer to the attracting one."""
+    for left, right in pairwise(at_rest):
+        low, high = (left.until if left.stretches else left.x), right.x
+        attracts = [any("stable" in k and "un" not in k for k in at.kinds) or at.stretches
+                    for at in (left, right)]  # fmt: skip
+        if high - low > 4.0 * _ASIDE * window.width and any(attracts):
+            part = 0.45 if attracts[0] else 0.55
+            yield low + part * (high - low)
+
+
 def orbits(
     system: PhaseSystem,
     window: Window,
@@ -133,6 +177,8 @@ def orbits(
 ) -> tuple[Grid, ...]:
     """Return integral curves inwards from the border and outwards from repellers, (points, 2) each.
 
+    Beside them there is one from between any two neighbouring equilibria, so that every basin has some.
+
     Parameters
     ----------
     count : number of curves through each of the long sides
@@ -141,6 +187,9 @@ def orbits(
     x = [*places, *places]
     v = [window.top] * count + [window.bottom] * count
     aside = _ASIDE * window.width
+    for inner in _between(at_rest, window):
+        x.append(inner)
+        v.append(0.0)
     for at in at_rest:
         if any("unstable" in kind for kind in at.kinds):
             x.append(at.x + aside)

@@ -17,7 +17,7 @@ from phaseplane.suspension.variables import MODELS, Value
 from phaseplane import constructions
 
 from ..errors import InputError, one_line
-from ..scene.equation import EQUATION, formula_of, in_words
+from ..scene.equation import EQUATION, formula_of
 
 if TYPE_CHECKING:
     from phaseplane.constructions import Construction
@@ -82,6 +82,11 @@ def of_system(
     if sticking and len(system.coordinates) > 1:
         raise ValueError(
             f"{sticking[0]} has dry friction, for which there is a construction in one phase plane only"
+        )
+    breaking = [e.name for e in system.elements if e.holding > e.friction]
+    if breaking:
+        raise ValueError(
+            f"{breaking[0]}: there is no construction of friction that breaks away later than it slips"
         )
     tyres = sum(bool(axle.tyre) for axle in system.axles)
     make = {
@@ -218,7 +223,7 @@ def _of_equation(parameters: Mapping[str, Value], settings: Mapping[str, Any]) -
         angular_frequency=float(parameters["angular_frequency"]),
         initial_displacement=float(parameters["displacement_start"]),
         initial_velocity=float(parameters["velocity_start"]),
-        words=in_words(formula),
+        words=formula.words,
         unit="" if parameters["unit"] == "1" else str(parameters["unit"]),
         **({"scale": scales[0]} if scales else {}),
     )

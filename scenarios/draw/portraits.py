@@ -17,7 +17,7 @@ from phaseplane import figures
 from phaseplane import portrait as computed
 
 from ..errors import InputError, check_picture, one_line
-from ..scene.equation import EQUATION, formula_of, in_words
+from ..scene.equation import EQUATION, formula_of
 from ..scene.loading import load_scene
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ class _Subject:
     labels : labels of the axes
     reach : least half-width of the window, in the coordinate's unit
     start : initial displacement and rate of the Poincare section
+    least : displacement that must be inside the window
     held : names of the coordinates that rest while one moves
     """
 
@@ -52,6 +53,7 @@ class _Subject:
     reach: float
     start: tuple[float, float] = (0.0, 0.0)
     held: tuple[str, ...] = ()
+    least: float = 0.0
 
 
 def portrait(
@@ -90,7 +92,11 @@ def portrait(
     try:
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
-        shown = computed.Window(*window) if window else computed.good_window(system, subject.reach)
+        shown = (
+            computed.Window(*window)
+            if window
+            else computed.window_of_equilibria(system, subject.reach, subject.least)
+        )
         with np.errstate(all="ignore"):  # motions that diverge
             made = computed.whole_portrait(
                 system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
@@ -101,7 +107,7 @@ def portrait(
         raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
     title = scene.title or scene.name
     if scene.fmu.model == EQUATION:
-        title = f"{title}: {in_words(formula_of(scene.all_parameters))}"
+        title = f"{title}: {formula_of(scene.all_parameters).words}"
     elif subject.held:
         title = f"{title}; {', '.join(subject.held)} held at rest"
     if made.frozen is not None and system.driven:
@@ -209,7 +215,8 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
     labels = ("x", "x'") if unit == "1" else (f"x [{unit}]", f"x' [{unit}/s]")
-    return _Subject(system, labels, max(_REACH, 1.1 * abs(start[0])), start)
+    least = 1.1 * abs(start[0])
+    return _Subject(system, labels, max(_REACH, least), start, least=least)
 
 
 def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) -> _Subject:

@@ -100,18 +100,6 @@ def formula_of(parameters: Mapping[str, Value]) -> Formula:
     return Formula(str(parameters["equation"]), named)
 
 
-def in_words(formula: Formula) -> str:
-    """Return an equation as text, with the values of its parameters."""
-    values = ", ".join(f"{n} = {formula.parameters[n]:.6g}" for n in sorted(formula.names))
-    term = formula.text.strip()
-    joined = f"x'' - {term[1:].lstrip()}" if _begins_negative(term) else f"x'' + {term}"
-    return f"{joined} = 0" + (f" ({values})" if values else "")
-
-
-def _begins_negative(term: str) -> bool:
-    return term.startswith("-") and not term[1:].lstrip().startswith(("-", "+"))
-
-
 def check_equation(parameters: Mapping[str, Value]) -> None:
     """Reject an equation that cannot be read, or is not finite at the start.
 

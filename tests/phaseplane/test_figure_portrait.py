@@ -12,7 +12,13 @@ from matplotlib.quiver import Quiver
 
 from phaseplane.figures import portrait
 from phaseplane.figures.style import palette_for
-from phaseplane.portrait import PhaseSystem, good_window, whole_portrait
+from phaseplane.portrait import (
+    PhaseSystem,
+    Window,
+    good_window,
+    whole_portrait,
+    window_of_equilibria,
+)
 
 
 def curves(figure: Figure, role: str) -> list[np.ndarray]:
@@ -83,3 +89,44 @@ def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
         along = ahead[1] - ahead[0]
         drawn = np.array([u, w])
         assert along @ drawn > 0.999 * np.hypot(*along) * np.hypot(*drawn)
+
+
+def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
+    """Strokes have the slope of their isocline; arrows point right where x' is positive."""
+    system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
+    window = Window(-3.0, 3.0, -3.0, 3.0)
+    shown = whole_portrait(system, window)
+    assert len(shown.slopes) == len(shown.isoclines)
+    (axes,) = portrait(shown).axes
+    strokes = [c for c in axes.collections if c.get_gid() == "slope"]
+    found = set()
+    for collection in strokes:
+        for start, end in (np.asarray(s) for s in collection.get_segments()):
+            way = end - start
+            found.add(round(float(way[1] / way[0]), 6))
+            x, v = 0.5 * (start + end)
+            assert -system.function(v, x, 0.0) == pytest.approx(way[1] / way[0] * v, abs=0.05)
+    assert found == {round(s, 6) for s in shown.slopes}
+    arrows = [t for t in axes.texts if t.arrow_patch is not None]
+    assert arrows
+    for arrow in arrows:
+        (x0, v0), (x1, v1) = arrow.xyann, arrow.xy
+        assert (x1 - x0) * (v0 + v1) > 0.0
+
+
+def test_every_basin_of_a_pendulum_has_curves() -> None:
+    system = PhaseSystem(lambda v, x, t: 0.2 * v + np.sin(x))
+    window = window_of_equilibria(system, 3.0)
+    shown = whole_portrait(system, window)
+    assert len(shown.equilibria) >= 3
+    for at in shown.equilibria:
+        if "stable focus" in at.kinds and abs(at.x) < 0.8 * window.right:
+            assert any(np.hypot(*(curve[-1] - [at.x, 0.0])) < 0.3 for curve in shown.orbits)
+
+
+def test_a_window_fits_several_equilibria_and_else_keeps_its_reach() -> None:
+    wells = window_of_equilibria(PhaseSystem(lambda v, x, t: x**3 - x), 3.0)
+    assert 1.5 < wells.right < 2.5
+    assert wells.top < 2.0
+    one = PhaseSystem(lambda v, x, t: x)
+    assert window_of_equilibria(one, 3.0) == good_window(one, 3.0)

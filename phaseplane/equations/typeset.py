@@ -1,0 +1,72 @@
+"""Equations as they are written by hand: a formula of v, x, t with dots, powers and Greek letters."""
+
+from __future__ import annotations
+
+import ast
+
+_POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_GREEK = {
+    name: chr(0x3B1 + i) for i, name in enumerate(
+        ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa",
+         "lambda", "mu", "nu", "xi", "omicron", "pi", "rho", "", "sigma", "tau", "upsilon", "phi",
+         "chi", "psi", "omega")
+    )
+    if name
+}  # fmt: skip
+_NAMES = {"v": "ẋ", "Omega": "Ω", "eps": "ε", **_GREEK}
+_SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
+
+
+def typeset(tree: ast.expr) -> str:
+    """Return ẍ + f = 0 for the tree of a formula f."""
+    text, _ = _written(tree)
+    if text.startswith("−"):
+        return f"ẍ − {text[1:]} = 0"
+    return f"ẍ + {text} = 0"
+
+
+def name_of(name: str) -> str:
+    """Return a parameter's name as it is written: Greek letters by themselves."""
+    return _NAMES.get(name, name)
+
+
+def _written(node: ast.expr) -> tuple[str, int]:
+    """Return a term and how firmly it binds."""
+    match node:
+        case ast.Constant(value):
+            return f"{value:.12g}", _ATOM
+        case ast.Name(name):
+            return name_of(name), _ATOM
+        case ast.UnaryOp(ast.USub(), inner):
+            return f"−{_within(inner, _PRODUCT)}", _SUM
+        case ast.UnaryOp(_, inner):
+            return _written(inner)
+        case ast.Call(ast.Name("abs"), [inner]):
+            return f"|{_written(inner)[0]}|", _ATOM
+        case ast.Call(ast.Name(name), arguments):
+            inner = ", ".join(_written(argument)[0] for argument in arguments)
+            return f"{name.replace('_', ' ')}({inner})", _ATOM
+        case ast.BinOp(left, ast.Add() | ast.Sub() as operator, right):
+            sign = "+" if isinstance(operator, ast.Add) else "−"
+            other = _within(right, _SUM if sign == "+" else _PRODUCT)
+            if other.startswith("−"):
+                sign, other = ("−" if sign == "+" else "+"), other[1:]
+            return f"{_within(left, _SUM)} {sign} {other}", _SUM
+        case ast.BinOp(left, ast.Mult(), right):
+            one, other = _within(left, _PRODUCT), _within(right, _POWER)
+            between = (
+                "·" if other[0].isdigit() or (one[-1].isdigit() and other[0] == "(") else "\u2009"
+            )
+            return f"{one}{between}{other}", _PRODUCT
+        case ast.BinOp(left, ast.Div(), right):
+            return f"{_within(left, _PRODUCT)}/{_within(right, _ATOM)}", _PRODUCT
+        case ast.BinOp(left, ast.Pow(), ast.Constant(float() as power)) if power == int(power):
+            return f"{_within(left, _ATOM)}{str(int(power)).translate(_POWERS)}", _POWER
+        case ast.BinOp(left, ast.Pow(), right):
+            return f"{_within(left, _ATOM)}^{_within(right, _ATOM)}", _POWER
+    return ast.unparse(node), _SUM
+
+
+def _within(node: ast.expr, least: int) -> str:
+    text, binds = _written(node)
+    return text if binds >= least else f"({text})"

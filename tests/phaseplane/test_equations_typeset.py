@@ -1,0 +1,30 @@
+"""Equations as they are written by hand."""
+
+from __future__ import annotations
+
+import pytest
+
+from phaseplane.equations import Formula
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("(x^2 - 1)*v + x", "ẍ + (x² − 1)\u2009ẋ + x = 0"),
+        ("-x + x^3", "ẍ − x + x³ = 0"),
+        ("x - (v - t)", "ẍ + x − (ẋ − t) = 0"),
+        ("x + -v", "ẍ + x − ẋ = 0"),
+        ("2*3*x", "ẍ + 2·3\u2009x = 0"),
+        ("x/(2*v)", "ẍ + x/(2\u2009ẋ) = 0"),
+        ("(x + v)^2*abs(v)", "ẍ + (x + ẋ)²\u2009|ẋ| = 0"),
+        ("x^(1/3)", "ẍ + x^(1/3) = 0"),
+        ("dead_zone(x, 1)", "ẍ + dead zone(x, 1) = 0"),
+    ],
+)
+def test_a_formula_is_typeset(text: str, words: str) -> None:
+    assert Formula(text).words == words
+
+
+def test_parameters_are_told_with_their_values() -> None:
+    formula = Formula("omega^2*x + mu*v", {"omega": 2.0, "mu": 0.1, "unused": 3.0})
+    assert formula.words == "ẍ + ω²\u2009x + μ\u2009ẋ = 0   (μ = 0.1, ω = 2)"
