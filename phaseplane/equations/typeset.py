@@ -33,7 +33,7 @@ def name_of(name: str) -> str:
 def _written(node: ast.expr) -> tuple[str, int]:
     """Return a term and how firmly it binds."""
     match node:
-        case ast.Constant(value):
+        case ast.Constant(float() as value):
             return f"{value:.12g}", _ATOM
         case ast.Name(name):
             return name_of(name), _ATOM
@@ -44,8 +44,8 @@ def _written(node: ast.expr) -> tuple[str, int]:
         case ast.Call(ast.Name("abs"), [inner]):
             return f"|{_written(inner)[0]}|", _ATOM
         case ast.Call(ast.Name(name), arguments):
-            inner = ", ".join(_written(argument)[0] for argument in arguments)
-            return f"{name.replace('_', ' ')}({inner})", _ATOM
+            between = ", ".join(_written(argument)[0] for argument in arguments)
+            return f"{name.replace('_', ' ')}({between})", _ATOM
         case ast.BinOp(left, ast.Add() | ast.Sub() as operator, right):
             sign = "+" if isinstance(operator, ast.Add) else "−"
             other = _within(right, _SUM if sign == "+" else _PRODUCT)

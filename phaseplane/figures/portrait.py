@@ -119,7 +119,7 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
         half = 0.5 * _STROKE * way / np.hypot(*(way / sides))
         strokes, ends = [], []
         for curve in curves:
-            inside = window.holds(*curve.T, -0.03)
+            inside = window.holds(curve[:, 0], curve[:, 1], -0.03)
             went = np.concatenate([[0.0], np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum()])
             for at in np.arange(0.5 * _APART, went[-1], _APART):
                 k = int(np.searchsorted(went, at))
@@ -149,7 +149,7 @@ def _arrows(axes: Axes, curves: Sequence[np.ndarray], window: Window, colour: st
         went = np.concatenate([[0.0], steps.cumsum()])
         if went[-1] < 4.0 * _HEAD:
             continue
-        inside = window.holds(*curve.T, -0.02)
+        inside = window.holds(curve[:, 0], curve[:, 1], -0.02)
         for at in np.arange(min(0.35 * went[-1], 0.3), went[-1], _BETWEEN)[:_MOST_ARROWS]:
             k = int(np.searchsorted(went, at))
             j = int(np.searchsorted(went, at - _HEAD))
