@@ -14,6 +14,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
 
@@ -95,6 +96,10 @@ class Look:
     font : family of the type, such as `serif` or `STIXGeneral`; empty for matplotlib's own
     mono : black lines, told apart by their dashes
     headed : with a heading; without it the words are for the caption
+
+    Raises
+    ------
+    ValueError : if the font is not installed.
     """
 
     dark: bool = False
@@ -102,6 +107,16 @@ class Look:
     font: str = ""
     mono: bool = False
     headed: bool = True
+
+    def __post_init__(self) -> None:
+        """Check that the font is there."""
+        if self.font:
+            try:
+                findfont(self.font, fallback_to_default=False)
+            except ValueError:
+                raise ValueError(
+                    f"font {self.font!r} is not installed; try serif, sans-serif or STIXGeneral"
+                ) from None
 
     @property
     def palette(self) -> Palette:

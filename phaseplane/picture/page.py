@@ -30,6 +30,7 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 another start."""
 _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
+_WIDEST = 0.24  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
 _RECENT = 200  # steps of a long motion that are drawn in full
 
@@ -341,7 +342,10 @@ class Page:
         self._ticks(axis, graduation, 0.35j * em)
         # one word per line, to keep clear of the motion
         rows = plane.name.split("_")
-        name = "\n".join(rows) + f" {typeset(axis.label)}{bracketed(graduation.unit)}"
+        label = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+        name = "\n".join(rows) + f" {label}"
+        if text_box(0j, name, em).half.real > _WIDEST * self.view.half.real:  # a narrow figure
+            name, rows = label, rows[:1]
         self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
         return [
             _value(axis.at(v) - 1.0j * em, number(v * graduation.factor)) for v in graduation.values

@@ -23,7 +23,7 @@ def frame_at(drawing: Drawing, index: int | None) -> Frame:
     if index is None:
         return telling_frame(drawing)
     if not 0 <= index < len(drawing.frames):
-        raise ValueError(f"no frame {index}; the drawing has frames 0 to {len(drawing.frames) - 1}")
+        raise ValueError(f"no step {index}; the drawing has steps 0 to {len(drawing.frames) - 1}")
     return drawing.frames[index]
 
 

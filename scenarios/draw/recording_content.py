@@ -64,7 +64,7 @@ def content(
     columns : columns of the run by the names of its outputs; without rows before it starts
     units : SI units of the outputs
     duration : duration of the run, s
-    shown : `recording` (its detail), `views`, `planes` (pairs of outputs)
+    shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
     live : whether the run is yet to come
     """
     views = tuple(shown.get("views") or recording.VIEWS)
@@ -82,6 +82,7 @@ def content(
         vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
         detail=detail if detail in recording.DETAILS else "stages",
         views=views,
+        staged=tuple(shown.get("staged") or ()),
         numbers=tuple(known(n) for n, u in units.items() if u in ("", "1"))
         if model not in MODELS
         else (),

@@ -22,6 +22,7 @@ from .fields import (
     names_of,
     one_of,
     pair_of,
+    whole,
 )
 
 FIGURES = (
@@ -91,6 +92,12 @@ class Show:
     planes: tuple[tuple[str, str], ...] = entry(
         PAIRS_OF_NAMES,
         "pairs of outputs, a displacement and its rate, whose phase planes the recording shows",
+        (),
+    )
+    staged: tuple[int, ...] = entry(
+        list_of(whole(0), "a list of numbers of steps"),
+        "steps that the recording tells stage by stage; telling ones, lift-off and touchdown if "
+        "left out",
         (),
     )
     table: str = entry(

@@ -164,7 +164,7 @@ def test_letters_do_not_hide_each_other(lettered):
 
 
 def test_no_such_frame(drawing):
-    with pytest.raises(ValueError, match="no frame 62; the drawing has frames 0 to 61"):
+    with pytest.raises(ValueError, match="no step 62; the drawing has steps 0 to 61"):
         phase_planes(drawing, 62)
 
 

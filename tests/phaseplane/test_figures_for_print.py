@@ -121,3 +121,8 @@ def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
     qp = abs(step.points[f"P{n}"] - step.points[f"Q{n}"])
     qd = abs(step.points[f"D{n}"] - step.points[f"Q{n}"])
     assert abs(corner - p) / abs(p_new - corner) == pytest.approx(qp / qd)
+
+
+def test_a_font_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match="font 'Nosuch' is not installed; try serif"):
+        Look(font="Nosuch")
