@@ -21,6 +21,7 @@ import judging
 import reducing
 import report
 from draws import draw
+from phaseplane.suspension import engine
 
 
 def examined(seed: int) -> dict[str, Any]:
@@ -67,6 +68,11 @@ def main() -> int:
             drawn = reducing.reduced(drawn, args.reduce, say)
         print(reducing.as_json(drawn))
         return 0
+    if engine.why_uncompiled:
+        print(
+            f"the kernel runs uncompiled, many times slower: {engine.why_uncompiled}",
+            file=sys.stderr,
+        )
     results = known(args.to)
     wanted = range(args.seed, args.seed + args.count)
     missing = [seed for seed in wanted if seed not in results]

@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8)
 KINDS = ("displacements", "velocities", "accelerations", "forces")
 MOST = 3.0  # tolerances: what a run may be off
+_LITTLE = 1e-12  # a disturbance as rounding makes it
 _INSTANTS = 160
 _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
 _MOST_FIXED = 0.1  # of the peak, at the shortest of them
@@ -205,19 +206,21 @@ def examine(drawn: Drawn, only: str = "") -> dict[str, Any]:
         return found | {"without": f"{type(error).__name__}: {error}"}
     found["switches"], found["truth_s"] = len(right.motion.switches), process_time() - began
     times = right.motion.times
-    magnified: dict[float, dict[str, float]] = {}
+    grown: dict[float, dict[str, float]] = {}
 
     def judge(what: str, tolerance: float, errors: dict[str, float]) -> None:
         for kind, error in errors.items():
             if not error > MOST * tolerance:
                 continue
-            if tolerance not in magnified:
-                magnified[tolerance] = magnification(drawn, right, tolerance)
-            by = magnified[tolerance][kind]
+            for size in (_LITTLE, tolerance):
+                if size not in grown:
+                    grown[size] = magnification(drawn, right, size)
+            little, same = (grown[size][kind] for size in (_LITTLE, tolerance))
             line = (
-                f"{what}: {kind} off by {error / tolerance:.3g} tolerances, magnified by {by:.3g}"
+                f"{what}: {kind} off by {error / tolerance:.3g} tolerances; the system magnifies "
+                f"{_LITTLE:g} by {little:.3g}, the tolerance by {same:.3g}"
             )
-            explained = error <= MOST * tolerance * max(1.0, by)
+            explained = error <= MOST * tolerance * max(1.0, little, same)
             (found.setdefault("explained", []) if explained else failures).append(line)
 
     for tolerance in TOLERANCES:
