@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 from itertools import pairwise
 from math import inf, isfinite
@@ -56,13 +56,13 @@ _FASTEST = 100.0  # m/s, up to which a damper is checked
 _JOINED = {"linear": characteristics.table, "monotone": characteristics.monotone_table}
 
 
-def _table(p: Mapping[str, Value], part: str) -> Characteristic | None:
-    """Return the characteristic given by the table of a part, if there is one."""
-    text = str(p[f"{part}.table"])
+def _table(p: Mapping[str, Value], name: str, interpolation: str) -> Characteristic | None:
+    """Return the characteristic given by a table, the parameter `name`, if there is one."""
+    text = str(p[name])
     if not text:
         return None
-    with blaming(f"{part}.table"):
-        return _JOINED[str(p[f"{part}.interpolation"])](points(f"{part}.table", text))
+    with blaming(name):
+        return _JOINED[str(p[interpolation])](points(name, text))
 
 
 def _through_zero(law: Characteristic, name: str) -> Characteristic:
@@ -79,16 +79,18 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
 
 def _spring(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the spring of one axle, measured from static equilibrium."""
-    part = f"{of}spring"
-    table = _table(p, part)
-    law = table or characteristics.cubic(number(p, f"{part}.rate"), number(p, f"{part}.cubic"))
-    preload = number(p, f"{part}.preload")
+    table = _table(p, f"{of}spring.table", f"{of}spring.interpolation")
+    law = table or characteristics.cubic(
+        number(p, f"{of}spring.rate"), number(p, f"{of}spring.cubic")
+    )
+    preload = number(p, f"{of}spring.preload")
     if preload == 0.0:
-        return law if table is None else _through_zero(table, f"{part}.table")
+        return law if table is None else _through_zero(table, f"{of}spring.table")
     static = law.argument(-preload)
     if not abs(static) < inf:
         raise ParameterError(
-            f"{part}.preload = {preload:g}: the spring never reaches {preload:g} N in compression"
+            f"{of}spring.preload = {preload:g}: the spring never reaches {preload:g} N in "
+            "compression"
         )
     return law.moved(static, -preload).resting()
 
@@ -106,19 +108,20 @@ def _braking(law: Characteristic, name: str) -> Characteristic:
 
 def _damper(p: Mapping[str, Value], of: str) -> Characteristic:
     """Return the damper of one axle: a table, or with smooth saturation, or linear with blow-off."""
-    part = f"{of}damper"
-    table = _table(p, part)
+    table = _table(p, f"{of}damper.table", f"{of}damper.interpolation")
     if table is not None:
-        return _braking(_through_zero(table, f"{part}.table"), f"{part}.table")
-    rebound, bump, most = (
-        number(p, f"{part}.{name}") for name in ("rebound_rate", "bump_rate", "saturation_force")
-    )
+        return _braking(_through_zero(table, f"{of}damper.table"), f"{of}damper.table")
+    rebound, bump = number(p, f"{of}damper.rebound_rate"), number(p, f"{of}damper.bump_rate")
+    most = number(p, f"{of}damper.saturation_force")
     if most > 0.0:
-        with blaming(f"{part}.saturation_force"):
+        with blaming(f"{of}damper.saturation_force"):
             return characteristics.saturating(rebound, most, bump)
-    limits = ("rebound_limit", "bump_limit", "limit_slope")
     return characteristics.damper(
-        rebound, bump, *(number(p, f"{part}.{limit}") for limit in limits)
+        rebound,
+        bump,
+        number(p, f"{of}damper.rebound_limit"),
+        number(p, f"{of}damper.bump_limit"),
+        number(p, f"{of}damper.limit_slope"),
     )
 
 
@@ -192,9 +195,10 @@ def payload_words(p: Mapping[str, Value], axle: str = "") -> str:
     weight = number(p, f"{of}payload") * gravity(p)
     on_tyre = -_unloaded_tyre(p, of).argument(-weight) if f"{of}tyre.damping" in p else 0.0
     gaps = [
-        f"{name.replace('_', ' ')} {1e3 * (number(p, f'{of}{name}.gap') + sign * sink):.4g} mm away"
-        for name, sign in (("bump_stop", -1.0), ("rebound_stop", 1.0))
-        if p[f"{of}{name}.stiffness"] or p[f"{of}{name}.table"]
+        f"{stop.name.replace('_', ' ')} "
+        f"{1e3 * (number(p, f'{of}{stop.gap}') + stop.side * sink):.4g} mm away"
+        for stop in _STOPS
+        if p[f"{of}{stop.stiffness}"] or p[f"{of}{stop.table}"]
     ]
     total = sink + on_tyre
     return "; ".join(
@@ -226,27 +230,49 @@ def _damper_element(
     return Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
 
 
-def _stop_element(name: str, make: Callable[[float, float], Characteristic], side: float) -> _Make:
-    """Return the function that makes an end stop from its gap, and its stiffness or table.
+@dataclass(frozen=True, slots=True)
+class _Stop:
+    """An end stop: names of its element and parameters, how it is made, and where it acts.
 
     Parameters
     ----------
+    name : of its element
+    gap, stiffness, table : names of its parameters
+    make : returns its characteristic from gap and stiffness
     side : the sign of the deflection at which it acts
     """
 
-    def stop_element(
-        p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
-    ) -> Element | None:
-        of, prefix = _prefixes(axle)
-        gap, text = number(p, f"{of}{name}.gap"), str(p[f"{of}{name}.table"])
-        stop = (
-            _progressive(f"{of}{name}.table", text, gap, side)
-            if text
-            else make(gap, number(p, f"{of}{name}.stiffness"))
-        )
-        return None if stop.is_zero else Element(f"{prefix}{name}", direction, stop, road=road)
+    name: str
+    gap: str
+    stiffness: str
+    table: str
+    make: Callable[[float, float], Characteristic]
+    side: float
 
-    return stop_element
+    def element(
+        self, p: Mapping[str, Value], direction: tuple[float, ...], axle: str, road: str
+    ) -> Element | None:
+        """Return the stop of an axle; None if it has no stiffness."""
+        of, prefix = _prefixes(axle)
+        gap, text = number(p, f"{of}{self.gap}"), str(p[f"{of}{self.table}"])
+        stop = (
+            _progressive(f"{of}{self.table}", text, gap, self.side)
+            if text
+            else self.make(gap, number(p, f"{of}{self.stiffness}"))
+        )
+        return None if stop.is_zero else Element(f"{prefix}{self.name}", direction, stop, road=road)
+
+
+_STOPS = (
+    _Stop(
+        "bump_stop", "bump_stop.gap", "bump_stop.stiffness", "bump_stop.table",
+        characteristics.bump_stop, -1.0,
+    ),
+    _Stop(
+        "rebound_stop", "rebound_stop.gap", "rebound_stop.stiffness", "rebound_stop.table",
+        characteristics.rebound_stop, 1.0,
+    ),
+)  # fmt: skip
 
 
 def _progressive(name: str, text: str, gap: float, side: float) -> Characteristic:
@@ -277,8 +303,7 @@ _Make = Callable[[Mapping[str, Value], tuple[float, ...], str, str], Element | N
 _SUSPENSION: tuple[_Make, ...] = (
     _spring_element,
     _damper_element,
-    _stop_element("bump_stop", characteristics.bump_stop, -1.0),
-    _stop_element("rebound_stop", characteristics.rebound_stop, 1.0),
+    *(stop.element for stop in _STOPS),
     _friction_element,
 )
 
@@ -323,17 +348,17 @@ def _tyre(p: Mapping[str, Value], of: str) -> Characteristic:
 
 
 def _unloaded_tyre(p: Mapping[str, Value], of: str) -> Characteristic:
-    part = f"{of}tyre"
-    table = _table(p, part)
+    table = _table(p, f"{of}tyre.table", f"{of}tyre.interpolation")
     if table is None:
-        return characteristics.linear(number(p, f"{part}.stiffness"))
-    forces = [force for _, force in points(f"{part}.table", str(p[f"{part}.table"]))]
+        return characteristics.linear(number(p, f"{of}tyre.stiffness"))
+    forces = [force for _, force in points(f"{of}tyre.table", str(p[f"{of}tyre.table"]))]
     for force, force_next in pairwise(forces):
         if not force < force_next:
             raise ParameterError(
-                f"{part}.table: forces must rise with deflection, but {force_next:g} follows {force:g}"
+                f"{of}tyre.table: forces must rise with deflection, but {force_next:g} follows "
+                f"{force:g}"
             )
-    return _through_zero(table, f"{part}.table")
+    return _through_zero(table, f"{of}tyre.table")
 
 
 def tyre_stiffness(p: Mapping[str, Value], axle: str = "") -> float:
@@ -383,8 +408,14 @@ def _plank(make: Callable[..., Signal]) -> Callable[[Mapping[str, Value]], Signa
 
 
 def _sweep(p: Mapping[str, Value]) -> Signal:
-    names = ("height", "first_frequency", "last_frequency", "duration", "start")
-    return roads.sweep(*(number(p, f"road.{name}") for name in names))
+    names = (
+        "road.height",
+        "road.first_frequency",
+        "road.last_frequency",
+        "road.duration",
+        "road.start",
+    )
+    return roads.sweep(*(number(p, name) for name in names))
 
 
 def _random(p: Mapping[str, Value]) -> Signal:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -190,3 +191,16 @@ def test_a_run_checks_a_value_where_it_enters_and_builds_its_system_once(tmp_pat
     assert checked == [1900, 1900.0]
     assert built.count(1900.0) == 1
     assert set(built) <= {1900.0, ALL_DEFAULTS["damper.rebound_rate"]}
+
+
+def test_the_name_of_a_parameter_stands_whole_where_it_is_used() -> None:
+    """So that a search for it finds declaration and use."""
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in FOLDER.parent.rglob("*.py"))
+    names = {
+        v.name.removeprefix("front.").removeprefix("rear.")
+        for model in ALL.values()
+        for v in model.variables
+        if v.causality == "parameter" and not v.name.startswith("initial.")
+    }
+    once = {name for name in names if len(re.findall(rf'["}}]{re.escape(name)}"', sources)) < 2}
+    assert once == set()

@@ -73,9 +73,8 @@ def _linear_damper(p: Mapping[str, Value]) -> Element:
 
 def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, hardening: float) -> None:
     """Refuse a permanent set with which the spring would start beyond its yield force."""
-    displacement, permanent_set = (
-        number(p, f"initial.{name}") for name in ("displacement", "permanent_set")
-    )
+    displacement = number(p, "initial.displacement")
+    permanent_set = number(p, "initial.permanent_set")
     # between the yield lines, -+ yield force (1 - hardening / rate) + hardening u
     room = yield_force * (1.0 - hardening / rate)
     middle = displacement * (1.0 - hardening / rate)
