@@ -199,7 +199,12 @@ def test_all_conditions_are_on_parameters_that_there_are() -> None:
     ("model", "name", "given", "words"),
     [
         ("QuarterCar", "damper.bump_rate", {"damper.table": DAMPER}, "damper.table is given"),
-        ("HalfCar", "rear.bump_stop.gap", {}, "rear.bump_stop.stiffness is 0"),
+        (
+            "HalfCar",
+            "rear.bump_stop.gap",
+            {},
+            "rear.bump_stop.stiffness is 0 and rear.bump_stop.table is not given",
+        ),
         (
             "HalfCar",
             "front.spring.rate",
