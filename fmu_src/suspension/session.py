@@ -100,6 +100,8 @@ class Session:
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
         self._energies: Energies | None = None  # at the present time, once asked for
+        # the integrator before and after the last step, once asked for
+        self._around: tuple[bytes, bytes] | None = None
         self._inputs = [v.name for v in declared if v.causality == "input"]
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
@@ -162,7 +164,7 @@ class Session:
     def _attach(self, system: System, integrator: Any) -> None:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
-        self._behind = integrator.snapshot()
+        self._behind, self._around = integrator.snapshot(), None
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*(memoryview(getattr(self._run, of)) for of in Contacts._fields))
         self.state = State(system, integrator)
@@ -236,6 +238,7 @@ class Session:
         self._sample()
 
     def _step(self, until: float, stop: bool) -> None:
+        self._around = None
         status = self._integrator.advance(until, stop)
         self._note_switches()
         self._note_stability()
@@ -396,8 +399,11 @@ class Session:
 
     def _repeated(self) -> Energies:
         """Return the energies at the present time, which the last step has gone beyond."""
-        ahead = self._integrator.snapshot()
-        self._return_to_last_step()
+        if self._around is None:
+            ahead = self._integrator.snapshot()
+            self._around = self._beginning_of_last_step(), ahead
+        before, ahead = self._around
+        self._integrator.restore(before)
         status = self._integrator.advance(self.time, True)
         found = self._read_ledger() if status == 0 else _NO_ENERGIES
         self._integrator.restore(ahead)
@@ -406,15 +412,15 @@ class Session:
         self.state.at(self.time, self._signals)
         return found
 
-    def _return_to_last_step(self) -> None:
-        """Go back to the beginning of the step that the present lies in, wherever the host stopped."""
+    def _beginning_of_last_step(self) -> bytes:
+        """Return the state where the step begins that the present lies in, wherever the host stopped."""
         before = self._behind
         self._integrator.restore(before)
         while self._integrator.advance(nextafter(self._integrator.time, inf)) == 0:
             if self._integrator.time > self.time:
                 break
             before = self._integrator.snapshot()
-        self._integrator.restore(before)
+        return before
 
     def _read_ledger(self) -> Energies:
         kinetic, stored, _, since = self._integrator.energies()
@@ -484,7 +490,7 @@ class Session:
         if (kept["model"], kept["parameters"]) != (self.model, self.parameters):
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
-        self._behind = bytes.fromhex(kept["behind"])
+        self._behind, self._around = bytes.fromhex(kept["behind"]), None
         self._forget_events()
         self._opening, self._carried = kept["opening"], tuple(kept["carried"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
