@@ -33,6 +33,7 @@ CONTENTS = {
         "sweeps",
         "design",
         "systems",
+        "controllers",
         "fmus",
         "python",
         "constructions",

@@ -1,0 +1,36 @@
+"""The engineer's notebook, from measured tables to an optimum and its FMU."""
+
+import ast
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+NOTEBOOK = Path(__file__).parents[2] / "docs" / "desk" / "own_car.ipynb"
+
+
+@pytest.mark.slow
+def test_the_notebook_runs_from_top_to_bottom(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scope: dict[str, Any] = {}
+    shown: list[object] = []
+    for cell in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]:
+        if cell["cell_type"] == "code":
+            tree = ast.parse("".join(cell["source"]))
+            last = tree.body[-1]
+            if isinstance(last, ast.Expr):  # what a notebook shows below the cell
+                exec(compile(ast.Module(tree.body[:-1], []), "cell", "exec"), scope)
+                shown.append(eval(compile(ast.Expression(last.value), "cell", "eval"), scope))
+            else:
+                exec(compile(tree, "cell", "exec"), scope)
+    pictures = [one for one in shown if hasattr(one, "_repr_png_")]
+    assert len(pictures) == 2
+    assert all(picture._repr_png_().startswith(b"\x89PNG") for picture in pictures)
+    assert "body weighted acceleration" in scope["run"]._repr_html_()
+    assert "payload of 200 kg" in " ".join(scope["loaded"].summary["remarks"])
+    optimum, before, after = scope["optimum"], scope["run"].measures, scope["after"].measures
+    assert optimum.summary["feasible"]
+    assert after["body_weighted_acceleration"] < before["body_weighted_acceleration"]
+    assert (optimum.folder / "study.png").exists()
+    assert shown[-1] == 0.0  # the FMU of the optimum has the same bits
