@@ -21,6 +21,7 @@ from .outputs import (
     ACCELERATION,
     DISPLACEMENT,
     FORCE,
+    VELOCITY,
     Contact,
     Line,
     OfContact,
@@ -28,7 +29,7 @@ from .outputs import (
     Reading,
     reading_of,
 )
-from .signals import Segment
+from .signals import Segment, Signal
 from .systems import System
 from .variable import Variable
 
@@ -180,7 +181,7 @@ class Series:
         signal = system.signals[name]
         known = self._roads.get((name, order))
         if known is None or known[0] is not signal.segments:
-            column = np.array([signal.derivatives(t)[order] for t in self._times])
+            column = _sampled(signal, order, np.asarray(self._times))
             known = self._roads[name, order] = signal.segments, column
         return known[1]
 
@@ -221,3 +222,19 @@ def joints(system: System) -> list[float]:
 def _upright(numbers: Any) -> Column:
     """Return a number of each run as a factor of the columns, (runs, 1)."""
     return np.array([*numbers])[:, None]
+
+
+def _sampled(signal: Signal, order: int, times: Column) -> Column:
+    """Return the values of a signal (order 0) or its rates (1), to the bit those of `derivatives`."""
+    segments = signal.segments
+    at = np.searchsorted([segment.start for segment in segments[1:]], times, side="right")
+    c0, c1, c2, c3 = np.array([segment.coefficients for segment in segments])[at].T
+    s = times - np.array([segment.origin for segment in segments])[at]
+    if order == VELOCITY:
+        column = c1 + s * (2.0 * c2 + s * 3.0 * c3)
+    else:
+        column = c0 + s * (c1 + s * (c2 + s * c3))
+    waves = np.array([segment.amplitude != 0.0 for segment in segments])
+    for row in np.flatnonzero(waves[at]):  # numpy's cosine may differ from that of `math`
+        column[row] = segments[at[row]].derivatives(times[row])[order]
+    return column

@@ -29,6 +29,7 @@ _PARTS = 12  # parts of an interval in which an extreme may be
 _MOST_PLACES = 8  # intervals for one extreme
 _MOST_CORNERS = 2_000  # up to which all are read on both sides
 _SHORT = 3.0  # intervals: times between closer switches are refined too
+RESIDUAL = "energy_residual"
 _ROUNDING = 1e-9  # s
 _TOGETHER = 16  # runs refined in one batch
 _RISE = 0.5  # second differences by which an extreme may exceed the values beside it
@@ -192,15 +193,27 @@ def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[
     failure, switches = "", []
     try:
         session = Session(model, given, float(time[0]))
-        for t in time.tolist():
-            session.advance(t)
-            rows.append([session.value(name) for name in outputs])
+        if outputs == {RESIDUAL}:  # which needs no sample of the motion
+            rows = [[residual] for residual in _residuals(session, time)]
+        else:
+            for t in time.tolist():
+                session.advance(t)
+                rows.append([session.value(name) for name in outputs])
         switches = [event.time for event in session.events]
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)
     columns = dict(zip(outputs, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
     columns["time"] = time[: len(rows)]
     return Solution(columns, {n: c[-1] for n, c in columns.items() if len(c)}, failure, switches)
+
+
+def _residuals(session: Session, time: Column) -> Iterator[float]:
+    """Yield the residual of the energy balance at each time, with the steps that the session takes."""
+    integrator = session.integrator
+    for t in time.tolist():
+        if integrator.time < t:
+            session.advance(t)
+        yield integrator.residual_at(t)
 
 
 def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:
