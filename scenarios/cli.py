@@ -19,6 +19,9 @@ COMMANDS = {
     "fit": Entry("design.fit", "Fit parameters of a scene to measured signals."),
     "replay": Entry("replay.replay", "Draw the construction of a SCENE or of a run's RESULTS."),
     "portrait": Entry("modelling.portrait", "Draw the phase portrait of SCENE."),
+    "modes": Entry(
+        "modelling.modes", "List the modes of SCENE about rest: frequencies, damping, shapes."
+    ),
     "exercise": Entry(
         "exercise.exercise", "Write an exercise: construct the first steps of SCENE by hand."
     ),

@@ -151,7 +151,7 @@ class Lienard:
         if all(_same(family[0], other, 1e-9 * size) for other in family):
             return (Curve("auxiliary", family[0]),)
         axis = plane.displacement
-        factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, axis.unit)
+        factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, f" {axis.unit}".rstrip())
         return tuple(
             Curve("auxiliary", vertices, f"{axis.label} = {factor * y:g}{unit}")
             for vertices, y in zip(family, values, strict=True)

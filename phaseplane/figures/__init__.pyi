@@ -11,6 +11,7 @@ from .exercise import sheet_extent as sheet_extent
 from .exercise import sheet_room as sheet_room
 from .histories import axle_histories as axle_histories
 from .histories import time_histories as time_histories
+from .modes import modal_planes as modal_planes
 from .planes import construction_sheet as construction_sheet
 from .planes import phase_planes as phase_planes
 from .portrait import portrait as portrait

@@ -133,7 +133,7 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
             autolim=False,
         )
         edge = max(ends, key=outwards)
-        if outwards(edge) < _OUTER:
+        if outwards(edge) < _OUTER or abs(edge[1]) < 0.05 * window.height:
             continue
         axes.annotate(
             f"{slope:g}", edge, fontsize=7.0, color=TEAL, ha="center", va="center", zorder=6.5,

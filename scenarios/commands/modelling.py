@@ -1,4 +1,4 @@
-"""`phaseplane ladder` and `phaseplane portrait`: the model a scene needs, and its phase portrait."""
+"""`phaseplane ladder`, `portrait` and `modes`: the model a scene needs, its phase portrait, its modes."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from ..draw.modes import modes as make_modes
+from ..draw.modes import modes_in_words
 from ..draw.portraits import portrait as make
 from ..draw.portraits import portrait_in_words
 from ..results.folder import as_json
@@ -90,3 +92,20 @@ def portrait(
         dark=dark,
     )  # fmt: skip
     click.echo(as_json(told) if as_data else portrait_in_words(told))
+
+
+@click.command()
+@click.argument("scene")
+@set_option
+@figure_option("the modal phase planes")
+@dark_option
+@json_option
+def modes(
+    scene: str, overrides: tuple[str, ...], figure: Path | None, dark: bool, as_data: bool
+) -> None:
+    """List the modes of SCENE about rest: frequencies, damping, shapes.
+
+    The figure shows free motion from the shape of each mode in the phase planes of the modes.
+    """
+    told = make_modes(scene, overrides, figure, dark=dark)
+    click.echo(as_json(told) if as_data else modes_in_words(told))

@@ -1,0 +1,87 @@
+"""The modes of scenes: frequencies, damping, shapes, and their phase planes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import pi
+from pathlib import Path
+from typing import Any
+
+from phaseplane.suspension.models import build
+from phaseplane.suspension.variables import MODELS
+
+from phaseplane import figures
+
+from ..errors import InputError, check_picture, one_line
+from ..measures.linearised import linearised
+from ..measures.modal_planes import modal_planes
+from ..scene.loading import load_scene
+
+
+def modes(
+    reference: str, overrides: Sequence[str], figure: Path | None, *, dark: bool = False
+) -> dict[str, Any]:
+    """Return the modes of a scene's model about rest, and draw their planes if `figure` is given.
+
+    Raises
+    ------
+    InputError : if the scene has no modes, or the picture cannot be written.
+    """
+    if figure is not None:
+        check_picture(figure)
+    scene = load_scene(reference, overrides, expect=False)
+    if scene.fmu.model not in MODELS:
+        raise InputError(f"modes of {scene.name}: {scene.fmu.model} is no model of this package")
+    parameters = scene.all_parameters
+    level = {"road.shape": "flat"} if "road.shape" in parameters else {}
+    try:
+        system = linearised(build(scene.fmu.model, {**parameters, **level}))
+        found = modal_planes(system)
+    except ValueError as error:
+        raise InputError(f"modes of {scene.name}: {one_line(str(error))}") from None
+    told = []
+    for i, omega in enumerate(found.angular_frequencies.tolist()):
+        shape = found.shapes[:, i] / found.shapes[abs(found.shapes[:, i]).argmax(), i]
+        told.append(
+            {
+                "frequency": omega / (2.0 * pi),
+                "angular_frequency": omega,
+                "damping_ratio": float(found.damping_ratios[i]),
+                "shape": dict(zip(found.coordinates, shape.tolist(), strict=True)),
+            }
+        )
+    title = scene.title or scene.name
+    if figure is not None:
+        names = [
+            f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
+            for i, one in enumerate(told, 1)
+        ]
+        motions = [found.free(i) for i in range(len(told))]
+        figures.save(figures.modal_planes(motions, names, title=title, dark=dark), figure)
+    return {
+        "title": title,
+        "modes": told,
+        "proportional": found.proportional,
+        "damped": [
+            {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
+            for mode in system.modes()
+        ],
+        "files": [str(figure)] if figure is not None else [],
+    }
+
+
+def modes_in_words(told: Mapping[str, Any]) -> str:
+    """Return the modes as text for a terminal."""
+    lines = [told["title"], ""]
+    for i, one in enumerate(told["modes"], 1):
+        shape = ", ".join(f"{name} {part:.4g}" for name, part in one["shape"].items())
+        lines.append(
+            f"mode {i}   {one['frequency']:.6g} Hz ({one['angular_frequency']:.6g} rad/s), damping ratio "
+            f"{one['damping_ratio']:.4g}; {shape}"
+        )
+    if not told["proportional"]:
+        damped = "; ".join(
+            f"{one['frequency']:.6g} Hz, {one['damping_ratio']:.4g}" for one in told["damped"]
+        )
+        lines += ["", f"the damping couples these modes; damped, they are {damped}"]
+    return "\n".join([*lines, *(f"file     {name}" for name in told["files"])])

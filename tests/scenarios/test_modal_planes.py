@@ -1,0 +1,85 @@
+"""Modes in their own phase planes, against closed forms and the eigenvalues of the first-order system."""
+
+from __future__ import annotations
+
+import json
+from math import exp, pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.measures.linearised import Linearised, linearised
+from phaseplane.scenarios.measures.modal_planes import modal_planes
+from phaseplane.suspension.models import build
+
+
+def chain(alpha: float, beta: float) -> Linearised:
+    """Two masses on springs with Rayleigh damping B = alpha M + beta K."""
+    mass, stiffness = np.array([[2.0, 0.3], [0.3, 1.0]]), np.array([[30.0, -10.0], [-10.0, 15.0]])
+    return Linearised(("a", "b"), mass, alpha * mass + beta * stiffness, stiffness, {}, {})
+
+
+def test_modes_are_normed_and_solve_their_equation() -> None:
+    system = chain(0.0, 0.0)
+    found = modal_planes(system)
+    shapes, squares = found.shapes, found.angular_frequencies**2
+    assert shapes.T @ system.mass @ shapes == pytest.approx(np.eye(2), abs=1e-12)
+    assert system.stiffness @ shapes == pytest.approx(system.mass @ shapes * squares, abs=1e-11)
+
+
+def test_rayleigh_damping_leaves_the_modes_to_themselves() -> None:
+    """Its ratios are alpha / (2 Omega) + beta Omega / 2 (H83 chapter 11)."""
+    alpha, beta = 0.2, 0.01
+    system = chain(alpha, beta)
+    found = modal_planes(system)
+    omega = found.angular_frequencies
+    assert found.proportional
+    assert found.damping_ratios == pytest.approx(alpha / (2 * omega) + beta * omega / 2, rel=1e-12)
+    assert found.damping_ratios == pytest.approx(
+        [m.damping_ratio for m in system.modes()], rel=1e-9
+    )
+    assert omega / (2 * pi) == pytest.approx([m.frequency for m in system.modes()], rel=1e-9)
+
+
+def test_free_motion_is_a_circle_and_with_damping_a_spiral() -> None:
+    motion = modal_planes(chain(0.0, 0.0)).free(1)
+    assert np.hypot(*motion[:, 1].T) == pytest.approx(1.0, abs=1e-10)
+    assert motion[:, 0] == pytest.approx(0.0, abs=1e-12)
+    found = modal_planes(chain(0.2, 0.01))
+    damped = found.free(0, periods=1.0)
+    ratio = float(found.damping_ratios[0])
+    turned = 2.0 * pi * sqrt(1.0 - ratio**2)
+    known = exp(-2.0 * pi * ratio) * (
+        np.cos(turned) + ratio / sqrt(1.0 - ratio**2) * np.sin(turned)
+    )
+    assert damped[-1, 0, 0] == pytest.approx(known, rel=1e-9)
+
+
+def test_the_damping_of_a_car_couples_its_modes() -> None:
+    found = modal_planes(linearised(build("QuarterCar", {})))
+    assert not found.proportional
+    assert np.abs(found.free(0)[:, 1]).max() > 0.005
+
+
+def test_the_double_pendulum_is_told_and_drawn(tmp_path: Path) -> None:
+    """H83 example 28: 0.7653668647 and 1.8477590650 sqrt(g/l)."""
+    picture = tmp_path / "modes.png"
+    done = CliRunner().invoke(main, ["modes", "h83_example28", "--figure", str(picture), "--json"])
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    unit = sqrt(9.80665)
+    assert [m["angular_frequency"] / unit for m in told["modes"]] == pytest.approx(
+        [0.7653668647, 1.8477590650], rel=1e-9
+    )
+    assert [m["damping_ratio"] for m in told["modes"]] == [0.0, 0.0]
+    assert picture.stat().st_size > 10_000
+
+
+def test_what_has_no_modes_is_refused_in_a_line() -> None:
+    refused = CliRunner().invoke(main, ["modes", "van_der_pol"])
+    assert refused.exit_code == 2
+    assert "Equation is no model of this package" in refused.stderr
+    with pytest.raises(ValueError, match="no stiffness against it"):
+        modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1)), {}, {}))
