@@ -11,5 +11,5 @@ python - ap57_phase_planes.png ap57_figure13.png ap57_figure4b.png van_der_pol.p
 import sys
 from PIL import Image
 for name in sys.argv[1:]:
-    Image.open(name).convert("RGB").quantize(256).save(name, optimize=True)
+    Image.open(name).convert("RGB").quantize(256, kmeans=3).save(name, optimize=True)
 END

@@ -18,7 +18,7 @@ from .styles import PARTS
 from .words import bracketed, in_words, number
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
-_EM = 0.0095
+_EM = 0.0145
 _MOST = 600  # vertices of a curve
 _SERIES = 4
 
@@ -67,28 +67,24 @@ class Chart:
         return complex(x, _HEIGHT * (value - self.low) / span)
 
     def _stays(self) -> Page:
-        view = Box(complex(0.48 * _WIDTH, 0.44 * _HEIGHT), complex(0.66 * _WIDTH, 0.76 * _HEIGHT))
+        view = Box(complex(0.78 * _WIDTH, 0.52 * _HEIGHT), complex(0.95 * _WIDTH, 0.72 * _HEIGHT))
         sheet = Drawing("", (), (), {}, ())
         page = Page(sheet, view, _EM, [np.zeros(1, complex)])
         zero = self.at(self.start, 0.0)
         page.arrow("axis", zero, zero + 1.03 * _WIDTH)
         page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
         unit = bracketed(self.quantity.unit)
-        page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.04, _HEIGHT + 2.2 * _EM)))
-        page.write_if_free(Text("axis", "t [ms]", zero + _WIDTH + 1.4j * _EM))
+        page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.05, _HEIGHT + 1.7 * _EM)))
+        page.write_if_free(Text("axis", "t [ms]", zero + _WIDTH + 1.2j * _EM))
         self._values(page)
         for name in self.names:
             curve = [self.at(t, v) for t, v in zip(self.times, self.values[name], strict=True)]
             if len(curve) > 1:
                 page.lines(_part(name), [curve], 0.8, 0.6)
-        bottom = self.at(self.start, self.low).imag - 2.6 * _EM
-        left = [-0.04, -0.04]
-        for number_of, name in enumerate(self.names):
-            row = number_of % 2
+        for row, name in enumerate(self.names):  # beside the chart
             half = Text(_part(name), in_words(name), 0j, 0.9).box(_EM).half.real
-            place = complex(left[row] + half, bottom - 1.5 * row * _EM)
+            place = complex(1.12 * _WIDTH + half, _HEIGHT - 1.7 * row * _EM)
             page.write_if_free(Text(_part(name), in_words(name), place, 0.9))
-            left[row] += 2.0 * half + _EM
         return page
 
     def _values(self, page: Page) -> None:

@@ -12,7 +12,7 @@ from phaseplane.constructions.sheet import events_of
 
 from . import dimensions
 from .page import CURVES, Arrow, Page, joined
-from .paper import Box, Points, around
+from .paper import Box, Points, around, table
 from .quantities import Quantity
 from .views import room_for_letters
 from .words import (
@@ -26,6 +26,10 @@ from .words import (
 )
 
 FEWEST, MOST = 40, 60
+_AWAY = (
+    0.25  # least distance of a state point from its origin in a step that is told, of the largest
+)
+_TELLING = 12  # fewest steps from which those are chosen
 """Ticks of a story, where the schemes allow it."""
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
@@ -132,6 +136,7 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
         found += [i for i in [next(at, -1)] if i >= 0]
     mode = drawing.frames[0].scheme
     ordinary = [i for i, frame in enumerate(drawing.frames) if frame.scheme == mode]
+    ordinary = _moving(drawing, ordinary)
     room = room_for_letters(drawing, [drawing.frames[i] for i in ordinary])
     room = np.nan_to_num(room, nan=0.0, posinf=0.0)
     left = MOST - 2 - sum(map(cost, found))
@@ -143,6 +148,16 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
             found.append(best)
             left -= cost(best)
     return sorted(set(found))
+
+
+def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
+    """Return the steps in which some state point is well away from its origin; all if none is."""
+    origins = np.array([plane.displacement.origin for plane in drawing.planes])
+    names = [plane.state for plane in drawing.planes]
+    size = abs(table([drawing.frames[i] for i in steps], names) - origins).max(axis=1)
+    least = _AWAY * np.nanmax(size, initial=0.0)
+    moving = [i for i, z in zip(steps, size, strict=True) if z >= least]
+    return moving if len(moving) >= _TELLING else steps
 
 
 def _introduction(drawing: Drawing) -> str:

@@ -87,7 +87,10 @@ def serve(folder: Path, address: str) -> None:
 
     The page is served until Ctrl-C.
     """
-    with page(True, address, recordings_in(folder)) as shown:
+    files = recordings_in(folder)
+    with page(True, address, files) as shown:
+        for path in files:
+            click.echo(f"  {path.relative_to(folder)}", err=True)
         until_interrupted(shown)
 
 
