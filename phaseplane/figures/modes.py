@@ -46,8 +46,9 @@ def modal_planes(
         axes.set_ylabel(f"η̇{number}/Ω{number}", color=colours.ink)
         axes.set_title(name, fontsize=9.5, color=colours.ink)
         axes.set_aspect("equal")
-        axes.set_xlim(-1.15, 1.15)
-        axes.set_ylim(-1.15, 1.15)
+        half = 1.08 * max(float(np.abs(motion[:, plane]).max()) for motion in motions)
+        axes.set_xlim(-half, half)
+        axes.set_ylim(-half, half)
         axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
         axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
     if title:

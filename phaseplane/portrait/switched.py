@@ -16,7 +16,7 @@ from phaseplane.equations.motion import MotionError, Step, steps
 from phaseplane.equations.switching import Switching
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
-_TOLERANCE = 1e-8
+_TOLERANCE, _OF_SECTION = 1e-8, 1e-7
 _STILL, _REST = 1e-7, 5  # of the window's sides; a motion rests after so many steps this short
 _CRAWL = 1e-4  # the same for a turn, which ends long before it could return
 _MOST = 20_000  # steps
@@ -107,7 +107,8 @@ def samples(
 ) -> Iterator[tuple[float, float]]:
     """Yield the states of a motion at the ends of successive periods, until it is gone."""
     due = system.period
-    for step in _steps(system, start, 1.0, _TOLERANCE, longest=0.25 * system.period):
+    # as exact as a section of an equation without switches
+    for step in _steps(system, start, 1.0, _OF_SECTION, longest=0.25 * system.period):
         while step.end >= due * (1.0 - 1e-12):
             x, v = step.at(min(due, step.end))
             if not window.holds(x, v, farthest):

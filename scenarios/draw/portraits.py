@@ -101,6 +101,10 @@ def portrait(
             made = computed.whole_portrait(
                 system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
             )
+        if made.section is None and scene.construction.starts:
+            still = system if made.frozen is None else system.frozen(made.frozen)
+            x, v = zip(subject.start, *scene.construction.starts, strict=True)
+            made = replace(made, orbits=(*made.orbits, *computed.followed(still, shown, x, v)))
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown))
     except (ValueError, OverflowError) as error:

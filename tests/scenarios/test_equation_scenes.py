@@ -8,10 +8,12 @@ from dataclasses import asdict
 from math import pi
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
+from phaseplane.scenarios.draw import portraits
 from phaseplane.scenarios.draw.constructions import constructed
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
@@ -120,3 +122,16 @@ def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None
     middle = min(shown["equilibria"], key=lambda at: abs(at["x"] + at.get("until", 0.0)))
     assert middle["kind"] == "stretch of rest"
     assert "R = 2.5" in shown["title"]
+
+
+def test_the_portrait_has_the_curves_of_the_starts(
+    pendulum: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    drawn = []
+    monkeypatch.setattr(portraits.figures, "portrait", lambda made, **_: drawn.append(made))
+    monkeypatch.setattr(portraits.figures, "save", lambda *_: None)
+    portraits.portrait(pendulum, (), tmp_path / "one.png")
+    begins = [tuple(np.round(curve[0], 9)) for curve in drawn[0].orbits]
+    assert (round(2.0 * pi / 3.0, 9), 0.0) in begins
+    assert (1.0, 6.0) in begins
+    assert (-2.0, 0.0) in begins
