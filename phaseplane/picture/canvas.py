@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
 
 from .page import Page
 from .paper import Points
@@ -59,11 +58,3 @@ class Echo(Canvas):
     def end(self) -> None:
         """Note the end."""
         self.ended = True
-
-
-def draw(canvas: Canvas, stays: Page, pages: Iterable[Page]) -> None:
-    """Draw what stays, then one page after the other."""
-    canvas.begin(stays)
-    for page in pages:
-        canvas.frame(page)
-    canvas.end()

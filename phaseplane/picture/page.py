@@ -5,7 +5,7 @@ A page is filled part by part and remembers its lines and texts, so that later l
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, floor
 from typing import Literal
@@ -211,10 +211,6 @@ class Page:
         return page
 
     # What is on the page.
-
-    def of(self, kind: type[Item]) -> Iterator[Item]:
-        """Return the items of one type, in the order of drawing."""
-        return (item for item in self.items if isinstance(item, kind))
 
     @property
     def texts(self) -> list[Text]:

@@ -71,7 +71,8 @@ def quantity_of(name: str, units: Mapping[str, str] | None = None) -> Quantity |
     if units is not None and name in units:
         unit = units[name]
         known = next((quantity for quantity in QUANTITIES if quantity.si == unit), None)
-        return known or (Quantity(unit_text(unit), unit_text(unit), 1.0, unit) if unit else None)
+        named = unit not in ("", "1")
+        return known or (Quantity(unit_text(unit), unit_text(unit), 1.0, unit) if named else None)
     return _by_ending(name)
 
 

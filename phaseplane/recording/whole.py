@@ -88,7 +88,11 @@ class Recorder:
         content = self.content
         if content.constructed is None or content.live or not content.shows("histories"):
             return None
-        shown = next((p for p in panels(content) if len(p.drawn) and p.quantity.si == "m"), None)
+        first = content.constructed.planes[0].name
+        drawn = [
+            p for p in panels(content) if p.drawn and (p.quantity.si == "m" or first in p.drawn)
+        ]
+        shown = drawn[0] if drawn else None
         if shown is None:
             return None
         names = (*shown.drawn, *(n for n in shown.names if n not in shown.drawn))

@@ -22,7 +22,7 @@ from recorded import (
 )
 
 from phaseplane.constructions import Axis, Curve, Mark
-from phaseplane.picture.canvas import Echo, draw
+from phaseplane.picture.canvas import Echo
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import graduation_of
 from phaseplane.picture.paper import Box, arcs
@@ -103,7 +103,10 @@ def test_a_story_in_order() -> None:
     stays = pages_of(content())[0]
     canvas = Echo()
     ticks = list(story_of(drawing(), stays, arms_page(drawing()), {}))
-    draw(canvas, stays, (tick.page for tick in ticks))
+    canvas.begin(stays)
+    for tick in ticks:
+        canvas.frame(tick.page)
+    canvas.end()
     assert canvas.ended
     assert canvas.stays is stays
     assert len(canvas.frames) == len(ticks)
