@@ -15,6 +15,7 @@ from math import ceil
 import numpy as np
 import numpy.typing as npt
 from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
+from phaseplane.suspension.engine import why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import Value
 
@@ -193,8 +194,8 @@ def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[
     failure, switches = "", []
     try:
         session = Session(model, given, float(time[0]))
-        if outputs == {RESIDUAL}:  # which needs no sample of the motion
-            rows = [[residual] for residual in _residuals(session, time)]
+        if outputs == {RESIDUAL}:  # which needs neither a sample of the motion nor a way back
+            rows.extend([residual] for residual in _residuals(session, time))
         else:
             for t in time.tolist():
                 session.advance(t)
@@ -211,8 +212,10 @@ def _residuals(session: Session, time: Column) -> Iterator[float]:
     """Yield the residual of the energy balance at each time, with the steps that the session takes."""
     integrator = session.integrator
     for t in time.tolist():
-        if integrator.time < t:
-            session.advance(t)
+        status = integrator.advance(t, False) if integrator.time < t else 0
+        if status:
+            where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
+            raise SimulationError(why_stopped(status, where))
         yield integrator.residual_at(t)
 
 
