@@ -10,6 +10,7 @@ from .exercise import exercise_sheet as exercise_sheet
 from .exercise import sheet_extent as sheet_extent
 from .exercise import sheet_room as sheet_room
 from .histories import axle_histories as axle_histories
+from .histories import has_histories as has_histories
 from .histories import time_histories as time_histories
 from .modes import modal_planes as modal_planes
 from .planes import construction_sheet as construction_sheet

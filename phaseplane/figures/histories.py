@@ -137,6 +137,11 @@ def _histories(
     return printed(figure, look)
 
 
+def has_histories(columns: Mapping[str, object]) -> bool:
+    """Whether some of the columns are drawn by `time_histories`."""
+    return any(name in columns for several in _COLUMNS.values() for name, _ in several)
+
+
 def airborne_spans(times: npt.ArrayLike, airborne: npt.ArrayLike) -> list[tuple[float, float]]:
     """Return the intervals in which the wheel is off the road, s.
 

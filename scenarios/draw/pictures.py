@@ -123,7 +123,14 @@ def figure_of(
         if "front_suspension_deflection" in results.columns:
             axles = {axle: histories(results, f"{axle}_") for axle in ("front", "rear")}
             return figures.axle_histories(axles, title=title, look=printed)
-        return figures.time_histories(histories(results), title=title, look=printed)
+        columns = histories(results)
+        if not figures.has_histories(columns):  # an FMU of others, or an equation
+            drawn = {name: column for name, column in results.columns.items() if name != "time"}
+            units = results.summary.get("units", {})
+            return figures.columns(
+                drawn, results.columns["time"], units, title=title, dark=printed.dark
+            )
+        return figures.time_histories(columns, title=title, look=printed)
     draws = getattr(figures, name)
     if step is not None and "frame" not in signature(draws).parameters:
         raise ValueError(f"{name} shows no single step; leave --at-step out")

@@ -148,7 +148,14 @@ class Layers:
         expected = tables.get("expect", {})
         for key, value in expected.items() if isinstance(expected, dict) else ():
             name, _, bound = key.rpartition(".")
-            if bound in ("min", "max") or name == REFERENCE:
+            if key.startswith(f"{REFERENCE}."):
+                _, part, *rest = key.split(".", 2)
+                table = bounds.setdefault(REFERENCE, {})
+                if rest:
+                    table.setdefault(part, {})[rest[0]] = value
+                else:
+                    table[part] = value
+            elif bound in ("min", "max"):
                 bounds.setdefault(name, {})[bound] = value
             else:
                 bounds[key] = value

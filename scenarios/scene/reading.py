@@ -13,6 +13,8 @@ from phaseplane.suspension.variables import ParameterError, Value, refuse_unknow
 from ..errors import InputError, shown
 from ..measures import catalogue
 from ..results.comparison import check_comparable
+from ..results.signals import KEYS as SIGNAL_KEYS
+from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
 from .controller import read_controller
 from .equation import EQUATION, check_equation
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from ..results.tables import Columns
 
 DURING, REFERENCE = "expect.during", "expect.reference"
+SIGNALS = tuple(key for key in SIGNAL_KEYS if key not in ("file", "columns"))
 _MOST_ROWS = 5_000_000
 
 
@@ -189,8 +192,11 @@ def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path])
     """Return the reference, the folder that its path is relative to, and its columns."""
     if "reference" not in expect:
         return {}
-    reference = read_table(Reference, expect["reference"], REFERENCE)
+    said = dict(expect["reference"]) if isinstance(expect["reference"], Mapping) else {}
     folder = folders.get(f"{REFERENCE}.file", Path())
+    if isinstance(said.get("columns"), Mapping) or set(said) & set(SIGNALS):
+        return _measured_reference(fmu, said, folder)
+    reference = read_table(Reference, expect["reference"], REFERENCE)
     if reference.columns == ():
         raise RefusedError(REFERENCE, f"{REFERENCE}.columns = []: must name at least one column")
     path = folder / reference.file
@@ -199,6 +205,23 @@ def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path])
     except InputError as error:
         raise RefusedError(REFERENCE, f"{REFERENCE}.file: {error}") from None
     _check_reference(fmu, reference, path, columns)
+    return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
+
+
+def _measured_reference(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    """Return a reference that has names, units and times of its own; see `results.signals`."""
+    units = {name: output.unit or "1" for name, output in fmu.outputs().items()}
+    signals = {key: value for key, value in said.items() if key in ("file", "columns", *SIGNALS)}
+    if not isinstance(signals.get("columns", {}), Mapping):  # names of outputs
+        signals["columns"] = {name: name for name in signals["columns"]}
+    try:
+        columns = read_signals(signals, folder, units)
+    except InputError as error:
+        raise RefusedError(REFERENCE, f"{REFERENCE}: {error}") from None
+    names = [name for name in columns if name != "time"]
+    rest = {key: value for key, value in said.items() if key not in SIGNALS}
+    reference = read_table(Reference, {**rest, "columns": names}, REFERENCE)
+    _check_reference(fmu, reference, folder / reference.file, columns)
     return {"reference": reference, "reference_folder": folder, "reference_columns": columns}
 
 

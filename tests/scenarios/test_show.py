@@ -114,3 +114,34 @@ def test_histories_of_a_half_car_show_both_axles():
         np.testing.assert_allclose(lines["road_elevation"], 100 * run[f"{axle}_ground_elevation"])
         assert axes.get_title("right") == axle
         assert [patch.get_gid() for patch in axes.patches] == ["airborne"]
+
+
+def test_a_measured_reference_has_names_units_and_times_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run = desk.run("ap57", duration=0.2)
+    lines = ["t;acc", "[ms];[g]"]
+    for time, a in zip(run.time, run["body_acceleration"], strict=True):
+        lines.append(
+            ";".join(f"{x:.12g}".replace(".", ",") for x in (1e3 * time + 20.0, a / 9.80665))
+        )
+    Path("rig.csv").write_text("\n".join(lines))
+    said = {"file": "rig.csv", "time": "t", "delimiter": ";", "decimal": ",", "tolerance": 1e-6,
+            "columns": {"body_acceleration": "acc"}, "common": True}  # fmt: skip
+    for shift, holds in (("-20 ms", True), ("-10 ms", False)):
+        checked = desk.run(
+            {
+                "extends": "ap57",
+                "duration": 0.2,
+                "expect": {"reference": {**said, "time_shift": shift}},
+            }
+        )
+        assert checked.holds == holds
+    with pytest.raises(InputError, match=r"expect.reference.*did you mean 'body_acceleration'"):
+        desk.run({"extends": "ap57", "duration": 0.2,
+                  "expect": {"reference": {**said, "columns": {"body_accel": "acc"}}}})  # fmt: skip
+
+
+def test_histories_of_other_models_show_all_columns(tmp_path):
+    run = desk.run("van_der_pol", duration=1.0)
+    figure = figure_of("time_histories", None, run.results)
+    assert len(figure.axes) == len(run) - 1
