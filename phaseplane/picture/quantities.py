@@ -6,8 +6,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import TYPE_CHECKING
 
-from phaseplane.constructions.primitives import Drawing
+if TYPE_CHECKING:
+    from phaseplane.constructions.primitives import Drawing
 
 
 @dataclass(frozen=True, slots=True)
