@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING
 
 import click
 from phaseplane.suspension.models import FILES
+from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError
 
 from phaseplane import vehicle_fmus
 
-from ..errors import InputError, RunError, one_line
+from ..errors import InputError, RunError, one_line, shown
 from ..results.plain import as_json
 from ..scene.loading import load_scene
+from ..scene.names import case_names
 from .console import json_option
 
 if TYPE_CHECKING:
@@ -57,6 +59,15 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
+    known = (*FILES, *case_names())
+    for name in models:
+        if name not in known and Path(name).suffix != ".toml":
+            raise InputError(
+                one_line(
+                    f"no model or scene {shown(name)}{nearest(name, known)}; models are "
+                    f"{', '.join(FILES)}; or give the path of a .toml file"
+                )
+            )
     scenes = [load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in FILES]
     try:
         folder.mkdir(parents=True, exist_ok=True)
