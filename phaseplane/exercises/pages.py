@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from html import escape
 from importlib.resources import files
 from math import atan2, ceil, cos, pi, sin
@@ -16,6 +17,11 @@ from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns
 
 _ASSETS = files("phaseplane.exercises") / "assets"
+TURN = ("axis", "construction")
+"""The roles of the curves of the turn angle, which may be anywhere on the sheet."""
+
+_LOWEST = "PQADBCH"  # the points of the planes by their first letters
+_GAP = 0.015  # m of paper between the planes and the turn angle
 _ROUNDED = 4  # digits of cm
 _ARC = 0.1  # rad between two points of an arc
 
@@ -27,6 +33,7 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
     ----------
     steps : the first so many; all if None
     """
+    drawing = _gathered(drawing, steps)
     frames = drawing.frames[:steps]
     entries = protocol(drawing, steps)
     return {
@@ -53,6 +60,28 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
             for e in entries
         ],
     }
+
+
+def _gathered(drawing: Drawing, steps: int | None) -> Drawing:
+    """Return a drawing with its turn angles just below the planes, wherever they were."""
+    frames = drawing.frames[:steps]
+    turning = [z for c in drawing.curves if c.role in TURN for z in c.vertices]
+    planes = [z for frame in frames for name, z in frame.points.items() if name[0] in _LOWEST] + [
+        z for c in drawing.curves if c.role == "trail" for z in c.vertices
+    ]
+    if not turning or not planes:
+        return drawing
+    low, left = min(z.imag for z in planes), min(z.real for z in planes)
+    shift = complex(left - min(z.real for z in turning), low - _GAP - max(z.imag for z in turning))
+    curves = tuple(
+        replace(c, vertices=tuple(z + shift for z in c.vertices)) if c.role in TURN else c
+        for c in drawing.curves
+    )
+    moved = tuple(
+        replace(f, points={n: z + shift if n[0] in "WN" else z for n, z in f.points.items()})
+        for f in drawing.frames
+    )
+    return replace(drawing, curves=curves, frames=moved)
 
 
 def protocol_page(drawing: Drawing, steps: int | None = None) -> str:

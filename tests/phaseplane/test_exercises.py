@@ -342,3 +342,17 @@ def test_readings_of_another_exercise_are_refused(task):
         judged(construction, drawing, points)
     with pytest.raises(ValueError, match="12 points were read, but the construction has 11"):
         judged(construction, drawing, [drawing.frames[0].points["P"]] * 12)
+
+
+def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
+    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=6)
+    told = sheet_data(drawing)
+    turning = [
+        p for c in told["curves"] if c["role"] in ("axis", "construction") for p in c["points"]
+    ]
+    lowest = min(100.0 * z.imag for f in drawing for n, z in f.points.items() if n[0] in "PQAD")
+    assert max(y for _, y in turning) == pytest.approx(lowest - 1.5, abs=1e-3)
+    # the construction itself, and its scale, are as they were
+    for step, frame in zip(told["steps"], drawing, strict=True):
+        p = 100.0 * frame.points["P"]
+        assert step["state"][0] == pytest.approx([p.real, p.imag], abs=1e-4)
