@@ -14,7 +14,6 @@ from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line
 from ..measures.linearised import linearised
-from ..measures.modal_planes import modal_planes
 from ..scene.loading import load_scene
 
 
@@ -27,6 +26,8 @@ def modes(
     ------
     InputError : if the scene has no modes, or the picture cannot be written.
     """
+    from ..measures.modal_planes import modal_planes  # noqa: PLC0415  (scipy)
+
     if figure is not None:
         check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
