@@ -13,4 +13,6 @@ from .scenarios.desk.run import Run as Run
 from .scenarios.desk.run import run as run
 from .scenarios.desk.showing import show as show
 from .scenarios.desk.table import Table as Table
+from .scenarios.desk.tables import read as read
+from .scenarios.desk.tables import sweep as sweep
 from .version import __version__ as __version__

@@ -193,3 +193,25 @@ def test_other_fmus_run_themselves(tmp_path):
 
 def test_scene_errors_are_input_errors():
     assert issubclass(SceneError, InputError)
+
+
+def test_tables_are_read_with_their_units(bump, tmp_path):
+    table = phaseplane.read(bump.write(tmp_path / "out"))
+    assert table.units == bump.units
+    np.testing.assert_array_equal(table["contact_force"], bump["contact_force"])
+    (tmp_path / "rig.csv").write_text("t;a\n[ms];[g]\n10;0,5\n")
+    rig = phaseplane.read(tmp_path / "rig.csv")
+    assert (rig.units, rig["a"][0]) == ({"t": "s", "a": "m/s2"}, 0.5 * 9.80665)
+
+
+def test_a_sweep_is_a_table(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "speeds.toml").write_text(
+        'scene = "ap57"\nmeasures = ["peak.body_acceleration"]\n[vary]\nspeed = [15, 25]\n'
+    )
+    table = phaseplane.sweep("speeds.toml", workers=1)
+    assert table["speed"].tolist() == [15, 25]
+    assert table.units["peak.body_acceleration"] == "m/s2"
+    alone = phaseplane.run("ap57", speed=25, measures=["peak.body_acceleration"], expect=False)
+    expected = alone.measures["peak.body_acceleration"]
+    assert table["peak.body_acceleration"][1] == pytest.approx(expected, rel=1e-12)
