@@ -27,7 +27,7 @@ COLUMNS = {
 }
 WHOLE = Content("a run", histories=COLUMNS, pairs=(("body_displacement", "body_velocity"),))
 BEFORE = replace(WHOLE, histories={name: np.zeros(0) for name in COLUMNS}, live=True)
-TRAIL = "/sheet/live/body_displacement"
+TRAIL = "/sheet/trail/body_displacement/recent"
 
 
 def drive(

@@ -92,7 +92,9 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
     assert result.stderr == f"phaseplane: warning: {gone}\n"
     assert len(read_csv("out/ap57/results.csv")) == 1001
     if saved:
-        assert {"/vehicle/axle/wheel", "/histories/force"} <= entities(Path("live.rrd"))
+        assert {"/vehicle/axle/wheel", "/histories/force/contact_force"} <= entities(
+            Path("live.rrd")
+        )
         assert list(Path().glob("*.part.rrd")) == []
 
 
@@ -100,7 +102,7 @@ def test_a_viewer_that_is_killed_costs_the_drawing_only(
 def test_a_run_recorded_while_it_goes_on() -> None:
     result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--save", "live.rrd"])
     assert result.exit_code == 0, result.stderr
-    assert {"/vehicle/axle/wheel", "/histories/force"} <= entities(Path("live.rrd"))
+    assert {"/vehicle/axle/wheel", "/histories/force/contact_force"} <= entities(Path("live.rrd"))
     assert list(Path().glob("*.part.rrd")) == []
 
 
