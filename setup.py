@@ -66,7 +66,7 @@ DIRECTIVES = {
 MODULES = (
     "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
     "increments", "balance", "columns", "stepper", "switches", "ledger", "watch", "march", "integrator",
-    "run",
+    "rest", "run",
 )  # fmt: skip
 
 

@@ -71,6 +71,8 @@ compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
 Rows = _integrator.Rows
 Run = _integrator.Run
+Network = _integrator.Network
+Rest = _integrator.Rest
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
 

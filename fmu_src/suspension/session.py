@@ -538,7 +538,8 @@ def start_state(
     """
     levels = {axle.road: system.signals[axle.road].before(time) for axle in system.axles}
     displacements, velocities = (
-        tuple(number(parameters, name) for name in names) for names in _initial(system.coordinates)
+        tuple(number(parameters, name) for name in names)
+        for names in initial_names(system.coordinates)
     )
     if any(levels.values()):
         rest = static_equilibrium(system, levels)
@@ -549,8 +550,8 @@ def start_state(
 
 
 @cache
-def _initial(coordinates: tuple[str, ...]) -> list[list[str]]:
-    """Return the names of the parameters of the initial displacements and velocities."""
+def initial_names(coordinates: tuple[str, ...]) -> list[list[str]]:
+    """Return the names of the parameters: initial displacements of coordinates, then velocities."""
     return [
         [f"initial.{name}_{what}".replace("._", ".") for name in coordinates]
         for what in ("displacement", "velocity")

@@ -1,1 +1,2 @@
 from . import build as build
+from . import native as native

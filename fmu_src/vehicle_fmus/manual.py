@@ -28,7 +28,9 @@ _HEADINGS: dict[str, Callable[[Variable], bool]] = {
 }
 
 
-def page(model: str, start: dict[str, Value], colophon: str, own: str = "") -> str:
+def page(
+    model: str, start: dict[str, Value], colophon: str, own: str = "", *, native: bool = False
+) -> str:
     """Return documentation/index.html of a model.
 
     Parameters
@@ -37,12 +39,14 @@ def page(model: str, start: dict[str, Value], colophon: str, own: str = "") -> s
     start : parameters whose start values are not the defaults
     colophon : the tools that made the FMU
     own : the file of a system of one's own, which stands in place of equations
+    native : whether it is a native FMU, which needs nothing from its host
     """
     return Template(_part("index")).substitute(
         model=model,
         picture="" if own else picture(model),
         equations=_OWN.substitute(file=escape(own)) if own else f"{ALL[model].page}\n",
         stepping="" if model in SOURCES else _part("stepping"),
+        needs=_part("native" if native else "needs"),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),
     )

@@ -33,11 +33,11 @@ def completed(
     declared = variables(model)
     # the schema requires this order: CoSimulation, UnitDefinitions, LogCategories, ...
     position = list(root).index(_child(root, "CoSimulation")) + 1
-    root.insert(position, _unit_definitions(declared))
+    root.insert(position, unit_definitions(declared))
     for element, variable in zip(_child(root, "ModelVariables"), declared, strict=True):
         _complete_variable(element, variable, start.get(variable.name, variable.start))
     root.remove(_child(root, "ModelStructure"))
-    root.append(_model_structure(declared))
+    root.append(model_structure(declared))
     return root
 
 
@@ -57,7 +57,8 @@ def _child(parent: Element, tag: str) -> Element:
     return child
 
 
-def _unit_definitions(declared: tuple[Variable, ...]) -> Element:
+def unit_definitions(declared: tuple[Variable, ...]) -> Element:
+    """Return the units of variables, with their base units and display units."""
     definitions = Element("UnitDefinitions")
     for name in sorted({variable.unit for variable in declared if variable.unit}):
         unit = SubElement(definitions, "Unit", name=name)
@@ -85,7 +86,7 @@ def _complete_variable(element: Element, variable: Variable, start: Value) -> No
             kind.set(name, str(value))
 
 
-def _model_structure(declared: tuple[Variable, ...]) -> Element:
+def model_structure(declared: tuple[Variable, ...]) -> Element:
     """Return the outputs and the unknowns of initialisation.
 
     During a run an output belongs to the last step, which inputs set afterwards do not affect: no
@@ -93,9 +94,9 @@ def _model_structure(declared: tuple[Variable, ...]) -> Element:
     and parameters; no list of dependencies is given there, which means all of them.
     """
     structure = Element("ModelStructure")
-    indices = [str(i) for i, v in enumerate(declared, 1) if v.causality == "output"]
+    places = [k for k, v in enumerate(declared) if v.causality == "output"]
     outputs, initial = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
-    for index in indices:
-        SubElement(outputs, "Unknown", index=index, dependencies="")
-        SubElement(initial, "Unknown", index=index)
+    for k in places:
+        SubElement(outputs, "Unknown", index=str(k + 1), dependencies="")
+        SubElement(initial, "Unknown", index=str(k + 1))
     return structure

@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 import click
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variables import ParameterError
+from phaseplane.suspension.variables import (
+    MODELS,
+    ParameterError,
+    Variable,
+    refuse_unknown,
+    variables,
+)
 
 from phaseplane import vehicle_fmus
 
@@ -36,14 +42,51 @@ if TYPE_CHECKING:
     help="Folder for the FMUs.",
 )
 @click.option("--ssp", is_flag=True, help="Also pack each vehicle on its road as an SSP system.")
+@click.option(
+    "--native",
+    is_flag=True,
+    help="Pack FMUs that need no Python. Tables, road shape and other structure keep their values.",
+)
+@click.option(
+    "--platforms",
+    metavar="NAMES",
+    help="Platforms of native FMUs, separated by commas, or all. Other platforms than this one need "
+    "the extra `native`.",
+)
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="Start value of a parameter, in SI or with a unit.",
+)
 @json_option
-def build(models: tuple[str, ...], output: Path, ssp: bool, as_data: bool) -> None:
+def build(
+    models: tuple[str, ...],
+    output: Path,
+    ssp: bool,
+    native: bool,
+    platforms: str | None,
+    settings: tuple[str, ...],
+    as_data: bool,
+) -> None:
     """Pack FMUs: the given MODELs, or all.
 
     MODEL is also a scene or the file of a system: its FMU has the parameters of the scene as start
     values. Write a reference result beside each FMU.
     """
-    files = [str(path) for path in build_models(models, output, ssp)]
+    if native:
+        if ssp:
+            raise InputError(
+                "--ssp: a system is packed of FMUs that run Python; leave out --native"
+            )
+        wanted = tuple(filter(None, (platforms or "").split(",")))
+        paths = build_native(models, output, wanted, settings)
+    elif settings or platforms:
+        raise InputError("--set and --platforms are for native FMUs; give --native, too")
+    else:
+        paths = build_models(models, output, ssp)
+    files = [str(path) for path in paths]
     click.echo(as_json({"files": files}) if as_data else "\n".join(files))
 
 
@@ -80,12 +123,8 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
         for scene in scenes:
             files += _of_scene(scene, folder, ssp)
         return files
-    except ParameterError as error:
-        raise InputError(str(error)) from None
-    except OSError as error:
-        raise InputError(one_line(f"cannot write {folder}: {error.strerror or error}")) from None
-    except RuntimeError as error:
-        raise RunError(one_line(error)) from error
+    except (ValueError, OSError, RuntimeError) as error:
+        raise _told(error, folder) from error
 
 
 def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
@@ -99,8 +138,89 @@ def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
             [model], Path(work), parameters={model: scene.parameters}, own=own, references=True,
             ssp=ssp and not own,
         )  # fmt: skip
-        files = []
-        for path in made:
-            target = folder / f"{scene.name}{path.name.removeprefix(model)}"
-            files.append(Path(shutil.copy(path, target)))
+        return _renamed(made, model, scene, folder)
+
+
+def _renamed(made: Sequence[Path], model: str, scene: Scene, folder: Path) -> list[Path]:
+    """Copy the files of a model to a folder, under the name of a scene."""
+    return [
+        Path(shutil.copy(path, folder / f"{scene.name}{path.name.removeprefix(model)}"))
+        for path in made
+    ]
+
+
+def build_native(
+    models: Sequence[str],
+    folder: Path,
+    platforms: Sequence[str] = (),
+    settings: Sequence[str] = (),
+) -> list[Path]:
+    """Pack native FMUs of the given models, or of all, each with a reference result beside it.
+
+    Parameters
+    ----------
+    platforms : names of platforms; none for the one at hand, or all if zig is installed
+    settings : start values, as `name=value`; each is for the models that have such a parameter
+
+    Raises
+    ------
+    InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
+    RunError : if a compiler failed.
+    """
+    names = list(dict.fromkeys(models)) or [name for name in MODELS if name in FILES]
+    scenes = [load_scene(name, expect=False) for name in names if name not in MODELS]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        chosen = [name for name in names if name in MODELS]
+        files = vehicle_fmus.native.pack.build(
+            chosen, folder, platforms=platforms, references=True,
+            parameters=_start_values(chosen, settings),
+        )  # fmt: skip
+        for scene in scenes:
+            model = scene.fmu.model
+            if not scene.fmu.is_ours or scene.fmu.path or scene.fmu.system:
+                raise InputError(f"{scene.name}: native FMUs are made of models of this package")
+            given = {**scene.parameters, **_start_values([model], settings).get(model, {})}
+            with TemporaryDirectory() as work:
+                made = vehicle_fmus.native.pack.build(
+                    [model], Path(work), platforms=platforms, references=True,
+                    parameters={model: given},
+                )  # fmt: skip
+                files += _renamed(made, model, scene, folder)
         return files
+    except (ValueError, OSError, RuntimeError) as error:
+        raise _told(error, folder) from error
+
+
+def _start_values(models: Sequence[str], settings: Sequence[str]) -> dict[str, dict[str, object]]:
+    """Return the start values of each model, read from `name=value`."""
+    known = {m: {v.name: v for v in variables(m) if v.causality == "parameter"} for m in models}
+    found: dict[str, dict[str, object]] = {model: {} for model in models}
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        if not equals:
+            raise ParameterError(f"--set {setting}: must be name=value")
+        takers = [model for model in models if name in known[model]]
+        if not takers:
+            refuse_unknown(
+                [name], known[models[0]], f"--set: {' and '.join(models)} has no parameter"
+            )
+        for model in takers:
+            found[model][name] = _read(known[model][name], text)
+    return {model: given for model, given in found.items() if given}
+
+
+def _read(parameter: Variable, text: str) -> object:
+    """Return a value from the command line; a number may have a unit."""
+    if isinstance(parameter.start, bool):
+        return {"true": True, "false": False}.get(text, text)
+    return text
+
+
+def _told(error: Exception, folder: Path) -> Exception:
+    """Return an error as one that says what was wrong: with the input, or with the packing."""
+    if isinstance(error, OSError):
+        return InputError(one_line(f"cannot write {folder}: {error.strerror or error}"))
+    if isinstance(error, ValueError):
+        return InputError(one_line(error))
+    return RunError(one_line(error))

@@ -37,7 +37,8 @@ class Line(NamedTuple):
 
 def road(**samples: Sequence[tuple[float, float]]) -> Any:
     """A run whose inputs, `elevation` and `velocity` of a road, have been set at some times."""
-    integrator = SimpleNamespace(replace_signal=lambda *_: None)
+    net = SimpleNamespace(n=1, signals=1)
+    integrator = SimpleNamespace(replace_signal=lambda *_: None, net=net)
     run = plain_module("run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
     for time, i, value in sorted(
         (t, ("elevation", "velocity").index(name), x) for name, s in samples.items() for t, x in s

@@ -10,12 +10,14 @@ import cython
 from .arrays import doubles, integers
 from .elements import KINDS
 from .march import March
+from .network import Network
+from .rest import Rest
 from .run import Run
 
 if not cython.compiled:
     from math import fabs, sqrt
 
-__all__ = ["FAILURES", "KINDS", "Integrator", "Rows", "Run"]
+__all__ = ["FAILURES", "KINDS", "Integrator", "Network", "Rest", "Rows", "Run"]
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {
@@ -104,6 +106,7 @@ class Integrator(March):
         earlier : the previous integrator
         counterpart : for each element here the number of the same one there, or -1
         """
+        self._stand_still(self.time, earlier.scale)  # whatever was before
         for i in range(self.n):
             self.stepper.q[i] = earlier.stepper.q[i]
             self.stepper.v[i] = earlier.stepper.v[i]

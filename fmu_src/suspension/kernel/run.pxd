@@ -1,6 +1,7 @@
 cimport cython
 from libc.math cimport fabs
 from .integrator cimport Integrator
+from .rest cimport Rest
 
 cdef int _SAMPLES, _WAITING, _NONE
 cdef double _LONGEST
@@ -8,6 +9,7 @@ cdef double _LONGEST
 @cython.final
 cdef class Run:
     cdef public Integrator integrator
+    cdef readonly Rest rest
     cdef public double time
     cdef readonly double start
     cdef public bint sampled
@@ -56,5 +58,7 @@ cdef class Run:
     @cython.locals(c=int, k=int)
     cpdef int next_contact(self, double until) noexcept nogil
     cpdef void forget_waiting(self) noexcept nogil
+    @cython.locals(found=bint, s=int, r=int, i=int)
+    cpdef int find_rest(self) noexcept nogil
     @cython.locals(k=int)
     cpdef void hand_on(self, Integrator integrator, int[::1] counterpart) noexcept nogil

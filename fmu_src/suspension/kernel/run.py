@@ -17,6 +17,7 @@ from itertools import chain
 import cython
 
 from .arrays import doubles, integers, vectors
+from .rest import Rest
 
 if not cython.compiled:
     from math import fabs
@@ -43,6 +44,7 @@ class Run:
 
     def __init__(self, integrator, start, inputs, lines, tyres, sampled):
         self.integrator = integrator
+        self.rest = Rest(self.integrator.net)
         self.inputs, self.lines, self.tyres = inputs, len(lines), len(tyres)
         self.sampled = sampled
         self.value = doubles([0.0] * inputs)
@@ -238,6 +240,26 @@ class Run:
     def forget_waiting(self):
         """Forget the switches that wait, after a return to the present."""
         self.waiting = 0
+
+    # -- roads and loads -----------------------------------------------------------------------------
+
+    def find_rest(self):
+        """Find where the system rests on its roads just before now, in `rest.q`; 1 if nowhere.
+
+        External forces act from the start on and are not part of the equilibrium.
+        """
+        found = 0
+        for s in range(self.integrator.net.signals):
+            self.rest.level[s] = 0.0
+        for r in range(self.integrator.net.rows):
+            s = self.integrator.net.row_signal[r]
+            if s >= 0:
+                self.rest.level[s] = self.integrator.net.value_before(s, self.time)
+                if self.rest.level[s] != 0.0:
+                    found = 1
+        for i in range(self.integrator.n):
+            self.rest.q[i] = 0.0
+        return self.rest.find() if found else 0
 
     # -- another integrator --------------------------------------------------------------------------
 

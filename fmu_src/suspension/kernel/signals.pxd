@@ -23,6 +23,9 @@ cdef class Signals:
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)
     cdef void signal(self, int s, double t) noexcept nogil
+    @cython.locals(now=int, k=int, start=double)
+    cdef void signal_at(self, int s, double t, bint after) noexcept nogil
+    cdef double value_before(self, int s, double t) noexcept nogil
     @cython.locals(s=int)
     cdef void all_signals(self, double t) noexcept nogil
     @cython.locals(s=int)

@@ -111,6 +111,27 @@ class Signals:
         self.road[4 * s + 2] = acceleration
         self.road[4 * s + 3] = jerk
 
+    def signal_at(self, s, t, after):
+        """Set `road` as `signal`, in the segment at t: to the right of a joint if `after`, else left.
+
+        The present segment may be a later one.
+        """
+        now = self.signal_now[s]
+        k = 0
+        while k + 1 < self.signal_count[s]:
+            start = self.segment[(self.signal_first[s] + k + 1) * _SEGMENT]
+            if start > t or (start == t and not after):
+                break
+            k += 1
+        self.signal_now[s] = k
+        self.signal(s, t)
+        self.signal_now[s] = now
+
+    def value_before(self, s, t):
+        """Return the value of signal s just before t."""
+        self.signal_at(s, t, 0)
+        return self.road[4 * s]
+
     def all_signals(self, t):
         for s in range(self.signals):
             self.signal(s, t)

@@ -8,11 +8,13 @@ is a new integrator, and also its whole state.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
 from .declarations import NUMBERS
 from .kernel_sources import Sources
+from .trace import Number
 from .translate import in_c, number
 
 _PER_LINE = 8
@@ -26,9 +28,26 @@ class _Found:
     arrays: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
     pointers: list[str] = field(default_factory=list)
     values: dict[str, list[str]] = field(default_factory=dict)
+    noted: dict[str, Number] = field(default_factory=dict)
 
 
-def image(root: Any, name: str, kernel: Sources, record: str) -> str:
+@dataclass(frozen=True, slots=True)
+class Image:
+    """The memory of an object in C.
+
+    Parameters
+    ----------
+    text : definition of the record, its initial value, and the function that wires it
+    noted : fields, as in `integrator.fixed_step`, that hold a number that notes what is done to it
+    """
+
+    text: str
+    noted: dict[str, Number]
+
+
+def image(
+    root: Any, name: str, kernel: Sources, record: str, outside: Collection[object] = ()
+) -> Image:
     """Return the record of an object and all that it refers to, its initial value, and its wiring.
 
     Parameters
@@ -37,29 +56,30 @@ def image(root: Any, name: str, kernel: Sources, record: str) -> str:
     name : its name in the record
     kernel : the declarations
     record : name of the record in C
+    outside : objects that are elsewhere; pointers to them are left to others
 
     Raises
     ------
     TypeError : a field that does not hold what is declared.
     """
-    found = _Found()
+    found = _Found(objects={id(one): ("", "", one) for one in outside})
     _walk(root, type(root).__name__, name, kernel, found)
     parts = [f"typedef struct {record} {{"]
-    parts += [f"    {kind} {at};" for at, kind, _ in found.objects.values()]
+    parts += [f"    {kind} {at};" for at, kind, _ in found.objects.values() if at]
     parts += [
         f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
         for at, kind, values in found.arrays.values()
     ]
-    parts += [f"}} {record};", "", f"static const {record} {name}_as_packed = {{"]
+    parts += [f"}} {record};", "", f"static const {record} {record.lower()}_as_packed = {{"]
     for at, values in found.values.items():
         parts += [f"    .{at} = {{", *(f"        {value}," for value in values), "    },"]
     for at, kind, numbers in found.arrays.values():
         if any(numbers):
             parts += [f"    .{at} = {{", *_numbers(list(numbers), kind), "    },"]
     parts += ["};", "", "/* Let the pointers of a copy point into that copy. */"]
-    parts += [f"static void {name}_wire({record} *of) {{"]
+    parts += [f"static void {record.lower()}_wire({record} *of) {{"]
     parts += [f"    {pointer};" for pointer in found.pointers]
-    return "\n".join([*parts, "}", ""])
+    return Image("\n".join([*parts, "}", ""]), found.noted)
 
 
 def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> None:
@@ -71,6 +91,9 @@ def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> Non
             continue
         value: Any = getattr(one, attribute, None)
         if declared in NUMBERS:
+            if isinstance(value, Number):
+                found.noted[f"{name}.{attribute}"] = value
+                value = value.value
             text = _number(value, declared, f"{kind}.{attribute}")
             if text not in ("0", "0.0"):
                 values.append(f".{attribute} = {text}")
@@ -82,7 +105,8 @@ def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> Non
                 values.append(f".{attribute} = {{{inner}}}")
         elif value is not None:
             at = _place(value, declared, f"{name}_{attribute}", kernel, found)
-            found.pointers.append(f"of->{name}.{attribute} = {at}")
+            if at:
+                found.pointers.append(f"of->{name}.{attribute} = {at}")
     if not values:
         del found.values[name]
 
@@ -97,7 +121,8 @@ def _place(value: Any, declared: str, name: str, kernel: Sources, found: _Found)
         short = name.split("_", 1)[1]
         taken = {at for at, _, _ in found.objects.values()}
         _walk(value, declared, name if short in taken else short, kernel, found)
-    return f"&of->{found.objects[id(value)][0]}"
+    at = found.objects[id(value)][0]
+    return f"&of->{at}" if at else ""
 
 
 def _number(value: Any, kind: str, where: str) -> str:

@@ -111,7 +111,7 @@ def translated(
     chosen = list(kernel.routines) if routines is None else list(routines)
     bodies = [_Routine(kernel, kernel.routines[key]) for key in chosen]
     parts = [
-        "#include <math.h>\n",
+        "#include <math.h>\n#include <stddef.h>\n",
         _constants(kernel, values),
         *_records(kernel),
         _CHOOSING,
@@ -487,6 +487,8 @@ class _Routine:
                 self._assigned.add(node.id)
             self._stale.discard(node.id)
             target = C(self._name(node.id), self.kinds[node.id])
+            if target.kind in self.kernel.records:
+                raise self._wrong(node, "a record has one owner; it cannot be assigned")
         elif isinstance(node, ast.Attribute | ast.Subscript):
             target = self._expression(node)
         else:
@@ -644,6 +646,8 @@ class _Routine:
     def _of_compare(self, node: ast.Compare) -> C:
         if len(node.ops) == 1 and isinstance(node.ops[0], ast.In | ast.NotIn):
             return self._among(node)
+        if len(node.ops) == 1 and isinstance(node.ops[0], ast.Is | ast.IsNot):
+            return self._absent(node)
         values = [self._expression(x) for x in (node.left, *node.comparators)]
         if any(v.kind not in NUMBERS for v in values):
             raise self._wrong(node, "only numbers are compared")
@@ -660,6 +664,15 @@ class _Routine:
         if len(parts) == 1:
             return parts[0]
         return self._joined(" && ".join(p.text for p in parts), "bint", _AND, parts)
+
+    def _absent(self, node: ast.Compare) -> C:
+        """Return whether a record is None."""
+        none = node.comparators[0]
+        found = self._expression(node.left)
+        if found.kind not in self.kernel.records or ast.unparse(none) != "None":
+            raise self._wrong(node, "only a record may be None")
+        sign = "==" if isinstance(node.ops[0], ast.Is) else "!="
+        return self._joined(f"{found.text} {sign} NULL", "bint", 8, [found])
 
     def _among(self, node: ast.Compare) -> C:
         choices, one = node.comparators[0], self._expression(node.left)

@@ -27,8 +27,8 @@ static double row[] = {%s};
 int go(const double *times, int count, double *out) {
     Integrator *one = &memory.integrator;
     int status;
-    memory = integrator_as_packed;
-    integrator_wire(&memory);
+    memory = memory_as_packed;
+    memory_wire(&memory);
     Integrator_begin_row(one, row, 0, 0.0);
     for (int k = 0; k < count; k++) {
         while ((status = Integrator__advance(one, times[k], 0)) == PAUSED) {
@@ -76,7 +76,7 @@ def test_the_same_bits_as_the_compiled_kernel(what: str, tmp_path: Path) -> None
     plain = plain_integrator()(system, **options)
     rest = [0.0] * plain.n
     code = translated(kernel, values_of_constants(kernel), needed(kernel, ROOTS))
-    code += image(plain, "integrator", kernel, "Memory")
+    code += image(plain, "integrator", kernel, "Memory").text
     code += MAIN % ", ".join(map(number, plain.row(system, rest, rest)))
     tmp_path.joinpath("kernel.c").write_text(code)
     flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Werror", "-shared", "-fPIC"]

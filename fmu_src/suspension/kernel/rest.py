@@ -1,0 +1,210 @@
+"""Static equilibrium of a system: sum b f(b' q - u, 0) = p.
+
+The forces at rest are the gradient of a potential U(q). It is minimised by Newton steps with the
+tangent of the present branches. A step that does not reduce U is shortened and turned towards steepest
+descent, so that the iteration cannot cycle between the branches of stops, tables and tyres.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import doubles, vectors
+
+if not cython.compiled:
+    from math import fabs, isfinite
+
+_SPRING, _LAWS, _PIECE = 0, 3, 12  # as in elements and laws
+_MOST_TRIALS = 400
+_FREE = 1e300  # a limit or a shift that is none
+
+
+class Rest:
+    """The search for the rest position of a network, with dry friction left out.
+
+    Parameters
+    ----------
+    network : of the system; its branches are not changed
+    """
+
+    def __init__(self, network):
+        self.net, self.n = network, network.n
+        self.level = doubles([0.0] * max(network.signals, 1))  # of roads and loads, m and N
+        self.q, self.trial, self.change, self.now = vectors(4, self.n)
+        self.slope, self.size = vectors(2, self.n)
+        self.tangent = doubles([0.0] * self.n * self.n)
+        self.rows = doubles([0.0] * self.n * (self.n + 1))
+
+    def find(self):
+        """Find the displacements `q` for the present levels; return 1 if there is no equilibrium."""
+        n = self.n
+        for i in range(n):
+            self.q[i] = 0.0
+        least = self._least_shift()
+        shift = 0.0  # of the tangent, in units of the mass matrix
+        for _step in range(_MOST_TRIALS):
+            self._find_slope(self.q)
+            if self._is_at_rest():
+                return 0
+            for i in range(n):
+                self.now[i] = self.slope[i]
+            definite = self._solve(shift)
+            finite = 1
+            moves = 0
+            for i in range(n):
+                self.trial[i] = self.q[i] - self.change[i]
+                if not isfinite(self.trial[i]):
+                    finite = 0
+                if self.trial[i] != self.q[i]:
+                    moves = 1
+            if definite and not moves:
+                return 0  # to rounding
+            if definite and finite and self._falls():
+                for i in range(n):
+                    self.q[i] = self.trial[i]
+                shift = 0.1 * shift if shift > least else 0.0
+            else:
+                shift = max(4.0 * shift, least)
+            if not shift < _FREE:
+                break
+        return 1
+
+    def _least_shift(self):
+        """Return a small shift of the tangent, relative to the stiffness at the origin."""
+        stiffness = 0.0
+        largest = 0.0
+        for e in range(self.net.elements):
+            self._find_force(e, 0.0)
+            for i in range(self.n):
+                b = self.net.row_direction[self.net.element_row[e] * self.n + i]
+                stiffness += fabs(self.stiffness) * b * b
+        for i in range(self.n):
+            largest = max(largest, self.net.mass[i * self.n + i])
+        return 1e-6 * (stiffness if stiffness > 0.0 else 1.0) / largest
+
+    def _is_at_rest(self):
+        for i in range(self.n):
+            if not fabs(self.slope[i]) <= 1e-13 * self.size[i]:
+                return 0
+        return 1
+
+    def _deflection(self, e, q):
+        r = self.net.element_row[e]
+        d = 0.0
+        for i in range(self.n):
+            d += self.net.row_direction[r * self.n + i] * q[i]
+        s = self.net.row_signal[r]
+        return d - self.level[s] if s >= 0 else d
+
+    def _find_force(self, e, d):
+        """Set `force` and `stiffness` of element e at rest: up to its limit, along its yield lines."""
+        if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
+            self.force, self.stiffness = self.net.limit[e], 0.0
+            return
+        law = _LAWS * e + _SPRING
+        p = self.net.first[law] + self.net.piece_at(law, d)
+        self.force = self.net.law(p, d)
+        self.stiffness = self.net.law_slope(p, d)
+
+    def _energy(self, e, d):
+        """Return the potential of element e at rest, J."""
+        if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
+            return self.net.free_energy[e] + self.net.limit[e] * (d - self.net.free_length[e])
+        law = _LAWS * e + _SPRING
+        k = self.net.piece_at(law, d)
+        p = self.net.first[law] + k
+        if not self.net.yields[e]:
+            return self.net.potential(p, d)
+        # the elastic line up to where it yields, then a line of flow
+        elastic = self.net.first[law] + 1
+        end = d
+        if k == 0:
+            end = self.net.piece[elastic * _PIECE]
+        elif k == 2:
+            end = self.net.piece[(elastic + 1) * _PIECE]
+        rate = self.net.law_slope(elastic, end)
+        force = self.net.law(elastic, end)
+        beyond = d - end
+        return force * force / (2.0 * rate) + beyond * (
+            force + 0.5 * beyond * self.net.law_slope(p, d)
+        )
+
+    def _potential(self, q):
+        """Return U(q), J."""
+        total = 0.0
+        for m in range(self.net.loads):
+            p = self.level[self.net.load_signal[m]]
+            for i in range(self.n):
+                total -= self.net.load_direction[m * self.n + i] * p * q[i]
+        for e in range(self.net.elements):
+            total += self._energy(e, self._deflection(e, q))
+        return total
+
+    def _find_slope(self, q):
+        """Set the gradient of U, its tangent, and the magnitude of the terms in the gradient."""
+        n = self.n
+        for i in range(n):
+            self.slope[i] = 0.0
+            self.size[i] = 0.0
+        for i in range(n * n):
+            self.tangent[i] = 0.0
+        for m in range(self.net.loads):
+            p = self.level[self.net.load_signal[m]]
+            for i in range(n):
+                self.slope[i] -= self.net.load_direction[m * n + i] * p
+                self.size[i] += fabs(self.net.load_direction[m * n + i] * p)
+        for e in range(self.net.elements):
+            r = self.net.element_row[e]
+            s = self.net.row_signal[r]
+            self._find_force(e, self._deflection(e, q))
+            # the magnitude includes the effect of rounding in the deflection on the force
+            reach = fabs(self.level[s]) if s >= 0 else 0.0
+            for i in range(n):
+                reach += fabs(self.net.row_direction[r * n + i] * q[i])
+            rounding = fabs(self.force) + fabs(self.stiffness) * reach
+            for i in range(n):
+                b = self.net.row_direction[r * n + i]
+                self.slope[i] += b * self.force
+                self.size[i] += fabs(b) * rounding
+                for j in range(n):
+                    c = self.net.row_direction[r * n + j]
+                    self.tangent[i * n + j] += b * c * self.stiffness
+
+    def _falls(self):
+        """Return whether U decreases from `q` to the trial or, within rounding, its gradient does."""
+        before = self._potential(self.q)
+        after = self._potential(self.trial)
+        if fabs(after - before) > 1e-9 * (fabs(before) + fabs(after)):
+            return after < before
+        self._find_slope(self.trial)
+        largest = 0.0
+        largest_now = 0.0
+        for i in range(self.n):
+            largest = max(largest, fabs(self.slope[i]))
+            largest_now = max(largest_now, fabs(self.now[i]))
+        return largest < largest_now
+
+    def _solve(self, shift):
+        """Solve (tangent + shift mass) change = slope; return 0 if that is not positive definite."""
+        n = self.n
+        w = n + 1
+        for i in range(n):
+            for j in range(n):
+                self.rows[i * w + j] = self.tangent[i * n + j] + shift * self.net.mass[i * n + j]
+            self.rows[i * w + n] = self.slope[i]
+            self.change[i] = 0.0
+        for k in range(n):
+            pivot = self.rows[k * w + k]
+            own = fabs(self.tangent[k * n + k] + shift * self.net.mass[k * n + k])
+            if not pivot > 1e-14 * own:
+                return 0
+            for i in range(k + 1, n):
+                ratio = self.rows[i * w + k] / pivot
+                for j in range(k, w):
+                    self.rows[i * w + j] -= ratio * self.rows[k * w + j]
+        for k in range(n - 1, -1, -1):
+            x = self.rows[k * w + n]
+            for j in range(k + 1, n):
+                x -= self.rows[k * w + j] * self.change[j]
+            self.change[k] = x / self.rows[k * w + k]
+        return 1

@@ -1,0 +1,284 @@
+/* FMI 2.0 for co-simulation, on an instance (core.c). */
+
+#include "fmi2Functions.h"
+
+typedef struct Host {
+    Instance instance;
+    const fmi2CallbackFunctions *callbacks;
+    char name[256];
+    int logging;
+} Host;
+
+static void tell(Instance *one, int is_error, const char *category, const char *text) {
+    Host *host = one->host;
+    if (host->logging && host->callbacks && host->callbacks->logger) {
+        host->callbacks->logger(host->callbacks->componentEnvironment, host->name,
+                is_error ? fmi2Error : fmi2OK, category, "%s", text);
+    }
+}
+
+static fmi2Status failed(Host *host, fmi2Status status) {
+    if (host->callbacks && host->callbacks->logger) {
+        host->callbacks->logger(host->callbacks->componentEnvironment, host->name, status,
+                status == fmi2Discard ? "logStatusDiscard" : "logStatusError", "%s",
+                host->instance.reason);
+    }
+    return status;
+}
+
+const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
+const char *fmi2GetVersion(void) { return fmi2Version; }
+
+fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t count,
+        const fmi2String categories[]) {
+    (void) count, (void) categories;
+    ((Host *) c)->logging = on;
+    return fmi2OK;
+}
+
+fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
+        const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean logging) {
+    Host *host;
+    (void) resources, (void) visible;
+    if (type != fmi2CoSimulation || !guid || strcmp(guid, GUID) != 0) {
+        if (functions && functions->logger) {
+            functions->logger(functions->componentEnvironment, name, fmi2Error, "logStatusError", "%s",
+                    type != fmi2CoSimulation ? "this FMU is for co-simulation only"
+                    : "the GUID is not that of the model description");
+        }
+        return NULL;
+    }
+    host = malloc(sizeof *host);
+    if (!host) return NULL;
+    memset(host, 0, sizeof *host);
+    host->callbacks = functions;
+    host->logging = logging;
+    snprintf(host->name, sizeof host->name, "%s", name ? name : "");
+    host->instance.host = host;
+    reset_instance(&host->instance);
+    return host;
+}
+
+void fmi2FreeInstance(fmi2Component c) { free(c); }
+
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean has_tolerance, fmi2Real tolerance,
+        fmi2Real start, fmi2Boolean has_stop, fmi2Real stop) {
+    State *now = &((Host *) c)->instance.now;
+    (void) has_stop, (void) stop;
+    now->start = start;
+    now->tolerance = has_tolerance ? tolerance : 0.0;
+    now->ready = 0;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterInitializationMode(fmi2Component c) {
+    (void) c;
+    return fmi2OK;
+}
+
+fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
+    Host *host = c;
+    Instance *one = &host->instance;
+    if (one->refusal[0]) {
+        fail(one, "%s", one->refusal);
+        return failed(host, fmi2Error);
+    }
+    if (begin(one)) return failed(host, fmi2Error);
+    one->now.initialised = 1;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Terminate(fmi2Component c) {
+    (void) c;
+    return fmi2OK;
+}
+
+fmi2Status fmi2Reset(fmi2Component c) {
+    reset_instance(&((Host *) c)->instance);
+    return fmi2OK;
+}
+
+/* ---- variables ----------------------------------------------------------------------------- */
+
+static int is_of_kind(Host *host, unsigned k, int kind) {
+    if (k < VARIABLES && variables[k].kind == kind) return 1;
+    fail(&host->instance, "value reference %u is no variable of this type", k);
+    return 0;
+}
+
+#define GET(Name, Type, KIND, TEST)                                                                 \
+    fmi2Status fmi2Get##Name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
+            Type value[]) {                                                                         \
+        Host *host = c;                                                                             \
+        for (size_t k = 0; k < count; k++) {                                                        \
+            if (!is_of_kind(host, vr[k], KIND)) return failed(host, fmi2Error);                     \
+            value[k] = (Type) (get_value(&host->instance, vr[k]) TEST);                             \
+        }                                                                                           \
+        return fmi2OK;                                                                              \
+    }
+
+#define SET(Name, Type, KIND)                                                                       \
+    fmi2Status fmi2Set##Name(fmi2Component c, const fmi2ValueReference vr[], size_t count,          \
+            const Type value[]) {                                                                   \
+        Host *host = c;                                                                             \
+        for (size_t k = 0; k < count; k++) {                                                        \
+            if (!is_of_kind(host, vr[k], KIND)) return failed(host, fmi2Error);                     \
+            set_value(&host->instance, vr[k], value[k]);                                            \
+        }                                                                                           \
+        return fmi2OK;                                                                              \
+    }
+
+GET(Real, fmi2Real, REAL, )
+GET(Integer, fmi2Integer, INTEGER, )
+GET(Boolean, fmi2Boolean, BOOLEAN, != 0.0)
+SET(Real, fmi2Real, REAL)
+SET(Integer, fmi2Integer, INTEGER)
+SET(Boolean, fmi2Boolean, BOOLEAN)
+
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+        fmi2String value[]) {
+    Host *host = c;
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], STRING)) return failed(host, fmi2Error);
+        value[k] = variables[vr[k]].text;
+    }
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+        const fmi2String value[]) {
+    Host *host = c;
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], STRING)) return failed(host, fmi2Error);
+        set_text(&host->instance, vr[k], value[k]);
+    }
+    return fmi2OK;
+}
+
+/* ---- steps --------------------------------------------------------------------------------- */
+
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real size, fmi2Boolean no_return) {
+    Host *host = c;
+    Instance *one = &host->instance;
+    int status = 1;
+    (void) no_return;
+    if (!one->now.initialised) {
+        fail(one, "a step needs an initialised model");
+    } else if (one->refusal[0]) {
+        fail(one, "%s", one->refusal);
+    } else {
+        status = advance(one, time + size);
+    }
+    if (status == 0) return fmi2OK;
+    one->now.ok = 0;
+    return failed(host, fmi2Discard);
+}
+
+fmi2Status fmi2CancelStep(fmi2Component c) {
+    (void) c;
+    return fmi2Error;
+}
+
+fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Real *value) {
+    if (kind != fmi2LastSuccessfulTime) return fmi2Discard;
+    *value = ((Host *) c)->instance.now.conduct.run.time;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Status *value) {
+    (void) c, (void) kind, (void) value;
+    return fmi2Discard;
+}
+
+fmi2Status fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Integer *value) {
+    (void) c, (void) kind, (void) value;
+    return fmi2Discard;
+}
+
+fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind kind, fmi2Boolean *value) {
+    if (kind != fmi2Terminated) return fmi2Discard;
+    *value = !((Host *) c)->instance.now.ok;
+    return fmi2OK;
+}
+
+fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2String *value) {
+    (void) c, (void) kind, (void) value;
+    return fmi2Discard;
+}
+
+/* ---- whole state --------------------------------------------------------------------------- */
+
+fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    if (!*state) *state = malloc(sizeof(State));
+    if (!*state) return fmi2Error;
+    memcpy(*state, &((Host *) c)->instance.now, sizeof(State));
+    return fmi2OK;
+}
+
+fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
+    if (!state) return fmi2Error;
+    restore(&((Host *) c)->instance, state);
+    return fmi2OK;
+}
+
+fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
+    (void) c;
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return fmi2OK;
+}
+
+static const char mark[] = GUID;
+
+fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
+    (void) c, (void) state;
+    *size = sizeof mark + sizeof(State);
+    return fmi2OK;
+}
+
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
+    (void) c;
+    if (!state || size < sizeof mark + sizeof(State)) return fmi2Error;
+    memcpy(bytes, mark, sizeof mark);
+    memcpy(bytes + sizeof mark, state, sizeof(State));
+    return fmi2OK;
+}
+
+fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
+        fmi2FMUstate *state) {
+    Host *host = c;
+    if (size != sizeof mark + sizeof(State) || memcmp(bytes, mark, sizeof mark) != 0) {
+        fail(&host->instance, "this state is of another FMU");
+        return failed(host, fmi2Error);
+    }
+    if (!*state) *state = malloc(sizeof(State));
+    if (!*state) return fmi2Error;
+    memcpy(*state, bytes + sizeof mark, sizeof(State));
+    return fmi2OK;
+}
+
+/* ---- what it cannot do --------------------------------------------------------------------- */
+
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
+        size_t unknowns, const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
+        fmi2Real sensitivity[]) {
+    (void) unknown, (void) unknowns, (void) known, (void) knowns, (void) seed, (void) sensitivity;
+    fail(&((Host *) c)->instance, "directional derivatives are not provided");
+    return failed(c, fmi2Error);
+}
+
+fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+        const fmi2Integer order[], const fmi2Real value[]) {
+    (void) vr, (void) count, (void) order, (void) value;
+    fail(&((Host *) c)->instance, "derivatives of inputs are not taken");
+    return failed(c, fmi2Error);
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+        const fmi2Integer order[], fmi2Real value[]) {
+    (void) vr, (void) count, (void) order, (void) value;
+    fail(&((Host *) c)->instance, "derivatives of outputs are not provided");
+    return failed(c, fmi2Error);
+}

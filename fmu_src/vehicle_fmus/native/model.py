@@ -1,0 +1,346 @@
+"""One model as C: the kernel, its memory, the set-up from parameters, and the outputs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+from phaseplane.suspension import reading
+from phaseplane.suspension.engine import FAILURES
+from phaseplane.suspension.models import ALL, build
+from phaseplane.suspension.outputs import OfLedger, reading_of
+from phaseplane.suspension.session import driven, initial_names
+from phaseplane.suspension.systems import System
+from phaseplane.suspension.variable import number as number_in
+from phaseplane.suspension.variables import (
+    ParameterError,
+    Value,
+    Variable,
+    checked_parameters,
+    outputs,
+    variables,
+)
+
+from .image import image
+from .kernel_sources import plain_integrator, plain_module, sources, values_of_constants
+from .trace import Node, Number, Tape
+from .translate import needed, number, translated
+
+_ROOTS = [
+    *(("Integrator", name) for name in (
+        "begin_row", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
+        "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
+    )),
+    *(("Run", name) for name in (
+        "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
+        "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
+    )),
+    ("Network", "signal_at"),
+]  # fmt: skip
+_KIND = {float: "REAL", int: "INTEGER", bool: "BOOLEAN", str: "STRING"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Flag:
+    """A truth that is known in C only."""
+
+    text: str
+
+    def __ne__(self, other: object) -> Any:
+        return self
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """A model in C.
+
+    Parameters
+    ----------
+    text : all that depends on the model
+    fixed : names of the parameters that keep the values they were packed with
+    left_out : names of the outputs that it does not have
+    """
+
+    text: str
+    fixed: frozenset[str]
+    left_out: frozenset[str]
+
+
+def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
+    """Return the C of one model.
+
+    Parameters
+    ----------
+    model : a key of `variables.MODELS`
+    given : parameters that are not at their defaults, in SI; texts, switches and what decides on the
+        structure keep their values
+    """
+    tape, kernel = Tape(), sources()
+    parameters = checked_parameters(model, given)
+    declared = variables(model)
+    noted: dict[str, Any] = {
+        v.name: tape.given(f"p[{k}]", number_in(parameters, v.name), v.name)
+        if isinstance(v.start, float)
+        else parameters[v.name]
+        for k, v in enumerate(declared)
+        if v.causality == "parameter"
+    }
+    make = ALL[model].system
+    if make is None:
+        raise ParameterError(f"{model} is not a system; a native FMU is made of one")
+    system = make(noted)
+    plain = plain_integrator()(
+        build(model, parameters),
+        noted["solver.method"],
+        noted["solver.step"],
+        noted["solver.tolerance"],
+        0.0,
+        theta=noted["solver.theta"],
+        beyond_stable=noted["solver.beyond_stable"],
+    )
+    if not plain.fits(system):
+        raise ValueError("the structure of the system depends on how it is built")
+    inputs = [v.name for v in declared if v.causality == "input"]
+    sampled = parameters.get("road.shape") == "input"
+    tyres = [axle for axle in system.axles if axle.tyre]
+    run = plain_module("run").Run(
+        plain, 0.0, len(inputs), driven(system, inputs, sampled),
+        [system.element(axle.tyre) for axle in tyres], sampled,
+    )  # fmt: skip
+    machine = image(plain, "integrator", kernel, "Machine")
+    conduct = image(run, "run", kernel, "Conduct", outside=[plain, plain.net])
+    rest = [0.0] * plain.n
+    starts = [noted[name] for names in initial_names(system.coordinates) for name in names]
+    read = _read(model, system, tape)
+    setting = _set_up(tape, plain.row(system, rest, rest), starts, read, machine.noted)
+    parts = [
+        translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
+        machine.text,
+        conduct.text,
+        _tables(declared, parameters, inputs, system, tape),
+        setting,
+    ]
+    pinned = [g.condition.of for g in tape.guards.values() if g.condition.text == "==" and g.holds]
+    fixed = {
+        v.name for v in declared if v.causality == "parameter" and not isinstance(v.start, float)
+    }
+    fixed |= {name for names in pinned if len(names) == 1 for name in names}
+    return Translation("\n".join(parts), frozenset(fixed), left_out(model, system))
+
+
+def _text(text: str) -> str:
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _tables(
+    declared: Sequence[Variable],
+    parameters: Mapping[str, Value],
+    inputs: Sequence[str],
+    system: System,
+    tape: Tape,
+) -> str:
+    names = [v.name for v in declared]
+    default = next(v.start for v in declared if v.name == "solver.tolerance")
+    lines = [
+        f"#define VARIABLES {len(declared)}",
+        f"#define ELEMENTS {len(system.elements)}",
+        f"#define COORDINATES {len(system.coordinates)}",
+        f"#define SIGNALS {len(system.signals)}",
+        f"#define SOLVER_TOLERANCE {names.index('solver.tolerance')}",
+        f"#define DEFAULT_TOLERANCE {number(float(default))}",
+        f"#define OK {names.index('ok')}",
+        "",
+        "static const Variable variables[VARIABLES] = {",
+    ]
+    for v in declared:
+        start = parameters.get(v.name, v.start)
+        text = _text(start) if isinstance(start, str) else '""'
+        value = 0.0 if isinstance(start, str) else float(start)
+        low, high = (float("-inf") if v.minimum is None else v.minimum,
+                     float("inf") if v.maximum is None else v.maximum)  # fmt: skip
+        index = inputs.index(v.name) if v.name in inputs else -1
+        lines.append(
+            f"    {{{_text(v.name)}, {_KIND[type(v.start)]}, {v.causality.upper()}, {int(v.tunable)}, "
+            f"{int(v.positive)}, {number(value)}, {number(low)}, {number(high)},\n"
+            f"        {_text(v.range_in_words())}, {text}, {index}}},"
+        )
+    tyres = {axle.tyre for axle in system.axles if axle.tyre}
+    lines += ["};", "", "static const struct {", "    const char *name;",
+              "    int is_tyre, stop; /* 1: a bump stop, 2: a rebound stop */",
+              "} elements[ELEMENTS] = {"]  # fmt: skip
+    for element in system.elements:
+        stop = (
+            1 if element.name.endswith("bump_stop") else 2 if element.name.endswith("stop") else 0
+        )
+        lines.append(f"    {{{_text(element.name)}, {int(element.name in tyres)}, {stop}}},")
+    wheels = [axle.prefix.replace("_", " ") for axle in system.axles if axle.tyre] or [""]
+    lines += ["};", "", f"static const char *const wheels[] = {{{', '.join(map(_text, wheels))}}};", "",
+              "static const struct {", "    const char *cause, *remedy;", "} failures[] = {"]  # fmt: skip
+    for status in range(max(FAILURES) + 1):
+        cause, _, remedy = FAILURES.get(status, "").partition("; ")
+        lines.append(f"    {{{_text(cause)}, {_text(remedy)}}},")
+    lines += ["};", "", "static const char *const guards[] = {"]
+    for guard in tape.guards.values():
+        which = ", ".join(sorted(guard.condition.of)) or "the parameters"
+        words = guard.in_words()
+        lines.append(
+            f"    {_text(f'{which}: the structure with which this FMU was packed does not allow this')}"
+        )
+        how = f" ({words} must hold)" if words else ""
+        sets = " ".join(f"--set {name}=..." for name in sorted(guard.condition.of))
+        lines.append(f"        {_text(f'{how}; pack another with {sets}')},")
+    return "\n".join([*lines, "    0", "};", ""])
+
+
+def _set_up(
+    tape: Tape,
+    row: Sequence[Any],
+    starts: Sequence[Any],
+    read: Mapping[int, tuple[Any, str]],
+    fields: Mapping[str, Number],
+) -> str:
+    """Return the function that turns parameters into the numbers of a system, and that of outputs."""
+    derived = [tape.node(x) for x in starts]
+    for reader, _ in read.values():
+        if isinstance(reader, Number):
+            derived += [n for n in _of_parameters(reader.node) if n not in derived]
+    rows = [tape.node(x) for x in row]
+    set_fields = {name: tape.node(value) for name, value in fields.items()}
+    names: dict[int, str] = {}
+    guards = list(tape.guards.values())
+    wanted = [*(g.condition for g in guards), *rows, *derived, *set_fields.values()]
+    lines = [
+        f"#define ROW {len(row)}",
+        f"#define DERIVED {len(derived)}",
+        "",
+        "/* Find the numbers of the system, as recorded from the set-up in Python.",
+        " *",
+        " * Return 0, or the number of the guard that does not hold, counted from 1.",
+        " */",
+        "static int set_up(const double *p, Machine *of, double *row, double *derived) {",
+        *(f"    {line}" for line in tape.lines(wanted, names)),
+    ]
+    for k, guard in enumerate(guards, 1):
+        text = guard.condition.written(names)[0]
+        lines.append(f"    if ({f'!({text})' if guard.holds else text}) return {k};")
+    lines += [f"    row[{k}] = {node.written(names)[0]};" for k, node in enumerate(rows)]
+    lines += [f"    derived[{k}] = {node.written(names)[0]};" for k, node in enumerate(derived)]
+    lines += [f"    of->{name} = {node.written(names)[0]};" for name, node in set_fields.items()]
+    lines += ["    (void) of;", "    return 0;", "}", ""]
+    known = {id(node): f"derived[{k}]" for k, node in enumerate(derived)}
+    return "\n".join([*lines, _outputs(read, known)])
+
+
+def _of_parameters(node: Node) -> list[Node]:
+    """Return the largest parts of an output that depend on parameters alone."""
+    if not node.of:
+        return []
+    if all("->" not in name for name in node.of):
+        return [node]
+    return [part for operand in node.operands for part in _of_parameters(operand)]
+
+
+def _outputs(read: Mapping[int, tuple[Any, str]], known: dict[int, str]) -> str:
+    cases = []
+    needs_forces, needs_roads = [], []
+    for k, (value, name) in read.items():
+        text = value.text if isinstance(value, _Flag) else None
+        if isinstance(value, Number):
+            text = value.node.written(dict(known))[0]
+        elif text is None:
+            text = number(float(value))
+        if "->sample_a[" in text or "->sample_f[" in text or "->sample_set[" in text:
+            needs_forces.append(k)
+        if "roads[" in text:
+            needs_roads.append(k)
+        cases.append(f"        case {k}: return {text}; /* {name} */")
+    lines = [
+        "/* Which outputs need the forces at the present time, and which the roads. */",
+        _choice("needs_forces", needs_forces),
+        _choice("needs_roads", needs_roads),
+        "/* Return an output at the present time. */",
+        "static double find_output(Integrator *of, Run *run, const double *derived, double (*roads)[4],",
+        "        unsigned k) {",
+        "    (void) of, (void) run, (void) derived, (void) roads;",
+        "    switch (k) {",
+        *cases,
+        "        default: return 0.0;",
+        "    }",
+        "}",
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _choice(name: str, which: Sequence[int]) -> str:
+    lines = [f"static int {name}(unsigned k) {{", "    switch (k) {"]
+    lines += [f"        case {k}:" for k in which]
+    lines += ["            return 1;"] if which else []
+    return "\n".join([*lines, "        default:", "            return 0;", "    }", "}"])
+
+
+class _TracedState(reading.State):
+    """The state of a run, of numbers in C."""
+
+    def __init__(self, system: System, tape: Tape) -> None:
+        n, elements = len(system.coordinates), len(system.elements)
+        self.q, self.v = (_array(tape, f"of->sample_{x}", n) for x in "qv")  # type: ignore[assignment]
+        self._a = _array(tape, "of->sample_a", n)  # type: ignore[assignment]
+        self._f, self._set = (_array(tape, f"of->sample_{x}", elements) for x in ("f", "set"))  # type: ignore[assignment]
+        self._roads = {
+            name: tuple(_array(tape, f"roads[{s}]", 4)) for s, name in enumerate(system.signals)
+        }
+        self._known = True
+
+    @property
+    def signals(self) -> Any:
+        return self._roads
+
+
+def _array(tape: Tape, name: str, count: int) -> list[Number]:
+    return [tape.given(f"{name}[{i}]", 0.5 + 0.1 * i, f"->{name}[{i}]") for i in range(count)]
+
+
+def left_out(model: str, system: System) -> frozenset[str]:
+    """Return the outputs that a native FMU does not have: those of the ledger, which Python reads."""
+    return frozenset(
+        name for name, v in outputs(model).items() if isinstance(reading_of(v, system), OfLedger)
+    )
+
+
+def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
+    """Return every output as an expression in C, by value reference, with its name."""
+
+    def number_of(text: str) -> Number:
+        return tape.given(text, 0.5, f"->{text}")
+
+    integrator = SimpleNamespace(
+        residual_at=lambda time: number_of("Integrator_residual_at(of, run->time)"),
+        stable_step=lambda: number_of("Integrator_stable_step(of)"),
+        step_count=number_of("(double) of->step_count"),
+        limited_time_at=lambda e, time: number_of(
+            f"Integrator_limited_time_at(of, {e}, run->time)"
+        ),
+        yielding=lambda e: _Flag(f"Integrator_yielding(of, {e})"),
+    )
+    tyres = sum(1 for axle in system.axles if axle.tyre)
+    of_contacts: list[Any] = [[_Flag(f"run->airborne[{c}]") for c in range(tyres)]]
+    for what in ("lift_offs", "last_lift_off", "last_touchdown"):
+        of_contacts.append([number_of(f"run->{what}[{c}]") for c in range(tyres)])
+    contacts = reading.Contacts(*of_contacts)
+    run = SimpleNamespace(time=0.0, ok=True, state=_TracedState(system, tape), contacts=contacts)
+    found = reading.Readers(outputs(model), system, integrator, run)
+    before = len(tape.guards)
+    read = {
+        k: (found[v.name](), v.name)
+        for k, v in enumerate(variables(model))
+        if v.causality == "output" and v.name not in left_out(model, system)
+    }
+    if len(tape.guards) > before and any(
+        "->" in name for g in list(tape.guards.values())[before:] for name in g.condition.of
+    ):
+        raise ValueError(f"an output of {model} compares what is known in C only")
+    return read

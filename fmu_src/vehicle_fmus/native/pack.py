@@ -1,0 +1,136 @@
+"""Pack native FMUs: binaries and sources that need nothing from their host."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from uuid import UUID
+
+from phaseplane.suspension.variables import MODELS, Value, refuse_unknown
+
+from ..archives import digest_of, write_all, zipped
+from ..content import picture_file, production
+from ..manual import DOCUMENTATION, page
+from ..reference import reference_files, session_of
+from .compilers import FLAGS, Platform, chosen, compiled
+from .description import description
+from .model import model_in_c
+
+_C = Path(__file__).parent / "c"
+_LAYER = ("fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
+_ALL = """\
+/* {model}, all of it: compile this file alone, with {flags}. */
+
+#define GUID "{token}"
+#include "core.h"
+#include "model.c"
+#include "core.c"
+#include "{layer}"
+"""
+
+
+def build(
+    models: Sequence[str],
+    folder: Path,
+    *,
+    platforms: Sequence[str] = (),
+    parameters: Mapping[str, Mapping[str, object]] | None = None,
+    references: bool = False,
+) -> list[Path]:
+    """Pack models as native co-simulation FMUs, `<model>.fmu` each.
+
+    Equal sources and compilers give equal files. Either all files are written or none.
+
+    Parameters
+    ----------
+    models : keys of `variables.MODELS`
+    folder : output folder; created if it is missing
+    platforms : names in `compilers.PLATFORMS`; by default the one at hand, or all if zig is installed
+    parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
+        switches and what decides on the structure cannot be changed in the FMU
+    references : whether to write a reference result beside each FMU
+
+    Returns
+    -------
+    The files written, in the order of `models`.
+
+    Raises
+    ------
+    ParameterError : unknown model or parameter, or a start value that is refused.
+    ValueError : unknown platform, or one without a compiler.
+    RuntimeError : a compiler failed (the message includes its output).
+    """
+    parameters = parameters or {}
+    refuse_unknown(models, MODELS, f"native FMUs exist for {', '.join(MODELS)}, not for")
+    refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    targets = chosen(platforms)
+    files: dict[str, bytes] = {}
+    for model in models:
+        given = parameters.get(model, {})
+        accepted = session_of(model, given).parameters  # reads the tables, too
+        start = {name: accepted[name] for name in given}
+        files[f"{model}.fmu"] = _packed(model, start, targets)
+        if references:
+            files |= reference_files(model, start)
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    contents = {Path(folder, name): content for name, content in files.items()}
+    write_all(contents)
+    return list(contents)
+
+
+def _packed(model: str, start: Mapping[str, Value], targets: Sequence[Platform]) -> bytes:
+    """Return the archive of one FMU."""
+    in_c = model_in_c(model, start)
+    own = ("core.h", "core.c", *_LAYER)
+    sources = {f"sources/{name}": (_C / name).read_bytes() for name in own}
+    sources["sources/model.c"] = in_c.text.encode()
+    about = production()
+    about["generationTool"] = about["generationTool"].partition(" with ")[0]
+    what = {
+        **sources,
+        "about": json.dumps([about, model, dict(start)]).encode(),
+    }
+    token = str(UUID(hex=digest_of(what)[:32]))
+    flags = " ".join(flag for flag in FLAGS if flag != "-w")
+    token = f"{{{token}}}"
+    sources["sources/all.c"] = _ALL.format(
+        model=model, flags=flags, token=token, layer=_LAYER[0]
+    ).encode()
+    members = {
+        **sources,
+        **_binaries(model, sources, targets),
+        "modelDescription.xml": description(model, start, in_c, about, token),
+        "documentation/index.html": page(
+            model, dict(start), about["generationTool"], native=True
+        ).encode(),
+        "documentation/licenses/license.txt": (DOCUMENTATION / "license.txt").read_bytes(),
+        "documentation/licenses/fmi_headers.txt": _licence(_C / _LAYER[1]),
+    }
+    members["model.png"] = picture_file(model).read_bytes()
+    return zipped(members)
+
+
+def _binaries(
+    model: str, sources: Mapping[str, bytes], targets: Sequence[Platform]
+) -> dict[str, bytes]:
+    """Compile the sources for each platform."""
+    found = {}
+    with TemporaryDirectory() as work:
+        for name, content in sources.items():
+            Path(work, Path(name).name).write_bytes(content)
+        for target in targets:
+            library = Path(work, f"{target.name}{target.suffix}")
+            compiled(Path(work, "all.c"), library, target)
+            found[f"binaries/{target.fmi2}/{model}{target.suffix}"] = library.read_bytes()
+    return found
+
+
+def _licence(header: Path) -> bytes:
+    """Return the copyright notice of an FMI header."""
+    text = header.read_text("utf-8")
+    start = text.index("Copyright")
+    end = text.index("*/", start)
+    lines = [line.strip().removeprefix("*").strip() for line in text[start:end].splitlines()]
+    return ("The FMI headers in sources/:\n\n" + "\n".join(lines).strip() + "\n").encode()

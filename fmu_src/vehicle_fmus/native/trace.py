@@ -1,0 +1,249 @@
+"""Numbers that note what is done to them: a calculation, run once, becomes straight C.
+
+A function that only calculates and compares is called with such numbers in place of floats. Every
+operation is noted, with the value that it has now; every comparison is noted as a condition under which
+the calculation stays what it is. Where a plain float is wanted, the value is fixed, which is a condition,
+too.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from .translate import number
+
+_UNARY, _PRIMARY = 13, 15
+_LEVELS = {"+": 11, "-": 11, "*": 12, "/": 12, "<": 9, "<=": 9, ">": 9, ">=": 9, "==": 8, "!=": 8}
+_ARITHMETIC: dict[str, Callable[[float, float], float]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv,
+    "pow": operator.pow,
+}  # fmt: skip
+_COMPARISONS: dict[str, Callable[[float, float], bool]] = {
+    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
+    "!=": operator.ne,
+}  # fmt: skip
+_LONGEST = 90  # characters of a condition in a message
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One number: given, or the result of an operation on others.
+
+    Parameters
+    ----------
+    text : of a given number in C; else the operator or function
+    operands : other nodes
+    value : what it is now
+    said : a given number in words, such as the name of a parameter
+    of : the names of the given numbers that it depends on
+    """
+
+    text: str
+    operands: tuple[Node, ...]
+    value: float
+    said: str
+    of: frozenset[str]
+
+    def written(self, names: dict[int, str], words: bool = False) -> tuple[str, int]:
+        """Return it in C, with the level of its operator; nodes with a name are named."""
+        if not words and id(self) in names:
+            return names[id(self)], _PRIMARY
+        if not self.operands:
+            text = self.said if words and self.said else self.text
+            return text, _UNARY if text.startswith("-") else _PRIMARY
+        parts = [operand.written(names, words) for operand in self.operands]
+        if self.text in _LEVELS and len(parts) == 2:
+            level = _LEVELS[self.text]
+            (left, level_left), (right, level_right) = parts
+            left = left if level_left >= level else f"({left})"
+            right = right if level_right > level else f"({right})"
+            return f"{left} {self.text} {right}", level
+        if self.text == "neg":
+            inner, level = parts[0]
+            plain = level >= _PRIMARY
+            return f"-{inner}" if plain else f"-({inner})", _UNARY
+        return f"{self.text}({', '.join(text for text, _ in parts)})", _PRIMARY
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A condition under which a noted calculation stays what it is."""
+
+    condition: Node
+    holds: bool
+
+    def in_words(self) -> str:
+        """Return the condition by names of parameters, or nothing if that is too long."""
+        text = self.condition.written({}, words=True)[0]
+        text = text if self.holds else f"not {text}"
+        return text if len(text) <= _LONGEST else ""
+
+
+@dataclass(slots=True)
+class Tape:
+    """All that has been noted."""
+
+    nodes: dict[object, Node] = field(default_factory=dict)
+    guards: dict[int, Guard] = field(default_factory=dict)
+
+    def given(self, text: str, value: float, said: str = "") -> Number:
+        """Return a number that is given in C under some text."""
+        node = Node(text, (), value, said, frozenset([said or text]))
+        return Number(self, self.nodes.setdefault((text,), node))
+
+    def constant(self, value: float) -> Node:
+        node = Node(number(float(value)), (), float(value), f"{value:g}", frozenset())
+        return self.nodes.setdefault((node.text,), node)
+
+    def noted(self, text: str, operands: tuple[Node, ...], value: float) -> Node:
+        key = (text, *map(id, operands))
+        names = frozenset().union(*(operand.of for operand in operands))
+        return self.nodes.setdefault(key, Node(text, operands, value, "", names))
+
+    def guard(self, text: str, left: Node, right: Node, holds: bool) -> bool:
+        if left is not right and (left.of or right.of):
+            condition = self.noted(text, (left, right), float(holds))
+            self.guards.setdefault(id(condition), Guard(condition, holds))
+        return holds
+
+    def node(self, value: Any) -> Node:
+        """Return the node of a number, noted or plain."""
+        return value.node if isinstance(value, Number) else self.constant(value)
+
+    def lines(self, wanted: Iterable[Node], names: dict[int, str]) -> list[str]:
+        """Return the C that computes nodes in order: those that are used more than once get a name.
+
+        Parameters
+        ----------
+        wanted : nodes
+        names : names of nodes that are known; new ones are added
+        """
+        wanted = list(wanted)
+        uses: dict[int, int] = {}
+        found: list[Node] = []
+
+        def visit(node: Node) -> None:
+            uses[id(node)] = uses.get(id(node), 0) + 1
+            if uses[id(node)] == 1 and id(node) not in names:
+                for operand in node.operands:
+                    visit(operand)
+                found.append(node)
+
+        for node in wanted:
+            visit(node)
+        lines = []
+        for node in found:
+            if node.operands and uses[id(node)] > 1:
+                text = node.written(names)[0]
+                names[id(node)] = name = f"t{len(names)}"
+                lines.append(f"const double {name} = {text};")
+        return lines
+
+
+class Number:
+    """A number on a tape."""
+
+    __slots__ = ("node", "tape")
+
+    def __init__(self, tape: Tape, node: Node) -> None:
+        self.tape, self.node = tape, node
+
+    @property
+    def value(self) -> float:
+        return self.node.value
+
+    def _result(self, text: str, left: Any, right: Any) -> Any:
+        for side in (left, right):
+            if not isinstance(side, Number | int | float):
+                return NotImplemented
+        a, b = self.tape.node(left), self.tape.node(right)
+        value = _ARITHMETIC[text](a.value, b.value)
+        return Number(self.tape, self.tape.noted(text, (a, b), value))
+
+    def __add__(self, other: Any) -> Any:
+        return self._result("+", self, other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self._result("+", other, self)
+
+    def __sub__(self, other: Any) -> Any:
+        return self._result("-", self, other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self._result("-", other, self)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._result("*", self, other)
+
+    def __rmul__(self, other: Any) -> Any:
+        return self._result("*", other, self)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._result("/", self, other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self._result("/", other, self)
+
+    def __pow__(self, other: Any) -> Any:
+        return self._result("pow", self, other)
+
+    def __neg__(self) -> Number:
+        return Number(self.tape, self.tape.noted("neg", (self.node,), -self.value))
+
+    def __pos__(self) -> Number:
+        return self
+
+    def __abs__(self) -> Number:
+        return Number(self.tape, self.tape.noted("fabs", (self.node,), abs(self.value)))
+
+    def _compared(self, text: str, other: Any) -> Any:
+        if not isinstance(other, Number | int | float):
+            return NotImplemented
+        b = self.tape.node(other)
+        holds = _COMPARISONS[text](self.value, b.value)
+        return self.tape.guard(text, self.node, b, bool(holds))
+
+    def __lt__(self, other: Any) -> Any:
+        return self._compared("<", other)
+
+    def __le__(self, other: Any) -> Any:
+        return self._compared("<=", other)
+
+    def __gt__(self, other: Any) -> Any:
+        return self._compared(">", other)
+
+    def __ge__(self, other: Any) -> Any:
+        return self._compared(">=", other)
+
+    def __eq__(self, other: Any) -> Any:
+        return self._compared("==", other)
+
+    def __ne__(self, other: Any) -> Any:
+        return self._compared("!=", other)
+
+    def __hash__(self) -> int:
+        """Return a hash by what was done: caches must not take it for a plain number of this value."""
+        return hash((Number, id(self.node)))
+
+    def __bool__(self) -> bool:
+        return bool(self._compared("!=", 0.0))
+
+    def __float__(self) -> float:
+        """Return the value, which is fixed from now on."""
+        self.tape.guard("==", self.node, self.tape.constant(self.value), True)
+        return self.value
+
+    def __int__(self) -> int:
+        return int(float(self))
+
+    def __round__(self, digits: int = 0) -> float:
+        return round(float(self), digits)
+
+    def __format__(self, how: str) -> str:
+        return format(self.value, how)
+
+    def __repr__(self) -> str:
+        return repr(self.value)

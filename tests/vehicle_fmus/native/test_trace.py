@@ -1,0 +1,67 @@
+"""Numbers that note what is done to them, beside the same calculation with floats."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from phaseplane.vehicle_fmus.native.trace import Number, Tape
+
+
+def calculation(a: float, b: float) -> float:
+    c = (a - b) * (a - (b - 1.5)) / (2.0 - -a)
+    return abs(-c) + (c + a) ** 2 if c < b else -(c * b) - 0.25
+
+
+def evaluated(number: Number, **values: float) -> float:
+    """The C of a number, read as Python: the operators are the same."""
+    text = number.node.written({})[0]
+    return float(eval(text, {"fabs": abs, "pow": pow, **values}))
+
+
+@given(st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_what_is_noted_gives_the_same_bits(a: float, b: float) -> None:
+    tape = Tape()
+    found = calculation(tape.given("a", a), tape.given("b", b))  # type: ignore[arg-type]
+    assert isinstance(found, Number)
+    assert found.value == calculation(a, b)
+    assert evaluated(found, a=a, b=b) == calculation(a, b)
+
+
+@given(st.floats(0.1, 10.0), st.floats(0.1, 10.0))
+def test_a_guard_tells_where_the_calculation_would_be_another(a: float, b: float) -> None:
+    tape = Tape()
+    calculation(tape.given("a", 3.0), tape.given("b", 1.0))  # type: ignore[arg-type]
+    (guard,) = tape.guards.values()
+    c = (a - b) * (a - (b - 1.5)) / (2.0 + a)
+    text = guard.condition.written({})[0]
+    assert (eval(text, {"a": a, "b": b}) == guard.holds) == ((c < b) == (c_of(3.0, 1.0) < 1.0))
+
+
+def c_of(a: float, b: float) -> float:
+    return (a - b) * (a - (b - 1.5)) / (2.0 + a)
+
+
+def test_where_a_float_is_wanted_the_value_is_fixed() -> None:
+    tape = Tape()
+    speed = tape.given("p[3]", 20.0, "speed")
+    assert float(speed) == 20.0
+    (guard,) = tape.guards.values()
+    assert (guard.in_words(), guard.holds) == ("speed == 20", True)
+
+
+def test_a_number_is_not_taken_for_a_plain_one() -> None:
+    number = Tape().given("a", 1.0)
+    assert hash(number) != hash(1.0)
+    with pytest.raises(TypeError):
+        number + "text"
+
+
+def test_what_is_used_twice_is_computed_once() -> None:
+    tape = Tape()
+    a, b = tape.given("a", 1.0), tape.given("b", 2.0)
+    total = a + b
+    names: dict[int, str] = {}
+    lines = tape.lines([(total * total).node, (a + b).node], names)
+    assert lines == ["const double t0 = a + b;"]
+    assert (total * total).node.written(names)[0] == "t0 * t0"
