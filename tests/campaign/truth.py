@@ -376,7 +376,10 @@ class _Curved:
         filled = 0
         while solver.status == "running":
             self._steps += 1
-            message = solver.step()
+            with np.errstate(all="ignore"):  # of what runs away
+                message = solver.step()
+            if not np.isfinite(solver.y).all():
+                raise NoTruthError(f"the motion runs away at {solver.t:.6g} s")
             if solver.status == "failed" or self._steps > _MOST_STEPS:
                 raise NoTruthError(f"DOP853 stopped at {solver.t:.6g} s: {message or 'too stiff'}")
             dense = solver.dense_output()
