@@ -221,7 +221,7 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     wait.until(lambda _: browser.find_elements(By.CSS_SELECTOR, "#run polyline"))
     equation = find("input[name=equation]")
     Select(find("select[name=scene]")).select_by_value(OWN)
-    wait.until(lambda _: "0.3*sign(v)" in (told("shown") or ""))
+    wait.until(lambda _: "sign(ẋ)" in (told("shown") or ""))
     equation.clear()
     equation.send_keys("x + kk*v")
     find("button[type=submit]").click()
