@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from math import isnan, pi
 from pathlib import Path
@@ -407,3 +408,12 @@ def test_equations_of_arrays_are_those_of_numbers(
     finite = np.isfinite(singly)
     np.testing.assert_allclose(many[finite], np.array(singly)[finite], rtol=1e-12, atol=1e-12)
     assert not np.isfinite(many[~finite]).any()
+
+
+def test_friction_that_breaks_away_has_no_construction():
+    system = build("OneDof", {})
+    leaf = Element("leaf", (1.0,), friction=50.0, breakaway=80.0)
+    with pytest.raises(
+        ValueError, match="leaf: there is no construction of friction that breaks away"
+    ):
+        of_system(dataclasses.replace(system, elements=(*system.elements, leaf)), {})
