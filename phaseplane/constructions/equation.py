@@ -18,13 +18,11 @@ from phaseplane.constructions.one_plane import one_plane_scheme
 from phaseplane.constructions.primitives import Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import States
-from phaseplane.constructions.switched import SwitchedPlane, schemes_with_switches
+from phaseplane.constructions.switched import GAUSS, SwitchedPlane, schemes_with_switches
 from phaseplane.equations.switching import Mode, Switching, smooth
 
 Function = Callable[[float, float, float], float]
 """f(x', x, t) of x'' + f = 0."""
-
-_GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
 
 
 @dataclass(frozen=True)
@@ -140,7 +138,7 @@ class EquationPlane(SwitchedPlane):
             return 0.0
         x, velocity = self.lienard.values(states[0])
         function = self.switching.function
-        times = ((window.start + part * window.duration, weight) for part, weight in _GAUSS)
+        times = ((window.start + part * window.duration, weight) for part, weight in GAUSS)
         mean = sum(weight * function(velocity, x, t, mode) for t, weight in times)
         return (function(velocity, x, 0.0, mode) - mean) / self.angular_frequency**2
 

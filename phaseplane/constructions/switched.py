@@ -23,7 +23,8 @@ SLIDING, REST = "sliding", "rest"
 
 _SIGNS = {-1: "-", 0: "0", 1: "+"}
 _NUMBERS = {text: sign for sign, text in _SIGNS.items()}
-_GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
+GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.8872983346207417, 5.0 / 18.0))
+"""Places in a step and weights of the mean over it, by Gauss."""
 
 
 def on_switch_scheme(words: str) -> Scheme:
@@ -86,7 +87,7 @@ class SwitchedPlane(OnePlane):
             moved = plane.plane.displacement.scale * self.shift_in(signs, states, window)
             return {"P": p, "Q": q, "A": a, "A*": foot, "D": foot + moved}
         x, v = plane.values(p)
-        times = ((window.start + part * window.duration, weight) for part, weight in _GAUSS)
+        times = ((window.start + part * window.duration, weight) for part, weight in GAUSS)
         mean = sum(w * self.switching.acceleration(signs, v, x, t) for t, w in times)
         axis = plane.plane.displacement
         q = complex(p.real, axis.origin.imag)
