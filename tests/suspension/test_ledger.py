@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from make_drawn import SYSTEMS, instants, public, stored
+from phaseplane.suspension import roads
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import System, build
 
@@ -80,3 +82,20 @@ def test_what_an_element_stores_is_its_potential(element: str) -> None:
         assert found == pytest.approx(law.potential(deflection), abs=1e-12)
         seen = max(seen, found)
     assert seen > 0.01
+
+
+def test_a_jump_of_a_road_is_work_of_that_road() -> None:
+    """Of two axles only the rear one meets a kerb; all energy there is comes from its road."""
+    system = build("HalfCar", {})
+    kerb = roads.step(0.004, 0.05)  # too low for a tyre to leave the road
+    signals = {**system.signals, "front_road": roads.LEVEL, "rear_road": kerb}
+    system = replace(system, signals=signals)
+    integrator = Integrator(system, tolerance=1e-8)
+    assert integrator.advance(0.1, stop=True) == 0
+    kinetic, stored, lost, brought_in = integrator.energies()
+    brought_in = dict(zip(signals, brought_in, strict=True))
+    assert brought_in["front_road"] == 0.0
+    before = sum(Integrator(system).energies()[1])
+    gained = kinetic + sum(stored) + sum(lost) - before
+    assert brought_in["rear_road"] == pytest.approx(gained - integrator.residual_end, rel=1e-12)
+    assert brought_in["rear_road"] > 0.1

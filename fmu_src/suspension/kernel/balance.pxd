@@ -1,7 +1,8 @@
 cimport cython
+from .linear cimport solve
 from .network cimport Network
 
-cdef int _SPRING, _DAMPER, _CONTACT, _KINDS
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS
 
 @cython.final
 cdef class Balance:
@@ -12,13 +13,13 @@ cdef class Balance:
     cdef double[::1] constant, loads, load_rate, under, carrier, force, force_k, force_c
     cdef double[1024] stiffness, damping, flexibility
     cdef double[32] q, v, a, j, f, fk, fb
-    cdef int[::1] bent_row, bent_first, bent_element, bent_law
+    cdef int[::1] bent_row, bent_first, bent_piece, bent_factor, bent_law
 
     @cython.locals(i=int)
     cdef void enter(self) noexcept nogil
     @cython.locals(r=int, e=int, first=int, count=int)
     cdef void _list_bends(self) noexcept nogil
-    @cython.locals(i=int, e=int, force=double, k=double, c=double)
+    @cython.locals(i=int, force=double, k=double, c=double, damping=double, slope=double)
     cdef inline void bend(self, int p, double d, double w) noexcept nogil
     @cython.locals(k=int)
     cdef void prepare(self, double t, double h) noexcept nogil
@@ -34,12 +35,20 @@ cdef class Balance:
                     double[::1] j) noexcept nogil
     cdef void end(self, double t, double[::1] q, double[::1] v, double[::1] a,
                   double[::1] j) noexcept nogil
+    @cython.locals(i=int)
+    cdef void accelerations(self, double t, double[::1] q, double[::1] v,
+                            double[::1] a) noexcept nogil
     cdef void _solve_rows(self, double[::1] q, double[::1] v, double[::1] a,
                           double[::1] j) noexcept nogil
     @cython.locals(i=int)
     cdef void _solve(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j) noexcept nogil
     @cython.locals(i=int)
-    cdef inline void _solve_straight(self, int n) noexcept nogil
+    cdef inline void _solve_motion(self, int n) noexcept nogil
+    @cython.locals(i=int, p=int, r=int, at=int, d=double, w=double)
+    cdef inline void _find_force(self, int n, int k) noexcept nogil
+    @cython.locals(i=int, m=int, p=int, r=int, s=int, dv=double, da=double, rate=double, b=double,
+                   x=double)
+    cdef void _add_bend_rates(self, int n) noexcept nogil
 
 @cython.locals(i=int, j=int)
 cdef void multiply(double *m, int at, double *x, int first, int n, double *out,

@@ -10,12 +10,17 @@ and K and B then are those of the straight pieces alone.
 
 from __future__ import annotations
 
+import cython
+
 from .arrays import doubles, integers, vectors
 
-_SPRING, _DAMPER, _CONTACT, _KINDS = 0, 1, 3, 5  # as in elements
+if not cython.compiled:
+    from .linear import solve
+
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS = 0, 1, 2, 3, 5  # as in elements
 
 
-MOST_COORDINATES = 32  # for which there is room
+MOST_COORDINATES, MOST_ROWS = 32, 64  # for which there is room
 
 
 class Balance:
@@ -40,15 +45,16 @@ class Balance:
         self.flexibility = [0.0] * 1024
         self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
         self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
-        self.loads = doubles([0.0] * n * self.instants)
+        # loads at all instants of a step, and at one more within it
+        self.loads = doubles([0.0] * n * (self.instants + 1))
         self.loads_hold = 0  # whether the loads of the present branches are constant, and known
         self.bends = 0  # number of rows with a curved force
         self.bent_row, self.bent_first = integers([0] * rows), integers([0] * (rows + 1))
-        self.bent_element, self.bent_law = (
-            integers([0] * 2 * network.elements),
-            integers([0] * 2 * network.elements),
-        )
-        self.under = doubles([0.0] * 2 * rows * self.instants)  # road of each bent row, its rate
+        self.bent_law = integers([0] * 2 * network.elements)
+        self.bent_piece, self.bent_factor = integers(self.bent_law), integers(self.bent_law)
+        self.under = doubles(
+            [0.0] * 2 * rows * (self.instants + 1)
+        )  # road of each bent row, its rate
         self.carrier = doubles(
             [0.0] * rows * self.instants
         )  # acceleration of the road of sticking rows
@@ -66,7 +72,7 @@ class Balance:
         self._list_bends()
 
     def _list_bends(self):
-        """List the curved springs and dampers, row by row."""
+        """List the curved pieces, row by row."""
         self.bends = count = 0
         if self.net.always_straight:
             return
@@ -76,15 +82,18 @@ class Balance:
                 if self.net.element_row[e] != r or self.net.branch[_KINDS * e + _CONTACT]:
                     continue
                 if not self.net.spring_is_straight(e):
-                    self.bent_element[count], self.bent_law[count] = e, _SPRING
+                    self.bent_piece[count] = self.net.piece_now(e, _SPRING)
+                    self.bent_law[count] = _SPRING
                     count += 1
                 if not self.net.damper_is_straight(e):
-                    self.bent_element[count], self.bent_law[count] = e, _DAMPER
+                    self.bent_piece[count] = self.net.piece_now(e, _DAMPER)
+                    self.bent_factor[count] = self.net.piece_now(e, _MODULATION)
+                    self.bent_law[count] = _MODULATION if self.net.modulated[e] else _DAMPER
                     count += 1
             if count > first:
                 self.bent_row[self.bends], self.bent_first[self.bends] = r, first
                 self.bends += 1
-        self.bent_first[self.bends] = count
+                self.bent_first[self.bends] = count
 
     def bend(self, p, d, w):
         """Find the curved force of bent row p at deflection d and rate w, and its derivatives."""
@@ -92,16 +101,21 @@ class Balance:
         k = 0.0
         c = 0.0
         for i in range(self.bent_first[p], self.bent_first[p + 1]):
-            e = self.bent_element[i]
             if self.bent_law[i] == _SPRING:
-                self.net.law_and_slope(self.net.piece_now(e, _SPRING), d)
+                self.net.law_and_slope(self.bent_piece[i], d)
                 force += self.net.value
                 k += self.net.slope
-            else:
-                self.net.damping_and_slopes(e, d, w)
+                continue
+            self.net.law_and_slope(self.bent_piece[i], w)
+            if self.bent_law[i] == _DAMPER:
                 force += self.net.value
-                k += self.net.slope
-                c += self.net.slope_of_rate
+                c += self.net.slope
+                continue
+            damping, slope = self.net.value, self.net.slope
+            self.net.law_and_slope(self.bent_factor[i], d)
+            force += damping * self.net.value
+            c += slope * self.net.value
+            k += damping * self.net.slope
         self.force[p], self.force_k[p], self.force_c[p] = force, k, c
 
     # -- loads -------------------------------------------------------------------------------------
@@ -179,7 +193,7 @@ class Balance:
     def begin(self, t, q, v, a, j):
         """Find acceleration and jerk at the start of a step, t, and the loads if they are constant."""
         self.net.all_signals(t)
-        if self.bends or self.net.stuck:
+        if self.net.stuck:
             self._solve_rows(q, v, a, j)
             return
         self._find_loads(self.instants - 1, True)
@@ -191,16 +205,36 @@ class Balance:
 
     def end(self, t, q, v, a, j):
         """Find acceleration and jerk at the end of a step, t; rows that stick then have no rate."""
-        if self.bends or self.net.stuck:
+        if self.net.stuck:
             self.net.all_signals(t)
             self.net.rest(v)
             self._solve_rows(q, v, a, j)
             return
+        if self.loads_hold and self.bends:
+            self.net.all_signals(t)
         self.loads_at_end(t)
         self._solve(q, v, a, j)
 
+    def accelerations(self, t, q, v, a):
+        """Find accelerations at any state within a step, at time t."""
+        self.net.all_signals(t)
+        if self.net.stuck:
+            self.net.row_states(q, v)
+            self.net.row_forces()
+            self.net.net_force(a)
+            solve(self.net.mass_factor, 0, self.n, a)
+            self.net.stick(self.net.mass_factor, 0, a, self.net.zero, 2, self.net.kick)
+            return
+        self._find_loads(self.instants, False)
+        for i in range(self.n):
+            self.q[i], self.v[i] = q[i], v[i]
+        self._find_force(self.n, self.instants)
+        multiply(self.flexibility, 0, self.f, 0, self.n, self.a, 0)
+        for i in range(self.n):
+            a[i] = self.a[i]
+
     def _solve_rows(self, q, v, a, j):
-        """Find them with curved forces or sticking rows, and all tangents."""
+        """Find them with sticking rows, and all tangents."""
         self.net.row_states(q, v)
         self.net.row_forces()
         self.net.assemble(self.net.row_k, self.net.row_c, self.tangent_k, self.tangent_c)
@@ -208,30 +242,69 @@ class Balance:
         self.net.jerk(v, a, j)
 
     def _solve(self, q, v, a, j):
-        """Find them with straight forces, from the loads at the end of a step."""
+        """Find them with the loads at the end of a step, and all tangents."""
         for i in range(self.n):
             self.q[i], self.v[i] = q[i], v[i]
         # with a constant in place of n the compiler unrolls the loops
         if self.n == 2:
-            self._solve_straight(2)
+            self._solve_motion(2)
         elif self.n == 4:
-            self._solve_straight(4)
+            self._solve_motion(4)
         else:
-            self._solve_straight(self.n)
+            self._solve_motion(self.n)
         for i in range(self.n):
             a[i], j[i] = self.a[i], self.j[i]
 
-    def _solve_straight(self, n):
-        multiply(self.damping, 0, self.v, 0, n, self.fb, 0)
-        multiply(self.stiffness, 0, self.q, 0, n, self.fk, 0)
-        for i in range(n):
-            self.f[i] = self.loads[self.last + i] - (self.fb[i] + self.fk[i])
+    def _solve_motion(self, n):
+        self._find_force(n, self.instants - 1)
         multiply(self.flexibility, 0, self.f, 0, n, self.a, 0)
         multiply(self.damping, 0, self.a, 0, n, self.fb, 0)
         multiply(self.stiffness, 0, self.v, 0, n, self.fk, 0)
         for i in range(n):
             self.f[i] = self.load_rate[i] - (self.fb[i] + self.fk[i])
+        if self.bends:
+            self._add_bend_rates(n)
         multiply(self.flexibility, 0, self.f, 0, n, self.j, 0)
+
+    def _find_force(self, n, k):
+        """Set `f` to all forces on the masses at the state `q`, `v`, with the loads at instant k."""
+        multiply(self.damping, 0, self.v, 0, n, self.fb, 0)
+        multiply(self.stiffness, 0, self.q, 0, n, self.fk, 0)
+        for i in range(n):
+            self.f[i] = self.loads[n * k + i] - (self.fb[i] + self.fk[i])
+        for p in range(self.bends):
+            r = self.bent_row[p]
+            at = 2 * (self.net.rows * k + p)
+            d = -self.under[at]
+            w = -self.under[at + 1]
+            for i in range(n):
+                d += self.net.row_direction[n * r + i] * self.q[i]
+                w += self.net.row_direction[n * r + i] * self.v[i]
+            self.bend(p, d, w)
+            for i in range(n):
+                self.f[i] -= self.net.row_direction[n * r + i] * self.force[p]
+
+    def _add_bend_rates(self, n):
+        """Add the rates of the curved forces to `f`, and find the tangents with them."""
+        for i in range(n * n):
+            self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
+        for p in range(self.bends):
+            r = self.bent_row[p]
+            s = self.net.row_signal[r]
+            dv = -self.net.road[4 * s + 1] if s >= 0 else 0.0
+            da = -self.net.road[4 * s + 2] if s >= 0 else 0.0
+            for i in range(n):
+                dv += self.net.row_direction[n * r + i] * self.v[i]
+                da += self.net.row_direction[n * r + i] * self.a[i]
+            rate = self.force_k[p] * dv + self.force_c[p] * da
+            for i in range(n):
+                b = self.net.row_direction[n * r + i]
+                self.f[i] -= b * rate
+                if b != 0.0:
+                    for m in range(n):
+                        x = b * self.net.row_direction[n * r + m]
+                        self.tangent_k[n * i + m] += x * self.force_k[p]
+                        self.tangent_c[n * i + m] += x * self.force_c[p]
 
 
 def multiply(m, at, x, first, n, out, to):

@@ -4,7 +4,7 @@ from .balance cimport Balance, multiply
 from .network cimport Network
 
 cdef int _SUBSTEPS, _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _ITERATIONS
-cdef double _EPSILON, _SMALL, _LEAST_SHARE, _AHEAD, _DEPENDENT
+cdef double _ENDLESS, _EPSILON, _SMALL, _LEAST_SHARE, _AHEAD, _DEPENDENT
 
 @cython.final
 cdef class Columns:
@@ -13,13 +13,14 @@ cdef class Columns:
     cdef int n, columns
     cdef int[::1] substeps, instant
     cdef double step, enough, bend
-    cdef double[::1] weight, check, rest
+    cdef double[::1] weight, check
     cdef double[4] s, half, third, sixth
     cdef double[4096] inverse
     cdef double[128] q, v, a
-    cdef double[32] f, fk, fb, error_q, error_v
+    cdef double[32] f, fk, fb, end_q, end_v, error_q, error_v
     cdef double[::1] yield_of, coupling, carried
-    cdef double[::1] d, w, x0, x, dx, matrix, x1, x2, x3
+    cdef double[64] d, w, x0, x, dx, rest
+    cdef double[::1] matrix, x1, x2, x3
 
     cdef void forget(self) noexcept nogil
     @cython.locals(n=int, c=int, i=int)
@@ -43,20 +44,21 @@ cdef class Columns:
     @cython.locals(i=int, m=int, at=int, instant=int, status=int)
     cdef inline int _substep(self, int n, bint rows, int c, int k) noexcept nogil
     @cython.locals(i=int, p=int, u=double)
-    cdef int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil
+    cdef inline int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil
     @cython.locals(i=int, p=int, r=int, c=int, at=int, x=double, rate=double)
     cdef void _begin_rows(self, int n, double[::1] a, double[::1] j) noexcept nogil
-    @cython.locals(bends=int, rows=int, p=int, o=int, _iteration=int, before=double,
+    @cython.locals(rows=int, p=int, o=int, _iteration=int, before=double,
                    lack_before=double, share=double, lack=double, rounding=double, rest=double,
                    size=double, x=double, limit=double)
-    cdef int _bend(self, int n, int c, int k, int instant) noexcept nogil
+    cdef inline int _bend(self, int n, int bends, int c, int k, int instant) noexcept nogil
     @cython.locals(i=int, p=int, r=int, at=int, past=int, d=double, w=double, x=double, b=double)
-    cdef inline void _expect(self, int n, int c, int k, int instant) noexcept nogil
-    @cython.locals(bends=int, rows=int, p=int, o=int, k=int, sixth=double, half=double, slope=double,
+    cdef inline void _expect(self, int n, int bends, int c, int k, int instant) noexcept nogil
+    @cython.locals(rows=int, p=int, o=int, k=int, sixth=double, half=double, slope=double,
                    pivot=double, ratio=double)
-    cdef inline int _correct(self, int c) noexcept nogil
+    cdef inline int _correct(self, int bends, int c) noexcept nogil
     @cython.locals(i=int, p=int, at=int, slope=double, force=double, earlier=double)
-    cdef inline void _take_rows(self, int n, int c, int k) noexcept nogil
-    @cython.locals(n=int, i=int, c=int, last=int, q1=double, v1=double, dq=double, dv=double,
-                   eq=double, ev=double, x=double)
+    cdef inline void _take_rows(self, int n, int bends, int c, int k) noexcept nogil
+    @cython.locals(n=int, i=int)
     cdef int extrapolate(self, double[::1] q, double[::1] v) noexcept nogil
+    @cython.locals(i=int, c=int, last=int, weight=double, check=double, x=double, y=double)
+    cdef inline void _extrapolate(self, int n) noexcept nogil

@@ -38,6 +38,7 @@ _SUBSTEPS = 5  # in the longest column
 _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
 
 _ITERATIONS = 60
+_ENDLESS = 1e290  # m/s^2
 _EPSILON = 4e-16  # relative error of a sum of forces
 _SMALL = 1e-10  # relative size of corrections that may stop decreasing
 _LEAST_SHARE = 1e-3  # of a correction
@@ -82,15 +83,17 @@ class Columns:
         self.inverse = [0.0] * 4096
         self.q, self.v, self.a = [0.0] * 128, [0.0] * 128, [0.0] * 128
         self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
-        self.rest = doubles([0.0] * rows)  # lack of equilibrium of each curved row, per mass
+        self.rest = [0.0] * 64  # lack of equilibrium of each curved row, per mass
         # for each column and curved row: W b, and with each other curved row b' W b
         self.yield_of = doubles([0.0] * (columns * rows * n))
         self.coupling = doubles([0.0] * (columns * rows * rows))
         # for each column and sticking row: the acceleration of all by one of its road
         self.carried = doubles([0.0] * (columns * rows * n))
         # of curved rows: d*, w*, x without them, x, its last correction; the equations for it
-        self.d, self.w, self.x0, self.x, self.dx = vectors(5, rows)
+        self.d, self.w, self.x0 = [0.0] * 64, [0.0] * 64, [0.0] * 64
+        self.x, self.dx = [0.0] * 64, [0.0] * 64
         self.matrix = doubles([0.0] * (rows * rows))
         # x at the ends of the last three substeps of each column
         self.x1, self.x2, self.x3 = vectors(3, columns * rows)
@@ -120,7 +123,9 @@ class Columns:
             self._begin_rows(n, a, j)
         # with constants as arguments the compiler unrolls loops and drops branches
         if self.balance.bends or self.net.stuck:
-            return self._advance(2, True) if n == 2 else self._advance(n, True)
+            if n == 2:
+                return self._advance(2, True)
+            return self._advance(4, True) if n == 4 else self._advance(n, True)
         if n == 2:
             return self._advance(2, False)
         if n == 1:
@@ -277,7 +282,11 @@ class Columns:
             u = self.balance.carrier[self.net.rows * instant + p]
             for i in range(n):
                 self.a[n * c + i] += self.carried[n * (self.net.rows * c + p) + i] * u
-        return self._bend(n, c, k, instant) if self.balance.bends else 0
+        if self.balance.bends == 1:
+            return self._bend(n, 1, c, k, instant)
+        if self.balance.bends == 2:
+            return self._bend(n, 2, c, k, instant)
+        return self._bend(n, self.balance.bends, c, k, instant) if self.balance.bends else 0
 
     def _begin_rows(self, n, a, j):
         """Set the past of every column so that the first substep expects a0 + s j0."""
@@ -295,14 +304,14 @@ class Columns:
                 self.x2[at] = x - self.s[c] * rate
                 self.x3[at] = x - 2.0 * self.s[c] * rate
 
-    def _bend(self, n, c, k, instant):
+    def _bend(self, n, bends, c, k, instant):
         """Find the accelerations of the curved rows by Newton's method, and with them all others.
 
         It ends where the next correction is expected to be below `enough`, or below rounding. If the
         lack of equilibrium grows, as past the saturation of a damper, it goes only half as far.
         """
-        bends, rows = self.balance.bends, self.net.rows
-        self._expect(n, c, k, instant)
+        rows = self.net.rows
+        self._expect(n, bends, c, k, instant)
         before = lack_before = 1e300
         share = 1.0
         for _iteration in range(_ITERATIONS):
@@ -324,7 +333,7 @@ class Columns:
                 self.rest[p] = rest
                 lack = max(lack, fabs(rest))
                 rounding = max(rounding, _EPSILON * size)
-            if not isfinite(lack):
+            if not lack < _ENDLESS:
                 return _DIVERGED
             if (
                 lack > lack_before
@@ -336,7 +345,7 @@ class Columns:
                     self.x[p] -= share * self.dx[p]
                 continue
             share = 1.0
-            if self._correct(c) != 0:
+            if self._correct(bends, c) != 0:
                 return _NOT_POSITIVE
             size = 0.0
             for p in range(bends):
@@ -350,16 +359,16 @@ class Columns:
                 or (self.bend >= 0.0 and _AHEAD * self.bend * size * size <= limit)
                 or (size <= _SMALL / _EPSILON * rounding and size >= 0.5 * before)
             ):
-                self._take_rows(n, c, k)
+                self._take_rows(n, bends, c, k)
                 return 0
             before = size
             lack_before = lack
         return _NOT_CONVERGED
 
-    def _expect(self, n, c, k, instant):
+    def _expect(self, n, bends, c, k, instant):
         """Find d*, w* and x without curved forces, and expect x as a parabola through the last three."""
         at = 2 * self.net.rows * instant
-        for p in range(self.balance.bends):
+        for p in range(bends):
             r = self.balance.bent_row[p]
             d = 0.0
             w = 0.0
@@ -375,9 +384,9 @@ class Columns:
             past = self.net.rows * c + p
             self.x[p] = 3.0 * (self.x1[past] - self.x2[past]) + self.x3[past]
 
-    def _correct(self, c):
+    def _correct(self, bends, c):
         """Solve (1 + b' W b f') dx = rest for the corrections, by Gauss; 1 if it is not possible."""
-        bends, rows = self.balance.bends, self.net.rows
+        rows = self.net.rows
         sixth, half = self.sixth[c], self.half[c]
         if bends == 1:
             slope = sixth * self.balance.force_k[0] + half * self.balance.force_c[0]
@@ -406,9 +415,9 @@ class Columns:
             self.dx[k] /= self.matrix[rows * k + k]
         return 0
 
-    def _take_rows(self, n, c, k):
+    def _take_rows(self, n, bends, c, k):
         """Add what the forces of the curved rows do, and note their accelerations."""
-        for p in range(self.balance.bends):
+        for p in range(bends):
             slope = self.sixth[c] * self.balance.force_k[p] + self.half[c] * self.balance.force_c[p]
             force = self.balance.force[p] + slope * self.dx[p]
             at = self.net.rows * c + p
@@ -427,25 +436,31 @@ class Columns:
         the end is not finite.
         """
         n = self.n
+        if n == 2:
+            self._extrapolate(2)
+        elif n == 4:
+            self._extrapolate(4)
+        else:
+            self._extrapolate(n)
+        for i in range(n):
+            if not (isfinite(self.end_q[i]) and isfinite(self.end_v[i])):
+                return 1
+            q[i], v[i] = self.end_q[i], self.end_v[i]
+        return 0
+
+    def _extrapolate(self, n):
         last = n * (self.columns - 1)
         for i in range(n):
-            q1 = self.q[last + i]
-            v1 = self.v[last + i]
-            dq = 0.0
-            dv = 0.0
-            eq = 0.0
-            ev = 0.0
-            for c in range(self.columns - 1):
-                x = self.q[n * c + i] - q1
-                dq += self.weight[c] * x
-                eq += self.check[c] * x
-                x = self.v[n * c + i] - v1
-                dv += self.weight[c] * x
-                ev += self.check[c] * x
-            q[i] = q1 + dq
-            v[i] = v1 + dv
-            if not (isfinite(q[i]) and isfinite(v[i])):
-                return 1
-            self.error_q[i] = eq
-            self.error_v[i] = ev
-        return 0
+            self.end_q[i] = self.end_v[i] = self.error_q[i] = self.error_v[i] = 0.0
+        for c in range(self.columns - 1):
+            weight, check = self.weight[c], self.check[c]
+            for i in range(n):
+                x = self.q[n * c + i] - self.q[last + i]
+                self.end_q[i] += weight * x
+                self.error_q[i] += check * x
+                y = self.v[n * c + i] - self.v[last + i]
+                self.end_v[i] += weight * y
+                self.error_v[i] += check * y
+        for i in range(n):
+            self.end_q[i] += self.q[last + i]
+            self.end_v[i] += self.v[last + i]

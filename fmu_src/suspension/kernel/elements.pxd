@@ -23,7 +23,7 @@ cdef class Elements(Laws):
     # results of the last evaluation
     cdef double[::1] row_d, row_v, row_f, row_k, row_c
     cdef double[::1] branch_f, branch_k, branch_c
-    cdef double force0, force1, force2, slope_of_rate
+    cdef double force0, force1, force2
 
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
@@ -35,11 +35,13 @@ cdef class Elements(Laws):
     cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
     @cython.final
     cdef inline int piece_now(self, int e, int law) noexcept nogil
-    @cython.locals(r=int, force=double)
+    @cython.locals(r=int)
     cdef double damper_force(self, int e) noexcept nogil
+    @cython.locals(force=double)
+    cdef double damper_force_at(self, int e, double d, double w) noexcept nogil
     @cython.locals(d=double, force=double)
     cdef double element_force(self, int e) noexcept nogil
-    @cython.locals(r=int, e=int, ps=int, pd=int, pm=int, force=double, slope=double, factor=double)
+    @cython.locals(r=int, e=int, force=double, slope=double)
     cdef void row_forces(self) noexcept nogil
     @cython.locals(e=int, r=int, p=int, rest=double, c=double, factor=double)
     cdef void linearise(self) noexcept nogil
@@ -49,8 +51,6 @@ cdef class Elements(Laws):
     cdef bint spring_is_straight(self, int e) noexcept nogil
     @cython.locals(p=int)
     cdef bint damper_is_straight(self, int e) noexcept nogil
-    @cython.locals(force=double, c=double)
-    cdef void damping_and_slopes(self, int e, double d, double w) noexcept nogil
 
     @cython.locals(now=int, law=int, spring=int)
     cdef double bound(self, int e, int kind, int side) noexcept nogil
@@ -75,7 +75,7 @@ cdef class Elements(Laws):
     cdef void exchange_branches(self) noexcept nogil
 
     @cython.locals(d=double, change=double)
-    cdef void _book_exchange(self, int e, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void book_exchange(self, int e, double t, double[::1] q, double[::1] v) noexcept nogil
     cdef double free_potential(self, int e, double d) noexcept nogil
     @cython.locals(e=int, side=int, d=double)
     cdef void settle(self, double t, double[::1] q, double[::1] v) noexcept nogil
@@ -88,5 +88,7 @@ cdef class Elements(Laws):
     cdef double element_energy(self, int e, double d) noexcept nogil
     @cython.locals(rate=double, flow=double, p=double)
     cdef double _yielding_energy(self, int e, double d) noexcept nogil
-    @cython.locals(w=double, power=double, side=int)
+    @cython.locals(side=int)
+    cdef double flow_force(self, int e) noexcept nogil
+    @cython.locals(w=double, power=double)
     cdef double dissipation(self, int e) noexcept nogil

@@ -72,6 +72,11 @@ class Elements(Laws):
         rows: list[tuple[tuple[float, ...], int]] = []
         element_row = []
         for element in system.elements:
+            if element.road and element.road not in names:
+                raise ValueError(
+                    f"{element.name} stands on the road {element.road!r}, which is none of the signals: "
+                    f"{', '.join(names) or 'there are none'}"
+                )
             key = (tuple(element.direction), names.index(element.road) if element.road else -1)
             if len(key[0]) != self.n:
                 raise ValueError("mass matrix and directions must have one entry per coordinate")
@@ -165,11 +170,15 @@ class Elements(Laws):
         return self.first[_LAWS * e + law] + self.branch[_KINDS * e + law]
 
     def damper_force(self, e):
-        """Return the damper force D(v) m(d)."""
+        """Return the damper force at `row_d`, `row_v`."""
         r = self.element_row[e]
-        force = self.law(self.piece_now(e, _DAMPER), self.row_v[r])
+        return self.damper_force_at(e, self.row_d[r], self.row_v[r])
+
+    def damper_force_at(self, e, d, w):
+        """Return the damper force D(w) m(d)."""
+        force = self.law(self.piece_now(e, _DAMPER), w)
         if self.modulated[e]:
-            force *= self.law(self.piece_now(e, _MODULATION), self.row_d[r])
+            force *= self.law(self.piece_now(e, _MODULATION), d)
         return force
 
     def element_force(self, e):
@@ -192,18 +201,16 @@ class Elements(Laws):
             if self.branch[_KINDS * e + _CONTACT]:
                 self.row_f[r] += self.limit[e]
             else:
-                ps = self.piece_now(e, _SPRING)
-                pd = self.piece_now(e, _DAMPER)
-                force = self.law(pd, self.row_v[r])
-                slope = self.law_slope(pd, self.row_v[r])
+                self.law_and_slope(self.piece_now(e, _DAMPER), self.row_v[r])
+                force, slope = self.value, self.slope
                 if self.modulated[e]:
-                    pm = self.piece_now(e, _MODULATION)
-                    factor = self.law(pm, self.row_d[r])
-                    self.row_k[r] += force * self.law_slope(pm, self.row_d[r])
-                    force *= factor
-                    slope *= factor
-                self.row_f[r] += self.law(ps, self.row_d[r]) + force
-                self.row_k[r] += self.law_slope(ps, self.row_d[r])
+                    self.law_and_slope(self.piece_now(e, _MODULATION), self.row_d[r])
+                    self.row_k[r] += force * self.slope
+                    force *= self.value
+                    slope *= self.value
+                self.law_and_slope(self.piece_now(e, _SPRING), self.row_d[r])
+                self.row_f[r] += self.value + force
+                self.row_k[r] += self.slope
                 self.row_c[r] += slope
             if self.friction[e] > 0.0:
                 self.row_f[r] += self.branch[_KINDS * e + _FRICTION] * self.friction[e]
@@ -248,18 +255,6 @@ class Elements(Laws):
             return 1
         p = self.piece_now(e, _MODULATION)
         return self.straight[p] and self.piece[p * _PIECE + 3] == 0.0
-
-    def damping_and_slopes(self, e, d, w):
-        """Set `value` to D(w) m(d) of element e, `slope` to its derivative by d, `slope_of_rate` by w."""
-        self.law_and_slope(self.piece_now(e, _DAMPER), w)
-        force, c = self.value, self.slope
-        if not self.modulated[e]:
-            self.slope, self.slope_of_rate = 0.0, c
-            return
-        self.law_and_slope(self.piece_now(e, _MODULATION), d)
-        self.slope_of_rate = c * self.value
-        self.value *= force
-        self.slope *= force
 
     def unlimited_force(self, e, row, at):
         """Set force0, force1, force2 to S(d) + D(v) m(d) of element e and two time derivatives."""
@@ -332,7 +327,7 @@ class Elements(Laws):
             return self.branch[at]
         if kind == _CONTACT:
             self.branch[at] = 1 if side > 0 else 0
-            self._book_exchange(e, t, q, v)
+            self.book_exchange(e, t, q, v)
         else:
             self.branch[at] += side
         self.departing[at] = -side
@@ -442,7 +437,7 @@ class Elements(Laws):
 
     # -- contact and yield ---------------------------------------------------------------------------
 
-    def _book_exchange(self, e, t, q, v):
+    def book_exchange(self, e, t, q, v):
         """Book the jump of a tyre's potential when it leaves the road or meets it again.
 
         A damped tyre does so at a deflection other than its free length; the difference is neither
@@ -521,6 +516,15 @@ class Elements(Laws):
         p = self.permanent_set(e, d)
         return 0.5 * rate * ((d - p) * (d - p) + flow / (rate - flow) * p * p)
 
+    def flow_force(self, e):
+        """Return the force that dissipates while element e flows: the yield force, with the sign of flow.
+
+        Times the rate of the set, signed, so that it stays smooth if a substep passes the end of flow a
+        little.
+        """
+        side = self.branch[_KINDS * e] - _ELASTIC
+        return self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * side
+
     def dissipation(self, e):
         """Return the power dissipated by element e at `row_d`, `row_v`."""
         w = self.row_v[self.element_row[e]]
@@ -528,10 +532,7 @@ class Elements(Laws):
         if not self.branch[_KINDS * e + _CONTACT]:
             power += self.damper_force(e) * w
             if self.yields[e] and self.branch[_KINDS * e] != _ELASTIC:
-                # yield force times the rate of the set; signed, so that it stays smooth if a substep
-                # passes the end of flow a little
-                side = self.branch[_KINDS * e] - _ELASTIC
-                power += self.piece[(self.first[_LAWS * e] + 2) * _PIECE + 2] * side * w
+                power += self.flow_force(e) * w
         return power
 
 

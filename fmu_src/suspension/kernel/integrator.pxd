@@ -11,6 +11,9 @@ cdef class Integrator(March):
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
     cdef double[::1] instants, out_q, out_v, out_a, out_f
+    # the record of the whole state, as bytes
+    cdef object record_bytes, record_of_marks_bytes
+    cdef Py_ssize_t record_size
     # step and time from which its pace is measured
     cdef long long begun
     cdef double started

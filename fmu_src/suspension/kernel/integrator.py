@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from array import array
-from struct import pack, unpack_from
 
 import cython
 
@@ -153,6 +152,7 @@ class Integrator(March):
             self.stepper.refresh(self.time)
             self.net.impulse(signal, jump, self.stepper.v)
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+        self._book_contacts()
         self._note_changes()
         self._enter_branches()
         if jump != 0.0:
@@ -380,14 +380,8 @@ class Integrator(March):
         net.all_signals(self.time)
         net.row_states(self.stepper.q, self.stepper.v)
         stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
-        brought_in = [0.0] * net.signals
-        for r in range(net.rows):
-            if net.row_signal[r] >= 0:
-                brought_in[net.row_signal[r]] += work[net.elements + r]
-        for m in range(net.loads):
-            brought_in[net.load_signal[m]] += work[net.elements + net.rows + m]
         kinetic = net.energy(self.stepper.v) - sum(stored)
-        return kinetic, stored, list(work[: net.elements]), brought_in
+        return kinetic, stored, list(work[: net.elements]), list(work[net.elements :])
 
     def limited_time_at(self, e, t):
         """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""
@@ -431,27 +425,10 @@ class Integrator(March):
 
     # -- whole state -------------------------------------------------------------------------------
 
-    def _parts(self):
-        s, d, net = self.stepper, self.dense, self.net
-        return (
-            d.qa, d.va, d.aa, d.ja, d.qb, d.vb, d.ab, d.jb, s.q, s.v, s.a, s.j,
-            self.ledger.work, self.limited_time, self.step_limited, net.segment, net.piece,
-            net.branch, net.departing, net.signal_now, s.multiplier,
-            s.multiplier_rate, net.kept_branch, net.kept_set, net.kept_signal, s.softest, s.drift,
-            s.origin,
-        )  # fmt: skip
-
     def snapshot(self):
         """Return the whole state as bytes, from which `restore` continues to the bit."""
-        s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
-        head = pack(
-            "<15d6q", self.time, d.start, d.end, self.grid_start, self.proposal,
-            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.scale,
-            ledger.most_stored,
-            ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
-            self.grid_index, self.step_count, self.in_step, self.entered, self.stalled, self.overruns,
-        )  # fmt: skip
-        return head + b"".join(bytes(part) for part in self._parts())
+        self._carry(True)
+        return bytes(self.record) + bytes(self.record_of_marks)
 
     def restore(self, state):
         """Return to the state of a snapshot of the same system.
@@ -460,34 +437,21 @@ class Integrator(March):
         ------
         ValueError : if the snapshot is of another system.
         """
-        s, d, net, ledger = self.stepper, self.dense, self.net, self.ledger
-        parts = self._parts()
-        at = 8 * 21
-        if len(state) != at + sum(memoryview(part).nbytes for part in parts):
+        if len(state) != self.record_size:
             raise ValueError("this state is of another system")
-        (
-            self.time, d.start, d.end, self.grid_start, self.proposal,
-            net.exchange, ledger.residual_start, ledger.residual_end, s.reach, self.scale,
-            ledger.most_stored,
-            ledger.initial_energy, ledger.supplied, self.watch.beyond_since, self.watch.beyond_step,
-            self.grid_index, self.step_count, self.in_step, entered, self.stalled, self.overruns,
-        ) = unpack_from("<15d6q", state)  # fmt: skip
-        for part in parts:
-            view = memoryview(part).cast("B")
-            view[:] = state[at : at + len(view)]
-            at += len(view)
-        self.event_count = self.event_base = self.flushed = 0
+        numbers = len(self.record_bytes)
+        self.record_bytes[:] = state[:numbers]
+        self.record_of_marks_bytes[:] = state[numbers:]
         self.logged = []
-        d.known = 0
-        net.find_levels()
-        # tangents follow from the state; accelerations and multipliers are restored to the bit
-        net.list_stuck()
-        derived = [s.a, s.j, s.multiplier, s.multiplier_rate]
-        kept = [bytes(part) for part in derived]
-        self._enter_branches()
-        self.entered = entered
-        for part, content in zip(derived, kept, strict=True):
-            memoryview(part).cast("B")[:] = content
+        self._resume()
+
+    def _make_record(self):
+        """Allocate the record of the whole state."""
+        self._size_record()
+        self.record, self.record_of_marks = doubles([0.0] * self.at), integers([0] * self.at_mark)
+        self.record_bytes = memoryview(self.record).cast("B")
+        self.record_of_marks_bytes = memoryview(self.record_of_marks).cast("B")
+        self.record_size = len(self.record_bytes) + len(self.record_of_marks_bytes)
 
 
 class Rows:

@@ -99,6 +99,10 @@ class Laws(Signals):
     def law_and_slope(self, p, x):
         """Set `value` to the force of piece p at x, `slope` to its slope (of tanh by 1 - tanh^2)."""
         at = p * _PIECE
+        if self.straight[p]:
+            self.slope = self.piece[at + 3]
+            self.value = self.piece[at + 2] + (x - self.piece[at + 1]) * self.slope
+            return
         s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
         c1, c2, c3 = self.piece[at + 3], self.piece[at + 4], self.piece[at + 5]
         value = self.piece[at + 2] + s * (c1 + s * (c2 + s * c3))

@@ -1,25 +1,48 @@
 cimport cython
 from libc.math cimport fabs
+from .balance cimport Balance
 from .dense cimport Dense
 from .network cimport Network
 
-cdef int _POINTS
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _ELASTIC, _POINTS, _ENDS
 cdef double _TIMES, _LEAST
 
 @cython.final
 cdef class Ledger:
+    cdef Balance balance
     cdef Network net
     cdef Dense dense
-    cdef double[::1] power, work, scratch, point, weight
+    cdef int works
+    cdef double[::1] power, work, scratch, point, weight, value, rate
+    cdef double[::1] loss, loss_rate, d, w, u, du
+    cdef int[::1] curved
+    cdef double[8] ends
     cdef double initial_energy, stored, most_stored, supplied, residual_start, residual_end
 
     @cython.locals(i=int)
     cdef void start(self) noexcept nogil
-    @cython.locals(i=int, k=int, h=double, t=double)
+    @cython.locals(e=int, at=int, p=int, f=double, c=double, factor=double)
+    cdef void enter(self) noexcept nogil
+    @cython.locals(moving=bint, h=double, r=int, e=int, m=int)
     cdef void book(self) noexcept nogil
+    @cython.locals(k=int, s=int)
+    cdef void _read_signals(self, double h) noexcept nogil
+    @cython.locals(n=int, k=int, i=int, m=int, b=double)
+    cdef void _read_ends(self, double[::1] direction, int at, double h) noexcept nogil
+    @cython.locals(s=int, k=int, m=int, d=double, w=double)
+    cdef void _read_row(self, int r, double h, bint moving) noexcept nogil
+    @cython.locals(f=double, c=double, at=int, k=int, w=double, power=double, work=double)
+    cdef void _book_element(self, int e, double h) noexcept nogil
+    @cython.locals(s=int, p=int, bent=int, k=int, rate=double, d=double, w=double, force=double)
+    cdef void _book_road(self, int r, double h) noexcept nogil
+    @cython.locals(s=int, k=int, i=int, way=double)
+    cdef void _book_load(self, int m, double h, bint moving) noexcept nogil
+    @cython.locals(h=double, k=int, t=double, part=double, e=int, r=int, s=int, m=int, i=int,
+                   w=double)
+    cdef void _book_points(self) noexcept nogil
+    cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef void strike_balance(self, double t, double[::1] q, double[::1] v) noexcept nogil
-    @cython.locals(r=int)
     cdef void bring_in(self, int signal, double energy) noexcept nogil
     cdef bint grows(self) noexcept nogil
     @cython.locals(most=double)

@@ -1,52 +1,60 @@
 """The energy ledger: the energy dissipated by elements and the work of roads and loads, step by step.
 
 The powers are integrated over the dense output of each step by four-point Gauss-Legendre quadrature,
-which has the order of that output, 8.
+which has the order of that output, 8. Deflection and rate of a row at the four points are sums over its
+value and derivatives at both ends of the step. With a straight damper, f + c w, the work in a step is
+f times the integral of w plus c times that of w^2, for all elements of a row from the same two numbers.
 """
 
 from __future__ import annotations
 
 import cython
 
-from .arrays import doubles
+from .arrays import doubles, integers
 
 if not cython.compiled:
     from math import fabs
 
-_POINTS = 4
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_ELASTIC = 1
+_POINTS, _ENDS = 4, 8  # of the quadrature; numbers at both ends of a step
 _TIMES = 2.0  # times the energy accounted for
 _LEAST = 1e-9  # J, which rounding alone may cause
+_POINT = (
+    0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240, 0.93056815579702628761,
+)  # fmt: skip
+_WEIGHT = (
+    0.17392742256872692869, 0.32607257743127307131, 0.32607257743127307131, 0.17392742256872692869,
+)  # fmt: skip
 
 
 class Ledger:
-    """Works so far, J: dissipated by each element, done by the road of each row, by each load.
+    """Works so far, J: dissipated by each element, done by each signal as a road or a load.
 
     Parameters
     ----------
-    network : network of the system
-    dense : dense output of its last step
+    balance : equation of motion of the present branches
+    dense : dense output of the last step
     """
 
-    def __init__(self, network, dense):
-        self.net, self.dense = network, dense
-        self.power, self.work = doubles([0.0] * network.works), doubles([0.0] * network.works)
-        self.scratch = doubles([0.0] * network.n)
-        self.point = doubles(
-            (
-                0.06943184420297371239,
-                0.33000947820757186760,
-                0.66999052179242813240,
-                0.93056815579702628761,
-            )
-        )
-        self.weight = doubles(
-            (
-                0.17392742256872692869,
-                0.32607257743127307131,
-                0.32607257743127307131,
-                0.17392742256872692869,
-            )
-        )
+    def __init__(self, balance, dense):
+        self.balance, self.dense = balance, dense
+        self.net = self.balance.net
+        elements, rows = self.net.elements, max(self.net.rows, 1)
+        self.works = elements + self.net.signals
+        self.work, self.power = doubles([0.0] * self.works), doubles([0.0] * self.works)
+        self.scratch = doubles([0.0] * self.net.n)
+        self.point, self.weight = doubles(_POINT), doubles(_WEIGHT)
+        value, rate = _readings(self.dense.cubic, self.dense.to_end)
+        self.value, self.rate = doubles(value), doubles(rate)
+        # of each element: force at rest and damping of what dissipates, and whether it is curved
+        self.loss, self.loss_rate = doubles([0.0] * elements), doubles([0.0] * elements)
+        self.curved = integers([0] * elements)
+        # of each row at the points: deflection, rate; of each signal: value, rate
+        self.d, self.w = doubles([0.0] * _POINTS * rows), doubles([0.0] * _POINTS * rows)
+        signals = max(self.net.signals, 1)
+        self.u, self.du = doubles([0.0] * _POINTS * signals), doubles([0.0] * _POINTS * signals)
+        self.ends = [0.0] * 8  # literal, as this is a C array
         self.initial_energy = 0.0
         self.start()
 
@@ -55,11 +63,154 @@ class Ledger:
         # energy that roads and loads have moved in or out, all counted as positive
         self.supplied = self.most_stored = 0.0
         self.residual_start = self.residual_end = 0.0
-        for i in range(self.net.works):
+        for i in range(self.works):
             self.work[i] = 0.0
+
+    def enter(self):
+        """Read what dissipates in the present branches."""
+        for e in range(self.net.elements):
+            at = _KINDS * e
+            f = self.net.branch[at + _FRICTION] * self.net.friction[e]
+            c = 0.0
+            self.curved[e] = 0
+            if not self.net.branch[at + _CONTACT]:
+                if self.net.damper_is_straight(e):
+                    p = self.net.piece_now(e, _DAMPER)
+                    factor = 1.0
+                    if self.net.modulated[e]:
+                        factor = self.net.law(self.net.piece_now(e, _MODULATION), 0.0)
+                    f += factor * self.net.intercept(p)
+                    c = factor * self.net.law_slope(p, 0.0)
+                else:
+                    self.curved[e] = 1
+                if self.net.yields[e] and self.net.branch[at + _SPRING] != _ELASTIC:
+                    f += self.net.flow_force(e)
+            self.loss[e], self.loss_rate[e] = f, c
 
     def book(self):
         """Add the works of the last step, with the branches of that step."""
+        h = self.dense.end - self.dense.start
+        if h <= 0.0:
+            return
+        moving = not self.net.still()
+        if moving and self.net.stuck:
+            self._book_points()
+            return
+        if moving:
+            self._read_signals(h)
+        else:
+            self.net.all_signals(self.dense.end)
+        for r in range(self.net.rows):
+            self._read_row(r, h, moving)
+        for e in range(self.net.elements):
+            self._book_element(e, h)
+        if moving:
+            for r in range(self.net.rows):
+                if self.net.row_signal[r] >= 0:
+                    self._book_road(r, h)
+        for m in range(self.net.loads):
+            self._book_load(m, h, moving)
+
+    def _read_signals(self, h):
+        """Find values and rates of all signals at the points."""
+        for k in range(_POINTS):
+            self.net.all_signals(self.dense.start + self.point[k] * h)
+            for s in range(self.net.signals):
+                self.u[_POINTS * s + k] = self.net.road[4 * s]
+                self.du[_POINTS * s + k] = self.net.road[4 * s + 1]
+
+    def _read_ends(self, direction, at, h):
+        """Set `ends` to displacement and derivatives along a direction at both ends of the step."""
+        n = self.net.n
+        for k in range(_ENDS):
+            self.ends[k] = 0.0
+        for i in range(n):
+            b = direction[at + i]
+            if b != 0.0:
+                self.ends[0] += b * self.dense.qa[i]
+                self.ends[1] += b * self.dense.va[i]
+                self.ends[2] += b * self.dense.aa[i]
+                self.ends[3] += b * self.dense.ja[i]
+                self.ends[4] += b * self.dense.qb[i]
+                self.ends[5] += b * self.dense.vb[i]
+                self.ends[6] += b * self.dense.ab[i]
+                self.ends[7] += b * self.dense.jb[i]
+        for k in range(1, 4):
+            for m in range(k, 4):
+                self.ends[m] *= h
+                self.ends[m + 4] *= h
+
+    def _read_row(self, r, h, moving):
+        """Find deflection and rate of a row at the points."""
+        self._read_ends(self.net.row_direction, self.net.n * r, h)
+        s = self.net.row_signal[r]
+        for k in range(_POINTS):
+            d = 0.0
+            w = 0.0
+            for m in range(_ENDS):
+                d += self.value[_ENDS * k + m] * self.ends[m]
+                w += self.rate[_ENDS * k + m] * self.ends[m]
+            w /= h
+            if s >= 0 and moving:
+                d -= self.u[_POINTS * s + k]
+                w -= self.du[_POINTS * s + k]
+            elif s >= 0:
+                d -= self.net.road[4 * s]
+            self.d[_POINTS * r + k] = d
+            self.w[_POINTS * r + k] = w
+
+    def _book_element(self, e, h):
+        """Add what element e has dissipated."""
+        f, c = self.loss[e], self.loss_rate[e]
+        if f == 0.0 and c == 0.0 and not self.curved[e]:
+            return
+        at = _POINTS * self.net.element_row[e]
+        work = 0.0
+        for k in range(_POINTS):
+            w = self.w[at + k]
+            power = (f + c * w) * w
+            if self.curved[e]:
+                power += self.net.damper_force_at(e, self.d[at + k], w) * w
+            work += self.weight[k] * power
+        work *= h
+        self.work[e] += work
+        if work < 0.0:
+            self.supplied -= work
+
+    def _book_road(self, r, h):
+        """Add the work of the road under row r."""
+        s = self.net.row_signal[r]
+        bent = -1
+        for p in range(self.balance.bends):
+            if self.balance.bent_row[p] == r:
+                bent = p
+        for k in range(_POINTS):
+            rate = self.du[_POINTS * s + k]
+            if rate != 0.0:
+                d, w = self.d[_POINTS * r + k], self.w[_POINTS * r + k]
+                force = self.net.branch_f[r] + self.net.branch_k[r] * d + self.net.branch_c[r] * w
+                if bent >= 0:
+                    self.balance.bend(bent, d, w)
+                    force += self.balance.force[bent]
+                self._supply(s, -self.weight[k] * h * force * rate)
+
+    def _book_load(self, m, h, moving):
+        """Add the work of load m."""
+        s = self.net.load_signal[m]
+        if not moving and self.net.road[4 * s] == 0.0:
+            return
+        self._read_ends(self.net.load_direction, self.net.n * m, h)
+        if not moving:
+            self._supply(s, self.net.road[4 * s] * (self.ends[4] - self.ends[0]))
+            return
+        for k in range(_POINTS):
+            way = 0.0
+            for i in range(_ENDS):
+                way += self.rate[_ENDS * k + i] * self.ends[i]
+            self._supply(s, self.weight[k] * self.u[_POINTS * s + k] * way)
+
+    def _book_points(self):
+        """Add the works point by point, with the forces of sticking rows on moving roads."""
         h = self.dense.end - self.dense.start
         for k in range(_POINTS):
             t = self.dense.start + self.point[k] * h
@@ -67,22 +218,29 @@ class Ledger:
             self.net.all_signals(t)
             self.net.row_states(self.dense.q, self.dense.v)
             self.net.row_forces()
-            if self.net.stuck:
-                self.net.accelerate(self.scratch)
-                self.net.hold(self.net.multiplier)
-            self.net.powers(self.dense.v, self.power)
-            for i in range(self.net.works):
-                self.work[i] += self.weight[k] * h * self.power[i]
-                if i >= self.net.elements or self.power[i] < 0.0:
-                    self.supplied += self.weight[k] * h * fabs(self.power[i])
+            self.net.accelerate(self.scratch)
+            self.net.hold(self.net.multiplier)
+            part = self.weight[k] * h
+            for e in range(self.net.elements):
+                self.work[e] += part * self.net.dissipation(e)
+            for r in range(self.net.rows):
+                s = self.net.row_signal[r]
+                if s >= 0:
+                    self._supply(s, -part * self.net.row_f[r] * self.net.road[4 * s + 1])
+            for m in range(self.net.loads):
+                w = 0.0
+                for i in range(self.net.n):
+                    w += self.net.load_direction[m * self.net.n + i] * self.dense.v[i]
+                s = self.net.load_signal[m]
+                self._supply(s, part * self.net.road[4 * s] * w)
+
+    def _supply(self, signal, energy):
+        self.work[self.net.elements + signal] += energy
+        self.supplied += fabs(energy)
 
     def bring_in(self, signal, energy):
         """Add the work of a jump of a road, J."""
-        for r in range(self.net.rows):
-            if self.net.row_signal[r] == signal:
-                self.work[self.net.elements + r] += energy
-                break
-        self.supplied += fabs(energy)
+        self._supply(signal, energy)
 
     def grows(self):
         """Return whether the stored energy is far more than the initial energy and all energy supplied.
@@ -107,7 +265,7 @@ class Ledger:
         balance = self.stored - self.initial_energy
         for i in range(self.net.elements):
             balance += self.work[i]
-        for i in range(self.net.elements, self.net.works):
+        for i in range(self.net.elements, self.works):
             balance -= self.work[i]
         self.residual_start = self.residual_end
         self.residual_end = balance
@@ -116,3 +274,38 @@ class Ledger:
         """Continue the present balance from an earlier residual, J."""
         self.initial_energy += self.residual_end - residual
         self.residual_start = self.residual_end = residual
+
+
+def _readings(cubic, to_end):
+    """Return displacement and rate over h at the points for each of the numbers at the ends alone, 1.
+
+    The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the forms.
+    """
+    values, rates = [], []
+    for x in _POINT:
+        for k in range(_ENDS):
+            q0, v0, a0, j0, q1, v1, a1, j1 = (float(i == k) for i in range(_ENDS))
+            c0, c1, c2, c3 = q0, v0, a0 / 2.0, j0 / 6.0
+            s0 = s1 = s2 = s3 = 0.0
+            if cubic:
+                c3 = q1 - c0 - c1 - c2 if to_end else (a1 - a0) / 6.0
+            else:
+                d0, d1 = q1 - c0 - c1 - c2 - c3, v1 - c1 - 2.0 * c2 - 3.0 * c3
+                d2, d3 = a1 / 2.0 - c2 - 3.0 * c3, j1 / 6.0 - c3
+                s0, s1, s2 = d0, d1 - 4.0 * d0, d2 - 4.0 * d1 + 10.0 * d0
+                s3 = d3 - 4.0 * d2 + 10.0 * d1 - 20.0 * d0
+            value, rate = s3, 0.0
+            for c, node in (
+                (s2, 1.0),
+                (s1, 1.0),
+                (s0, 1.0),
+                (c3, 0.0),
+                (c2, 0.0),
+                (c1, 0.0),
+                (c0, 0.0),
+            ):
+                rate = rate * (x - node) + value
+                value = value * (x - node) + c
+            values.append(value)
+            rates.append(rate)
+    return values, rates

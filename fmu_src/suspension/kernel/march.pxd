@@ -8,6 +8,7 @@ from .switches cimport Switches
 from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
+cdef int _LAWS, _PIECE, _SEGMENT, _HALF
 cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef double _LINK
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
@@ -42,6 +43,26 @@ cdef class March:
     cdef readonly int overruns
     cdef int stalled, event_count, event_base, flushed, since_pause
     cdef double landed
+    # the record of the whole state, and where it is read or written
+    cdef double[::1] record
+    cdef int[::1] record_of_marks
+    cdef bint saving, sizing
+    cdef int at, at_mark
+
+    @cython.locals(n=int, elements=int, e=int, k=int, first=int)
+    cdef void _carry(self, bint saving) noexcept nogil
+    cdef void _size_record(self) noexcept nogil
+    @cython.locals(k=int)
+    cdef double _number(self, double x) noexcept nogil
+    @cython.locals(k=int)
+    cdef int _mark(self, int x) noexcept nogil
+    @cython.locals(high=int, low=int)
+    cdef long long _count(self, long long x) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _numbers(self, double[::1] x, int first, int count) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _marks(self, int[::1] x, int count) noexcept nogil
+    cdef void _resume(self) noexcept nogil
 
     @cython.locals(i=int)
     cdef int begin_row(self, double[::1] x, int at, double start) noexcept nogil
@@ -85,6 +106,8 @@ cdef class March:
     cdef void _relocate(self, bint flows) noexcept nogil
     @cython.locals(i=int)
     cdef void _remember_branches(self) noexcept nogil
+    @cython.locals(k=int, e=int)
+    cdef void _book_contacts(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _note_changes(self) noexcept nogil
     cdef void _leave_step(self) noexcept nogil

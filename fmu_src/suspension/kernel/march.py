@@ -25,6 +25,8 @@ _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
 
 _CONTACT, _KINDS = 3, 5  # as in elements
+_LAWS, _PIECE, _SEGMENT = 3, 9, 10  # as in laws and signals
+_HALF = 1 << 30
 _EVENT_CAPACITY = 512
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
 _LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
@@ -33,6 +35,8 @@ _PAUSE = 5000  # steps after which Python can handle signals, such as an interru
 _STALLED = 100  # consecutive steps in which no time passes
 _OVERRUNS = 1000  # overruns allowed in a run
 _LEAST_THETA = 1.37
+_ORDERS = (0, 2, 4, 6, 8)
+_NO_STEP = 1e300
 _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
 _EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
@@ -64,6 +68,17 @@ class March:
             _refuse_curved(system)
         if not theta >= _LEAST_THETA:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
+        if order not in _ORDERS:
+            raise ValueError(f"order = {order!r} is not one of 0 (chosen), 2, 4, 6, 8")
+        if not 0.0 <= step < _NO_STEP:
+            raise ValueError(f"step = {step:g} s must be finite and positive, or 0 (chosen)")
+        if not 0.0 < tolerance < 1.0:
+            raise ValueError(f"tolerance = {tolerance:g} must be greater than 0 and less than 1")
+        if len(system.scales) != len(system.mass):
+            raise ValueError(
+                f"{len(system.scales)} scales for {len(system.mass)} coordinates: each needs the scale "
+                "of its errors until something has moved, such as 0.01 m"
+            )
         self.wanted = method, step, tolerance, order
         columns = _columns(system, *self.wanted)
         begin_apart()
@@ -77,7 +92,7 @@ class March:
         self.n = n = self.net.n
         plain = method in ("equilibrium", "mean", "tangent")
         self.dense = Dense(n, plain, method in ("mean", "tangent"))
-        self.ledger = Ledger(self.net, self.dense)
+        self.ledger = Ledger(self.stepper.balance, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.exact = method == "exact"  # accurate even where the ledger is not
@@ -102,6 +117,8 @@ class March:
         self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()
+        self.sizing = False
+        self._make_record()
 
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
@@ -182,6 +199,8 @@ class March:
         """Update everything that depends on the branches."""
         self.stepper.refresh(self.time)
         self.switches.enter_branches()
+        if self.energy:
+            self.ledger.enter()
         self.entered = 1
 
     def _advance(self, until, stop):
@@ -259,10 +278,131 @@ class March:
         for i in range(_KINDS * self.net.elements):
             self.branch_before[i] = self.net.branch[i]
 
+    def _book_contacts(self):
+        """Book what tyres that have just left or met the road exchange, which is no work of a road."""
+        for k in range(self.contacts):
+            e = self.contact_element[k]
+            if self.net.branch[_KINDS * e + _CONTACT] != self.branch_before[_KINDS * e + _CONTACT]:
+                self.net.book_exchange(e, self.time, self.stepper.q, self.stepper.v)
+
     def _note_changes(self):
         for i in range(_KINDS * self.net.elements):
             if self.net.branch[i] != self.branch_before[i]:
                 self._note(i // _KINDS, i % _KINDS, self.branch_before[i], self.net.branch[i])
+
+    # -- the whole state -----------------------------------------------------------------------------
+
+    def _carry(self, saving):
+        """Copy the whole state into the record, or out of it: what steps have in common stands here.
+
+        Everything else follows from it: tangents, fastest mode, matrices, watched quantities.
+        """
+        self.saving, self.at, self.at_mark = saving, 0, 0
+        n, elements = self.n, self.net.elements
+        self.time = self._number(self.time)
+        self.dense.start, self.dense.end = (
+            self._number(self.dense.start),
+            self._number(self.dense.end),
+        )
+        self.grid_start, self.proposal = self._number(self.grid_start), self._number(self.proposal)
+        self.scale, self.stepper.reach = self._number(self.scale), self._number(self.stepper.reach)
+        self.net.exchange = self._number(self.net.exchange)
+        self.ledger.residual_start = self._number(self.ledger.residual_start)
+        self.ledger.residual_end = self._number(self.ledger.residual_end)
+        self.ledger.most_stored = self._number(self.ledger.most_stored)
+        self.ledger.initial_energy = self._number(self.ledger.initial_energy)
+        self.ledger.supplied = self._number(self.ledger.supplied)
+        self.watch.beyond_since = self._number(self.watch.beyond_since)
+        self.watch.beyond_step = self._number(self.watch.beyond_step)
+        self.grid_index, self.step_count = (
+            self._count(self.grid_index),
+            self._count(self.step_count),
+        )
+        self.in_step, self.entered = self._mark(self.in_step), self._mark(self.entered)
+        self.stalled, self.overruns = self._mark(self.stalled), self._mark(self.overruns)
+        self._numbers(self.dense.qa, 0, n)
+        self._numbers(self.dense.va, 0, n)
+        self._numbers(self.dense.aa, 0, n)
+        self._numbers(self.dense.ja, 0, n)
+        self._numbers(self.dense.qb, 0, n)
+        self._numbers(self.dense.vb, 0, n)
+        self._numbers(self.dense.ab, 0, n)
+        self._numbers(self.dense.jb, 0, n)
+        self._numbers(self.stepper.q, 0, n)
+        self._numbers(self.stepper.v, 0, n)
+        self._numbers(self.stepper.a, 0, n)
+        self._numbers(self.stepper.j, 0, n)
+        self._numbers(self.stepper.softest, 0, n)
+        self._numbers(self.stepper.drift, 0, n)
+        self._numbers(self.stepper.origin, 0, n)
+        self._numbers(self.stepper.multiplier, 0, elements)
+        self._numbers(self.stepper.multiplier_rate, 0, elements)
+        self._numbers(self.ledger.work, 0, self.ledger.works)
+        self._numbers(self.limited_time, 0, elements)
+        self._numbers(self.net.kept_set, 0, elements)
+        self._marks(self.step_limited, elements)
+        self._marks(self.net.branch, _KINDS * elements)
+        self._marks(self.net.departing, _KINDS * elements)
+        self._marks(self.net.kept_branch, _KINDS * elements)
+        self._marks(self.net.signal_now, self.net.signals)
+        self._marks(self.net.kept_signal, self.net.signals)
+        # numbers of the system that change: elastic pieces move, inputs are replaced
+        for e in range(elements):
+            if self.net.yields[e]:
+                first = self.net.first[_LAWS * e]
+                self._numbers(self.net.piece, _PIECE * first, 3 * _PIECE)
+        for k in range(self.net.signals):
+            if self.net.signal_count[k] == 1:
+                self._numbers(self.net.segment, _SEGMENT * self.net.signal_first[k], _SEGMENT)
+                self.net.find_level(self.net.signal_first[k])
+
+    def _size_record(self):
+        """Find the length of the record: carry the state into none."""
+        self.sizing = True
+        self._carry(True)
+        self.sizing = False
+
+    def _number(self, x):
+        k = self.at
+        self.at += 1
+        if self.sizing:
+            return x
+        if self.saving:
+            self.record[k] = x
+        return self.record[k]
+
+    def _mark(self, x):
+        k = self.at_mark
+        self.at_mark += 1
+        if self.sizing:
+            return x
+        if self.saving:
+            self.record_of_marks[k] = x
+        return self.record_of_marks[k]
+
+    def _count(self, x):
+        """Carry a number that may exceed that of a mark."""
+        high, low = self._mark(x // _HALF), self._mark(x % _HALF)
+        return _HALF * high + low
+
+    def _numbers(self, x, first, count):
+        for i in range(first, first + count):
+            x[i] = self._number(x[i])
+
+    def _marks(self, x, count):
+        for i in range(count):
+            x[i] = self._mark(x[i])
+
+    def _resume(self):
+        """Go on from the state in the record."""
+        self._carry(False)
+        self.event_count = self.event_base = self.flushed = 0
+        self.dense.known = 0
+        self.net.list_stuck()
+        self._enter_branches()
+        self._carry(False)  # accelerations are to the bit those of the record
+
+    # -- steps ---------------------------------------------------------------------------------------
 
     def _proposed_step(self):
         """Return the step chosen by the method, before joints and switches shorten it."""
@@ -378,7 +518,7 @@ class March:
     def _pass_joint(self):
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
         self._leave_step()
-        before = self._energy_now()
+        before = self._energy_now() - self.net.exchange
         jumped = False
         for s in range(self.net.signals):
             jump = self.net.enter_segment(s, self.time)
@@ -386,7 +526,8 @@ class March:
                 jumped = True
                 self.net.kerb(s, jump, self.stepper.v)
                 self._relocate(False)
-                now = self.net.energy(self.stepper.v)
+                self._book_contacts()
+                now = self._energy_now() - self.net.exchange
                 self.ledger.bring_in(s, now - before)
                 before = now
         if not jumped:

@@ -7,7 +7,7 @@ cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE
 
 @cython.final
 cdef class Network(Elements):
-    cdef readonly int loads, works, size
+    cdef readonly int loads, size
     cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
     # results of the last evaluation
@@ -57,7 +57,5 @@ cdef class Network(Elements):
     @cython.locals(e=int, p=int)
     cdef void read_forces(self, double t, double[::1] q, double[::1] v, double[::1] a,
                           double[::1] forces, double[::1] sets) noexcept nogil
-    @cython.locals(n=int, i=int, e=int, m=int, r=int, s=int, w=double)
-    cdef void powers(self, double[::1] v, double[::1] out) noexcept nogil
     @cython.locals(n=int, i=int, k=int, e=int, energy=double)
     cdef double energy(self, double[::1] v) noexcept nogil

@@ -41,6 +41,12 @@ class Network(Elements):
         n, elements = self.n, self.elements
         names = list(system.signals)
         self.loads = len(system.loads)
+        for load in system.loads:
+            if load.signal not in names:
+                raise ValueError(
+                    f"a load follows {load.signal!r}, which is none of the signals: "
+                    f"{', '.join(names) or 'there are none'}"
+                )
         self.load_direction = doubles([0.0] * max(self.loads * n, 1))
         self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
         self.multiplier, self.multiplier_rate, self.kick = vectors(3, elements)
@@ -48,8 +54,6 @@ class Network(Elements):
         self.coupling = doubles([0.0] * elements * elements)
         self.zero, self.scratch = vectors(2, n)
         self.modes, self.modes2 = vectors(2, n * n)
-        # works: dissipated by each element, done by the road of each row, by each load
-        self.works = elements + self.rows + self.loads
         self.mass, self.mass_factor, self.flexibility = vectors(3, n * n)
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
@@ -341,20 +345,6 @@ class Network(Elements):
         self.exchange_branches()
 
     # -- energy --------------------------------------------------------------------------------------
-
-    def powers(self, v, out):
-        """Find the power dissipated by each element and supplied by each row's road and each load."""
-        n = self.n
-        for e in range(self.elements):
-            out[e] = self.dissipation(e)
-        for r in range(self.rows):
-            s = self.row_signal[r]
-            out[self.elements + r] = -self.row_f[r] * self.road[4 * s + 1] if s >= 0 else 0.0
-        for m in range(self.loads):
-            w = 0.0
-            for i in range(n):
-                w += self.load_direction[m * n + i] * v[i]
-            out[self.elements + self.rows + m] = self.road[4 * self.load_signal[m]] * w
 
     def energy(self, v):
         """Return kinetic energy plus the potential of all elements, at velocities v and `row_d`."""

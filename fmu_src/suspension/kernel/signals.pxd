@@ -10,10 +10,10 @@ cdef class Signals:
     cdef double[::1] segment, road
     cdef int[::1] signal_first, signal_count, signal_now, level
 
-    @cython.locals(i=int)
+    @cython.locals(i=int, k=int)
     cdef int enter_signals(self, double[::1] x, int at) noexcept nogil
-    @cython.locals(k=int, i=int)
-    cdef void find_levels(self) noexcept nogil
+    @cython.locals(i=int)
+    cdef void find_level(self, int k) noexcept nogil
 
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil

@@ -38,16 +38,16 @@ class Signals:
         """Read the segments of all signals from x[at:]; return where they end."""
         for i in range(_SEGMENT * self.segments):
             self.segment[i] = x[at + i]
-        self.find_levels()
+        for k in range(self.segments):
+            self.find_level(k)
         return at + _SEGMENT * self.segments
 
-    def find_levels(self):
-        """Find the constant segments, after any number has changed."""
-        for k in range(self.segments):
-            self.level[k] = 1
-            for i in range(3, 7):
-                if self.segment[k * _SEGMENT + i] != 0.0:
-                    self.level[k] = 0
+    def find_level(self, k):
+        """Find whether segment k is constant, after its numbers have changed."""
+        self.level[k] = 1
+        for i in range(3, 7):
+            if self.segment[k * _SEGMENT + i] != 0.0:
+                self.level[k] = 0
 
     def enter_segment(self, s, t):
         """Move signal s to its segment from t on; return the jump of its value there."""
@@ -76,7 +76,7 @@ class Signals:
         self.segment[at + 1] = t
         for i in range(4):
             self.segment[at + 2 + i] = coefficients[i]
-        self.find_levels()
+        self.find_level(self.signal_first[s])
         return coefficients[0] - before
 
     def signal(self, s, t):

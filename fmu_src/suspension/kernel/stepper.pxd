@@ -5,11 +5,10 @@ from .columns cimport Columns
 from .dense cimport Dense
 from .exact cimport Propagator
 from .increments cimport Increments
-from .linear cimport solve
 from .network cimport Network
 
 cdef int _DIVERGED, _MOST, _MEAN, _TANGENT, _WILSON, _EXACT
-cdef double _NEGLIGIBLE, _SHARE, _SLOW_PHASE, _MOST_BETTER, _CAUTION, _SAFE_PHASE, _DAMPED_PHASE
+cdef double _NEGLIGIBLE, _SHARE, _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _SAFE_PHASE, _DAMPED_PHASE
 cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE
 
 @cython.final
@@ -20,7 +19,7 @@ cdef class Stepper:
     cdef Increments increments
     cdef Propagator propagator
     cdef int n, method, columns, error_order, stamp, damping_known
-    cdef bint controlled
+    cdef bint controlled, adds
     cdef double theta, tolerance, road_rate, reach, scale, allowed, omega_squared, quickest, error, time, longest, least_damping
     cdef double[::1] multiplier, multiplier_rate
     cdef double[::1] q, v, a, j, qb, vb, ab, jb, origin

@@ -12,7 +12,7 @@ from __future__ import annotations
 import cython
 
 from .arrays import doubles, vectors
-from .balance import MOST_COORDINATES, Balance
+from .balance import MOST_COORDINATES, MOST_ROWS, Balance
 from .columns import Columns
 from .exact import Propagator
 from .increments import Increments
@@ -20,7 +20,6 @@ from .increments import Increments
 if not cython.compiled:
     from math import fabs, isfinite, sqrt
 
-    from .linear import solve
 
 _DIVERGED = 2  # key of integrator.FAILURES
 
@@ -32,7 +31,9 @@ _MOST_BETTER = 10.0
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 _LEAST_LENGTH = 1e-290  # m, instead of none
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
-_CAUTION = 4.0  # factor on errors with curved forces, where all columns may miss a knee
+_BENT_BETTER = (
+    0.3  # the least share of that difference that is taken for the error with curved forces
+)
 _MOST = 5  # substeps in one macro step
 _NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
@@ -65,6 +66,10 @@ class Stepper:
         if n > MOST_COORDINATES:
             raise ValueError(
                 f"a system of {n} coordinates: at most {MOST_COORDINATES} are possible"
+            )
+        if network.rows > MOST_ROWS:
+            raise ValueError(
+                f"elements along {network.rows} directions: at most {MOST_ROWS} are possible"
             )
         self.net, self.n = network, n
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
@@ -102,11 +107,8 @@ class Stepper:
         self.start_a = doubles([0.0] * n)
         self.middle_q, self.middle_v, self.middle_a = vectors(3, n)
         self.septic_q, self.septic_v, self.septic_a = vectors(3, n)
-        self.increments = (
-            Increments(self.net, self.method == _TANGENT)
-            if self.method in (_MEAN, _TANGENT)
-            else None
-        )
+        self.adds = self.method in (_MEAN, _TANGENT)
+        self.increments = Increments(self.net, self.method == _TANGENT) if self.adds else None
         self.propagator = (
             Propagator(
                 self.net,
@@ -224,10 +226,11 @@ class Stepper:
             return self._propagate(t, h)
         if self.method == _WILSON:
             return self._reach_beyond(t, h)
-        if self.increments is not None and self.balance.bends and not self.net.stuck:
+        if self.adds and self.balance.bends and not self.net.stuck:
             return self._add_increments(t, h)
         self.balance.prepare(t, h)
-        self.columns_now.enough = self._enough(h)
+        if self.balance.bends:
+            self.columns_now.enough = self._enough(h)
         status = self.columns_now.attempt(h, self.q, self.v, self.a, self.j)
         if status != 0:
             return status
@@ -238,13 +241,11 @@ class Stepper:
         for i in range(self.n):
             self._note_error(fabs(self.columns_now.error_q[i]))
             self._note_error(fabs(self.columns_now.error_v[i]) * self.velocity_scale[i])
-        if self.balance.bends:
-            self.error *= _CAUTION
-            if self.controlled:
+        self._expect_better(h)
+        if self.controlled:
+            if self.balance.bends:
                 self._check_middle(h)
-        else:
-            self._expect_better(h)
-            if self.controlled and h * self.quickest > _STIFF_PHASE:
+            if h * self.quickest > _STIFF_PHASE:
                 self._check_reading(h)
         return 0
 
@@ -258,9 +259,14 @@ class Stepper:
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.reach / (h * slowest)
 
     def _expect_better(self, h):
-        """Take the last column for better than the one before by the square of the phase, if small."""
+        """Take the last column for better than the one before by the square of the phase, if small.
+
+        With curved forces only by the phase, as their own changes count, too.
+        """
         phase = h * (self.quickest + self.road_rate) / _SLOW_PHASE
-        if phase < 1.0:
+        if phase < 1.0 and self.balance.bends:
+            self.error *= max(phase, _BENT_BETTER)
+        elif phase < 1.0:
             better = phase * phase
             if better > 1.0 / _MOST_BETTER:
                 self.error_order += 2
@@ -371,13 +377,7 @@ class Stepper:
         vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is at most 0.12 h e''.
         """
         self._read_middle(h)
-        self.net.all_signals(self.time + 0.5 * h)
-        self.net.row_states(self.septic_q, self.septic_v)
-        self.net.row_forces()
-        self.net.net_force(self.middle_a)
-        solve(self.net.mass_factor, 0, self.n, self.middle_a)
-        if self.net.stuck:
-            self.net.stick(self.net.mass_factor, 0, self.middle_a, self.net.zero, 2, self.net.kick)
+        self.balance.accelerations(self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a)
         for i in range(self.n):
             lack = _SHARE * h * fabs(self.septic_a[i] - self.middle_a[i])
             self._note_error(h / 32.0 * lack)

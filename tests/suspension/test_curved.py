@@ -1,0 +1,111 @@
+"""Curved springs and dampers: steps as for straight ones, systems of any size, within the tolerance."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from kernels import motion
+from phaseplane.suspension.characteristics import cubic, damper, linear
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Element, System
+from scipy.integrate import solve_ivp
+
+MASS, RATE, CUBIC, DAMPING = 2.0, 800.0, 3e5, 6.0
+
+
+def steps(parameters: dict[str, object], tolerance: float) -> tuple[int, np.ndarray]:
+    integrator = Integrator(build("QuarterCar", parameters), tolerance=tolerance)
+    assert integrator.advance(2.0) == 0
+    integrator.sample(2.0)
+    return integrator.step_count, np.array(integrator.sample_q)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_a_spring_that_is_hardly_curved_takes_the_steps_of_a_straight_one(tolerance: float) -> None:
+    straight, end = steps({}, tolerance)
+    hardly, near = steps({"spring.cubic": 1e-6}, tolerance)
+    assert hardly <= 1.15 * straight
+    assert np.abs(near - end).max() < 1e-2 * tolerance * 0.05
+
+
+def chain(count: int) -> System:
+    """Equal masses in a row between two walls, with hardening springs and linear dampers."""
+    names = [f"mass_{k}" for k in range(count)]
+    elements = []
+    for k in range(count + 1):
+        direction = [0.0] * count
+        if k < count:
+            direction[k] = 1.0
+        if k > 0:
+            direction[k - 1] = -1.0
+        elements.append(
+            Element(f"spring_{k}", tuple(direction), cubic(RATE, CUBIC), linear(DAMPING))
+        )
+    mass = tuple(tuple(MASS * (i == j) for j in range(count)) for i in range(count))
+    return System(tuple(names), mass, tuple(elements), scales=(0.01,) * count)
+
+
+@pytest.mark.parametrize("count", [1, 3, 10, 24])
+def test_a_chain_of_masses_is_as_an_independent_solver_has_it(count: int) -> None:
+    start = [0.02 * (-1) ** k / (1 + k) for k in range(count)]
+    times = np.linspace(0.05, 0.5, 10)
+
+    def rates(_: float, y: np.ndarray) -> np.ndarray:
+        q = np.concatenate([[0.0], y[:count], [0.0]])
+        v = np.concatenate([[0.0], y[count:], [0.0]])
+        force = [
+            RATE * (b - a) + CUBIC * (b - a) ** 3 + DAMPING * (d - c)
+            for (a, b), (c, d) in zip(pairwise(q), pairwise(v), strict=True)
+        ]
+        return np.concatenate([y[count:], np.diff(force) / MASS])
+
+    exact = solve_ivp(
+        rates, (0.0, 0.5), [*start, *[0.0] * count], "DOP853", times, rtol=1e-12, atol=1e-15
+    )
+    found = motion(chain(count), times, start, tolerance=1e-9) if count < 20 else None
+    displacements = (
+        found.displacements if found else _compiled(chain(count), times, start, tolerance=1e-9)
+    )
+    assert np.abs(displacements - exact.y[:count].T).max() < 1e-9 * 0.02
+
+
+def _compiled(
+    system: System, times: np.ndarray, start: list[float], **options: float
+) -> np.ndarray:
+    integrator = Integrator(system, **options)
+    integrator.set_state(start, [0.0] * len(start))
+    rows = []
+    for t in times:
+        assert integrator.advance(t) == 0
+        integrator.sample(t)
+        rows.append(list(integrator.sample_q))
+    return np.array(rows)
+
+
+def test_a_row_that_sticks_and_is_curved_moves_with_its_road() -> None:
+    """Of two masses on one strut with friction the strut is rigid; both hang on a curved tyre."""
+    system = System(
+        ("body", "wheel"),
+        ((300.0, 0.0), (0.0, 30.0)),
+        (
+            Element("strut", (1.0, -1.0), cubic(15e3, 1e6), damper(2000.0, 500.0), friction=1e6),
+            Element("tyre", (0.0, 1.0), cubic(150e3, 1e9), linear(300.0)),
+        ),
+        scales=(0.01, 0.01),
+    )
+    times = np.linspace(0.01, 0.3, 30)
+    found = motion(system, times, [0.02, 0.02], tolerance=1e-9)
+    assert np.abs(np.diff(found.displacements)).max() < 1e-15
+    exact = solve_ivp(
+        lambda _, y: [y[1], -(150e3 * y[0] + 1e9 * y[0] ** 3 + 300.0 * y[1]) / 330.0],
+        (0.0, 0.3), [0.02, 0.0], "DOP853", times, rtol=1e-12, atol=1e-15,
+    )  # fmt: skip
+    assert np.abs(found.displacements[:, 0] - exact.y[0]).max() < 1e-9 * 0.02
+
+
+def test_a_system_too_large_is_refused() -> None:
+    with pytest.raises(ValueError, match="33 coordinates: at most 32"):
+        Integrator(chain(33))
