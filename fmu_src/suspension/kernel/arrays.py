@@ -14,13 +14,17 @@ import cython
 
 _LINE = 64  # bytes of a cache line
 _BLOCK = 1 << 15  # bytes allocated at a time
-_WORD = 8  # bytes; every array starts at a multiple
+_WORD, _HALF_WORD = (
+    8,
+    4,
+)  # bytes of a double, at a multiple of which every array starts, and of an int
 
 
 class _Place(local):
     """The free memory for the next array, in each thread."""
 
     room = memoryview(b"")
+    at = 0  # the first free byte
 
 
 _place = _Place()
@@ -28,7 +32,19 @@ _place = _Place()
 
 def begin_apart():
     """Allocate the next arrays of this thread apart from all existing ones."""
-    _place.room = memoryview(b"")
+    _place.room, _place.at = memoryview(b""), 0
+
+
+def zeros(count):
+    return (
+        _allocated(count, "d")
+        if cython.compiled and count > 0
+        else array("d", bytes(_WORD * count))
+    )
+
+
+def marks(count):
+    return _allocated(count, "i") if cython.compiled and count > 0 else array("i", [0] * count)
 
 
 def doubles(values):
@@ -40,20 +56,27 @@ def integers(values):
 
 
 def vectors(count, size):
-    return [doubles([0.0] * size) for _ in range(count)]
+    return [zeros(size) for _ in range(count)]
 
 
 def _placed(values):
     """Copy an array into the free memory; uncompiled, return it, as plain arrays are read faster."""
     if not (cython.compiled and values):
         return values
-    content = memoryview(values)
-    if content.nbytes > len(_place.room):
-        lines = max(content.nbytes, _BLOCK) // _LINE + 1
+    placed = _allocated(len(values), values.typecode)
+    placed[:] = memoryview(values)
+    return placed
+
+
+def _allocated(count, typecode):
+    """Return so many zeros from the free memory."""
+    size = count * (_WORD if typecode == "d" else _HALF_WORD)
+    place = _place
+    if place.at + size > len(place.room):
+        lines = max(size, _BLOCK) // _LINE + 1
         memory = array("B", bytes((lines + 1) * _LINE))
         first = -memory.buffer_info()[0] % _LINE
-        _place.room = memoryview(memory)[first : first + lines * _LINE]
-    room = _place.room[: content.nbytes].cast(values.typecode)
-    room[:] = content
-    _place.room = _place.room[(content.nbytes + _WORD - 1) // _WORD * _WORD :]
-    return room
+        place.room, place.at = memoryview(memory)[first : first + lines * _LINE], 0
+    at = place.at
+    place.at = at + (size + _WORD - 1) // _WORD * _WORD
+    return place.room[at : at + size].cast(typecode)

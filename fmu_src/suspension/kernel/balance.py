@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import doubles, integers, marks, vectors, zeros
 
 if not cython.compiled:
     from .linear import solve
@@ -46,11 +46,11 @@ class Balance:
         self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
         self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
         # loads at all instants of a step, and at one more within it
-        self.loads = doubles([0.0] * n * (self.instants + 1))
+        self.loads = zeros(n * (self.instants + 1))
         self.loads_hold = 0  # whether the loads of the present branches are constant, and known
         self.bends = 0  # number of rows with a curved force
-        self.bent_row, self.bent_first = integers([0] * rows), integers([0] * (rows + 1))
-        self.bent_law = integers([0] * 2 * network.elements)
+        self.bent_row, self.bent_first = marks(rows), marks(rows + 1)
+        self.bent_law = marks(2 * network.elements)
         self.bent_piece, self.bent_factor = integers(self.bent_law), integers(self.bent_law)
         self.under = doubles(
             [0.0] * 2 * rows * (self.instants + 1)

@@ -27,7 +27,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import doubles, integers, vectors, zeros
 
 if not cython.compiled:
     from math import fabs, isfinite
@@ -87,14 +87,14 @@ class Columns:
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
         self.rest = [0.0] * 64  # lack of equilibrium of each curved row, per mass
         # for each column and curved row: W b, and with each other curved row b' W b
-        self.yield_of = doubles([0.0] * (columns * rows * n))
-        self.coupling = doubles([0.0] * (columns * rows * rows))
+        self.yield_of = zeros(columns * rows * n)
+        self.coupling = zeros(columns * rows * rows)
         # for each column and sticking row: the acceleration of all by one of its road
-        self.carried = doubles([0.0] * (columns * rows * n))
+        self.carried = zeros(columns * rows * n)
         # of curved rows: d*, w*, x without them, x, its last correction; the equations for it
         self.d, self.w, self.x0 = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.x, self.dx = [0.0] * 64, [0.0] * 64
-        self.matrix = doubles([0.0] * (rows * rows))
+        self.matrix = zeros(rows * rows)
         # x at the ends of the last three substeps of each column
         self.x1, self.x2, self.x3 = vectors(3, columns * rows)
         self.enough = 0.0  # error of x that does not matter

@@ -9,7 +9,7 @@ form with the nodes at the ends,
 
 from __future__ import annotations
 
-from .arrays import doubles, vectors
+from .arrays import vectors, zeros
 
 _SEPTIC = 8  # terms of each coordinate
 
@@ -31,7 +31,7 @@ class Dense:
         self.qa, self.va, self.aa, self.ja = vectors(4, n)
         self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
         self.q, self.v, self.a = vectors(3, n)  # the last values read
-        self.terms = doubles([0.0] * (_SEPTIC * n))
+        self.terms = zeros(_SEPTIC * n)
         self.known = 0  # whether the terms belong to the present ends
 
     def _find_terms(self):

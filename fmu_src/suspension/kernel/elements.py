@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import doubles, integers, marks, vectors, zeros
 from .laws import Laws, law_numbers
 
 if not cython.compiled:
@@ -46,25 +46,25 @@ class Elements(Laws):
         self.n = len(system.mass)
         self._read_rows(system)
         elements = self.elements
-        self.yields, self.modulated = integers([0] * elements), integers([0] * elements)
+        self.yields, self.modulated = marks(elements), marks(elements)
         self.friction, self.limit, self.free_length, self.free_energy = vectors(4, elements)
-        self.opening = doubles([0.0] * elements)  # deflection beyond which there is a gap
-        self.breakaway = doubles([0.0] * elements)  # friction up to which it sticks
+        self.opening = zeros(elements)  # deflection beyond which there is a gap
+        self.breakaway = zeros(elements)  # friction up to which it sticks
         self.initial_set, self.spring_rate = vectors(2, elements)
         self.branch, self.departing = (
-            integers([0] * _KINDS * elements),
-            integers([0] * _KINDS * elements),
+            marks(_KINDS * elements),
+            marks(_KINDS * elements),
         )
         self.stuck = 0
-        self.stuck_element, self.row_stuck = integers([0] * elements), integers([0] * self.rows)
+        self.stuck_element, self.row_stuck = marks(elements), marks(self.rows)
         self.exchange = 0.0
-        self.kept_branch = integers([0] * _KINDS * elements)
-        self.kept_set, self.kept_signal = doubles([0.0] * elements), integers(self.signal_now)
+        self.kept_branch = marks(_KINDS * elements)
+        self.kept_set, self.kept_signal = zeros(elements), integers(self.signal_now)
         self.row_d, self.row_v, self.row_f, self.row_k, self.row_c = vectors(5, self.rows)
         self.branch_f, self.branch_k, self.branch_c = vectors(3, self.rows)
         self.switch_element, self.switch_kind = (
-            integers([0] * _KINDS * elements),
-            integers([0] * _KINDS * elements),
+            marks(_KINDS * elements),
+            marks(_KINDS * elements),
         )
 
     def _read_rows(self, system):

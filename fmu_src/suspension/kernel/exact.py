@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, vectors
+from .arrays import vectors, zeros
 
 if not cython.compiled:
     from math import cos, fabs, isfinite, sin
@@ -49,8 +49,8 @@ class Propagator:
         most = 2 * self.n + _POWERS + 2 * network.signals
         self.rates, self.term, self.product, self.change = vectors(4, most * most)
         self.state, self.step = vectors(2, most)
-        self.column = doubles([0.0] * self.n)
-        self.multiplier = doubles([0.0] * network.elements)
+        self.column = zeros(self.n)
+        self.multiplier = zeros(network.elements)
         self.size = most
 
     def attempt(self, t, h):

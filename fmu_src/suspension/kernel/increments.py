@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, vectors
+from .arrays import vectors, zeros
 
 if not cython.compiled:
     from math import fabs, isfinite
@@ -33,7 +33,7 @@ class Increments:
         self.net, self.n, self.once = network, network.n, once
         self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, self.n * self.n)
         self.stiffness_end, self.damping_end = vectors(2, self.n * self.n)
-        self.factor = doubles([0.0] * self.n * self.n)
+        self.factor = zeros(self.n * self.n)
         self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, self.n)
         # tangents of the rows at the start of a step, and those used for it
         self.start_k, self.start_c, self.mean_k, self.mean_c = vectors(4, network.rows)

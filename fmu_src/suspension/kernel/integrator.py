@@ -6,7 +6,7 @@ from array import array
 
 import cython
 
-from .arrays import doubles, integers
+from .arrays import marks, zeros
 from .elements import KINDS
 from .march import March
 from .network import Network
@@ -448,7 +448,7 @@ class Integrator(March):
     def _make_record(self):
         """Allocate the record of the whole state."""
         self._size_record()
-        self.record, self.record_of_marks = doubles([0.0] * self.at), integers([0] * self.at_mark)
+        self.record, self.record_of_marks = zeros(self.at), marks(self.at_mark)
         self.record_bytes = memoryview(self.record).cast("B")
         self.record_of_marks_bytes = memoryview(self.record_of_marks).cast("B")
         self.record_size = len(self.record_bytes) + len(self.record_of_marks_bytes)
@@ -470,12 +470,10 @@ class Rows:
         most = self.most = self.integrator.places
         self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
         self.contacts = self.integrator.contacts
-        self.status, self.filled, self.steps, self.log_end = (
-            integers([0] * most) for _ in range(4)
-        )
+        self.status, self.filled, self.steps, self.log_end = (marks(most) for _ in range(4))
         self.time, self.limited = (
-            doubles([0.0] * most),
-            doubles([0.0] * most * max(self.contacts, 1)),
+            zeros(most),
+            zeros(most * max(self.contacts, 1)),
         )
 
     def take(self, numbers, start):

@@ -10,7 +10,7 @@ from itertools import accumulate
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import integers, vectors, zeros
 from .signals import Signals
 
 if not cython.compiled:
@@ -37,7 +37,7 @@ class Laws(Signals):
         count = [pieces for element in system.elements for pieces in pieces_of(element)]
         self.count = integers(count)
         self.first = integers(accumulate(count, initial=0))
-        self.piece = doubles([0.0] * _PIECE * sum(count))
+        self.piece = zeros(_PIECE * sum(count))
         self.straight = integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
         self.failure = None  # what a function has raised

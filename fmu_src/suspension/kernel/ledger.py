@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers
+from .arrays import doubles, marks, zeros
 
 if not cython.compiled:
     from math import fabs
@@ -42,18 +42,18 @@ class Ledger:
         self.net = self.balance.net
         elements, rows = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
-        self.work, self.power = doubles([0.0] * self.works), doubles([0.0] * self.works)
-        self.scratch = doubles([0.0] * self.net.n)
+        self.work, self.power = zeros(self.works), zeros(self.works)
+        self.scratch = zeros(self.net.n)
         self.point, self.weight = doubles(_POINT), doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
         self.value, self.rate = doubles(value), doubles(rate)
         # of each element: force at rest and damping of what dissipates, and whether it is curved
-        self.loss, self.loss_rate = doubles([0.0] * elements), doubles([0.0] * elements)
-        self.curved = integers([0] * elements)
+        self.loss, self.loss_rate = zeros(elements), zeros(elements)
+        self.curved = marks(elements)
         # of each row at the points: deflection, rate; of each signal: value, rate
-        self.d, self.w = doubles([0.0] * _POINTS * rows), doubles([0.0] * _POINTS * rows)
+        self.d, self.w = zeros(_POINTS * rows), zeros(_POINTS * rows)
         signals = max(self.net.signals, 1)
-        self.u, self.du = doubles([0.0] * _POINTS * signals), doubles([0.0] * _POINTS * signals)
+        self.u, self.du = zeros(_POINTS * signals), zeros(_POINTS * signals)
         self.ends = [0.0] * 8  # literal, as this is a C array
         self.initial_energy = 0.0
         self.start()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import begin_apart, doubles, integers, vectors
+from .arrays import begin_apart, integers, marks, vectors, zeros
 from .dense import Dense
 from .exact import not_straight
 from .ledger import Ledger
@@ -105,15 +105,15 @@ class March:
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
-        self.step_limited, self.limited_time = integers([0] * elements), doubles([0.0] * elements)
+        self.step_limited, self.limited_time = marks(elements), zeros(elements)
         self.contact_element = integers(
             e for e, element in enumerate(system.elements) if element.limit < 1e300
         )
         self.contacts = len(self.contact_element)
         self.event_count = self.event_base = self.flushed = 0
-        self.event_time = doubles([0.0] * _EVENT_CAPACITY)
-        self.event_what = integers([0] * 4 * _EVENT_CAPACITY)
-        self.branch_before = integers([0] * _KINDS * elements)
+        self.event_time = zeros(_EVENT_CAPACITY)
+        self.event_what = marks(4 * _EVENT_CAPACITY)
+        self.branch_before = marks(_KINDS * elements)
         self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()

@@ -10,7 +10,7 @@ from array import array
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import integers, vectors, zeros
 from .elements import Elements, element_numbers
 from .laws import functions_of, pieces_of
 from .signals import signal_numbers
@@ -47,11 +47,11 @@ class Network(Elements):
                     f"a load follows {load.signal!r}, which is none of the signals: "
                     f"{', '.join(names) or 'there are none'}"
                 )
-        self.load_direction = doubles([0.0] * max(self.loads * n, 1))
+        self.load_direction = zeros(max(self.loads * n, 1))
         self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
         self.multiplier, self.multiplier_rate, self.kick = vectors(3, elements)
-        self.spread, self.reaction = doubles([0.0] * elements * n), doubles([0.0] * elements)
-        self.coupling = doubles([0.0] * elements * elements)
+        self.spread, self.reaction = zeros(elements * n), zeros(elements)
+        self.coupling = zeros(elements * elements)
         self.zero, self.scratch = vectors(2, n)
         self.modes, self.modes2 = vectors(2, n * n)
         self.mass, self.mass_factor, self.flexibility = vectors(3, n * n)

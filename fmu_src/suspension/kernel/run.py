@@ -16,7 +16,7 @@ from itertools import chain
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import integers, marks, vectors, zeros
 from .rest import Rest
 
 if not cython.compiled:
@@ -47,8 +47,8 @@ class Run:
         self.rest = Rest(self.integrator.net)
         self.inputs, self.lines, self.tyres = inputs, len(lines), len(tyres)
         self.sampled = sampled
-        self.value = doubles([0.0] * inputs)
-        self.samples = integers([0] * inputs)
+        self.value = zeros(inputs)
+        self.samples = marks(inputs)
         self.sample_time, self.sample_value = vectors(2, _SAMPLES * inputs)
         self.line_signal, self.line_input, self.line_rate = (
             integers(line[k] for line in lines) for k in range(3)
@@ -56,12 +56,12 @@ class Run:
         # the present course of every line: a value at a time, and its slope
         self.line_time, self.line_value, self.line_slope = vectors(3, len(lines))
         self.course_time = self.course_value = self.course_slope = 0.0
-        self.coefficients = doubles([0.0] * 4)
+        self.coefficients = zeros(4)
         self.tyre = integers(tyres)
-        self.airborne, self.lift_offs = integers([0] * len(tyres)), integers([0] * len(tyres))
+        self.airborne, self.lift_offs = marks(len(tyres)), marks(len(tyres))
         self.last_lift_off, self.last_touchdown = vectors(2, len(tyres))
         self.waiting = 0
-        self.waiting_time = doubles([0.0] * _WAITING)
+        self.waiting_time = zeros(_WAITING)
         self.waiting_tyre, self.waiting_airborne = vectors_of_integers(2, _WAITING)
         self.begin(start)
 
@@ -305,4 +305,4 @@ class Run:
 
 
 def vectors_of_integers(count, size):
-    return [integers([0] * size) for _ in range(count)]
+    return [marks(size) for _ in range(count)]

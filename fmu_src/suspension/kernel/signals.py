@@ -6,7 +6,7 @@ from itertools import accumulate
 
 import cython
 
-from .arrays import doubles, integers
+from .arrays import integers, marks, zeros
 
 if not cython.compiled:
     from math import cos, fabs, sin
@@ -28,11 +28,11 @@ class Signals:
         self.signals = len(count)
         self.signal_count = integers(count or [0])
         self.signal_first = integers(accumulate(count, initial=0))
-        self.signal_now = integers([0] * max(self.signals, 1))
+        self.signal_now = marks(max(self.signals, 1))
         self.segments = sum(count)
-        self.segment = doubles([0.0] * _SEGMENT * max(sum(count), 1))
-        self.level = integers([0] * max(sum(count), 1))  # whether a segment is constant
-        self.road = doubles([0.0] * 4 * max(self.signals, 1))  # value and three derivatives of each
+        self.segment = zeros(_SEGMENT * max(sum(count), 1))
+        self.level = marks(max(sum(count), 1))  # whether a segment is constant
+        self.road = zeros(4 * max(self.signals, 1))  # value and three derivatives of each
 
     def enter_signals(self, x, at):
         """Read the segments of all signals from x[at:]; return where they end."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, vectors
+from .arrays import doubles, vectors, zeros
 from .balance import MOST_COORDINATES, MOST_ROWS, Balance
 from .columns import Columns
 from .exact import Propagator
@@ -81,7 +81,7 @@ class Stepper:
         self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest motion so far, m, to which errors are relative
         self.scale = 0.0
-        self.origin = doubles([0.0] * n)  # start of the run, from which the motion is measured
+        self.origin = zeros(n)  # start of the run, from which the motion is measured
         self.stamp = 0  # changes with every branch, to mark stored matrices as outdated
         self.multiplier, self.multiplier_rate = vectors(2, network.elements)
         # Wilson's acceleration minus that of the equation of motion, which is in `a`
@@ -91,8 +91,8 @@ class Stepper:
 
     def _allocate(self):
         n = self.n
-        self.stiffness_known = doubles([0.0] * n * n)  # the stiffness of the known fastest mode
-        self.softest, self.velocity_scale = doubles([1e300] * n), doubles([0.0] * n)
+        self.stiffness_known = zeros(n * n)  # the stiffness of the known fastest mode
+        self.softest, self.velocity_scale = doubles([1e300] * n), zeros(n)
         # the times of all substeps of a macro step, each with its loads once
         sequence = SEQUENCES[self.columns]
         fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
@@ -104,7 +104,7 @@ class Stepper:
         self.balance = Balance(self.net, fractions)
         self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
         self.columns_now = Columns(self.balance, sequence, index)
-        self.start_a = doubles([0.0] * n)
+        self.start_a = zeros(n)
         self.middle_q, self.middle_v, self.middle_a = vectors(3, n)
         self.septic_q, self.septic_v, self.septic_a = vectors(3, n)
         self.adds = self.method in (_MEAN, _TANGENT)

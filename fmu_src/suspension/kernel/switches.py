@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors
+from .arrays import marks, vectors, zeros
 from .bernstein import Crossing
 from .elements import KINDS
 
@@ -34,15 +34,15 @@ class Switches:
         self.crossing = Crossing()
         most = len(KINDS) * self.net.elements
         self.watched = 0
-        self.watched_element, self.watched_kind = integers([0] * most), integers([0] * most)
+        self.watched_element, self.watched_kind = marks(most), marks(most)
         self.low, self.high = vectors(2, most)
         # for each row and each road, four numbers at the start of the attempt and four at its end
-        self.row = doubles([0.0] * 8 * max(self.net.rows, 1))
-        self.road = doubles([0.0] * 8 * max(self.net.signals, 1))
+        self.row = zeros(8 * max(self.net.rows, 1))
+        self.road = zeros(8 * max(self.net.signals, 1))
         self.roads_known = 0
         self.start_known = 0
         self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
-        self.contact_straight = integers([0] * self.net.elements)
+        self.contact_straight = marks(self.net.elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
         self.across = False  # whether the switch found is the end of a gap
