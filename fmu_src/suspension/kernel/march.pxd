@@ -58,9 +58,9 @@ cdef class March:
     cdef int _mark(self, int x) noexcept nogil
     @cython.locals(high=int, low=int)
     cdef long long _count(self, long long x) noexcept nogil
-    @cython.locals(i=int)
+    @cython.locals(i=int, value=double)
     cdef void _numbers(self, double[::1] x, int first, int count) noexcept nogil
-    @cython.locals(i=int)
+    @cython.locals(i=int, value=int)
     cdef void _marks(self, int[::1] x, int count) noexcept nogil
     cdef void _resume(self) noexcept nogil
 

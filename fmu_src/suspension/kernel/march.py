@@ -25,7 +25,7 @@ _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
 
 _CONTACT, _KINDS = 3, 5  # as in elements
-_LAWS, _PIECE, _SEGMENT = 3, 9, 10  # as in laws and signals
+_LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _HALF = 1 << 30
 _EVENT_CAPACITY = 512
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
@@ -300,12 +300,12 @@ class March:
         self.saving, self.at, self.at_mark = saving, 0, 0
         n, elements = self.n, self.net.elements
         self.time = self._number(self.time)
-        self.dense.start, self.dense.end = (
-            self._number(self.dense.start),
-            self._number(self.dense.end),
-        )
-        self.grid_start, self.proposal = self._number(self.grid_start), self._number(self.proposal)
-        self.scale, self.stepper.reach = self._number(self.scale), self._number(self.stepper.reach)
+        self.dense.start = self._number(self.dense.start)
+        self.dense.end = self._number(self.dense.end)
+        self.grid_start = self._number(self.grid_start)
+        self.proposal = self._number(self.proposal)
+        self.scale = self._number(self.scale)
+        self.stepper.reach = self._number(self.stepper.reach)
         self.net.exchange = self._number(self.net.exchange)
         self.ledger.residual_start = self._number(self.ledger.residual_start)
         self.ledger.residual_end = self._number(self.ledger.residual_end)
@@ -314,12 +314,12 @@ class March:
         self.ledger.supplied = self._number(self.ledger.supplied)
         self.watch.beyond_since = self._number(self.watch.beyond_since)
         self.watch.beyond_step = self._number(self.watch.beyond_step)
-        self.grid_index, self.step_count = (
-            self._count(self.grid_index),
-            self._count(self.step_count),
-        )
-        self.in_step, self.entered = self._mark(self.in_step), self._mark(self.entered)
-        self.stalled, self.overruns = self._mark(self.stalled), self._mark(self.overruns)
+        self.grid_index = self._count(self.grid_index)
+        self.step_count = self._count(self.step_count)
+        self.in_step = self._mark(self.in_step)
+        self.entered = self._mark(self.entered)
+        self.stalled = self._mark(self.stalled)
+        self.overruns = self._mark(self.overruns)
         self._numbers(self.dense.qa, 0, n)
         self._numbers(self.dense.va, 0, n)
         self._numbers(self.dense.aa, 0, n)
@@ -382,16 +382,19 @@ class March:
 
     def _count(self, x):
         """Carry a number that may exceed that of a mark."""
-        high, low = self._mark(x // _HALF), self._mark(x % _HALF)
+        high = self._mark(x // _HALF)
+        low = self._mark(x % _HALF)
         return _HALF * high + low
 
     def _numbers(self, x, first, count):
         for i in range(first, first + count):
-            x[i] = self._number(x[i])
+            value = self._number(x[i])
+            x[i] = value
 
     def _marks(self, x, count):
         for i in range(count):
-            x[i] = self._mark(x[i])
+            value = self._mark(x[i])
+            x[i] = value
 
     def _resume(self):
         """Go on from the state in the record."""

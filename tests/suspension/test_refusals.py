@@ -1,0 +1,44 @@
+"""What cannot be integrated as asked is refused when the integrator is made, with what is allowed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, nan
+
+import pytest
+from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.models import build
+from phaseplane.suspension.systems import Load
+
+CAR = build("QuarterCar", {})
+
+
+@pytest.mark.parametrize(
+    ("options", "why"),
+    [
+        ({"order": 3}, "order = 3 is not one of 0"),
+        ({"order": 10}, "order = 10 is not one of 0"),
+        ({"step": -1.0}, "step = -1 s must be finite and positive, or 0"),
+        ({"step": inf}, "step = inf s must be"),
+        ({"step": nan}, "step = nan s must be"),
+        ({"tolerance": 0.0}, "tolerance = 0 must be greater than 0"),
+        ({"tolerance": nan}, "tolerance = nan must be greater than 0"),
+    ],
+    ids=str,
+)
+def test_a_setting_that_makes_no_sense(options: dict[str, float], why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        Integrator(CAR, **options)
+
+
+def test_scales_that_are_not_one_for_each_coordinate() -> None:
+    with pytest.raises(ValueError, match="0 scales for 2 coordinates"):
+        Integrator(replace(CAR, scales=()))
+
+
+def test_a_road_and_a_load_that_no_signal_is_for() -> None:
+    tyre = replace(CAR.elements[-1], name="tyre", road="gone")
+    with pytest.raises(ValueError, match="tyre stands on the road 'gone', which is none of"):
+        Integrator(replace(CAR, elements=(*CAR.elements[:-1], tyre)))
+    with pytest.raises(ValueError, match="a load follows 'wind', which is none of the signals"):
+        Integrator(replace(CAR, loads=(Load((1.0, 0.0), "wind"),)))
