@@ -85,6 +85,8 @@ class Formula:
     ----------
     text : numbers, v, x, t, pi, names of parameters, + - * / ^ (or **), brackets and `FUNCTIONS`
     parameters : values of the named parameters, in one system of units
+    variables : those that the text may name, of `VARIABLES`
+    section : where the named parameters are given, for messages
 
     Raises
     ------
@@ -93,6 +95,8 @@ class Formula:
 
     text: str
     parameters: Mapping[str, float] = field(default_factory=dict)
+    variables: tuple[str, ...] = VARIABLES
+    section: str = "parameters"
 
     def __post_init__(self) -> None:
         """Read the text."""
@@ -102,7 +106,8 @@ class Formula:
 
     @cached_property
     def _tree(self) -> ast.expr:
-        return _read(self.text, self.parameters)
+        names = (*self.variables, *_CONSTANTS, *self.parameters)
+        return _read(self.text, names, self.section)
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -249,7 +254,7 @@ def _arrays() -> dict[str, Any]:
 # Reading.
 
 
-def _read(text: str, parameters: Mapping[str, float]) -> ast.expr:
+def _read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
     """Parse a formula into a tree of checked nodes only: no attributes, no other calls."""
     if len(text) > _LONGEST:
         raise ValueError(f"equation: {len(text)} characters; at most {_LONGEST} are allowed")
@@ -259,12 +264,16 @@ def _read(text: str, parameters: Mapping[str, float]) -> ast.expr:
         raise ValueError(
             f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
         ) from None
-    body = _checked(tree.body, text, tuple(parameters))
+    body = _checked(tree.body, text, names, section)
     return ast.fix_missing_locations(ast.Expression(body)).body
 
 
-def _checked(node: ast.expr, text: str, names: tuple[str, ...]) -> ast.expr:
+def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) -> ast.expr:
     """Return the checked node, integers made floats so that their powers cannot grow without end."""
+
+    def checked(part: ast.expr) -> ast.expr:
+        return _checked(part, text, names, section)
+
     match node:
         case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
             try:
@@ -274,27 +283,21 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...]) -> ast.expr:
                     f"equation: {text!r} contains a number that is too large"
                 ) from None
         case ast.BinOp(left, operator, right) if isinstance(operator, _BINARY):
-            return ast.BinOp(_checked(left, text, names), operator, _checked(right, text, names))
+            return ast.BinOp(checked(left), operator, checked(right))
         case ast.UnaryOp(operator, operand) if isinstance(operator, _UNARY):
-            return ast.UnaryOp(operator, _checked(operand, text, names))
-        case ast.Name(name) if name in VARIABLES or name in _CONSTANTS or name in names:
+            return ast.UnaryOp(operator, checked(operand))
+        case ast.Name(name) if name in names:
             return node
         case ast.Call(ast.Name(name) as called, arguments, []) if name in FUNCTIONS:
             _check_count(name, len(arguments), text)
-            return ast.Call(called, [_checked(a, text, names) for a in arguments], [])
-    known = (*VARIABLES, *_CONSTANTS, *names, *FUNCTIONS)
+            return ast.Call(called, [checked(a) for a in arguments], [])
     part = ast.unparse(node)
+    hint = nearest(part.split("(")[0], (*names, *FUNCTIONS))
+    allowed = f"allowed are numbers, + - * / ^, {', '.join(names)} and {', '.join(FUNCTIONS)}"
     if isinstance(node, ast.Name) and part not in FUNCTIONS:
-        raise ValueError(
-            f"equation = {text!r}: {part!r} is not known{nearest(part, known)}; give its value in "
-            f"[parameters], such as {part} = 1.0; allowed are numbers, + - * / ^, "
-            f"{', '.join((*VARIABLES, *_CONSTANTS, *names))} and {', '.join(FUNCTIONS)}"
-        )
-    hint = nearest(part.split("(")[0], known)
-    raise ValueError(
-        f"equation = {text!r}: {part!r} is not known{hint}; allowed are numbers, + - * / ^, "
-        f"{', '.join((*VARIABLES, *_CONSTANTS, *names))} and {', '.join(FUNCTIONS)}"
-    )
+        give = f"give its value in [{section}], such as {part} = 1.0"
+        hint = f"{hint} Otherwise {give}" if hint else f"; {give}"
+    raise ValueError(f"equation = {text!r}: {part!r} is not known{hint}; {allowed}")
 
 
 def _check_count(name: str, count: int, text: str) -> None:

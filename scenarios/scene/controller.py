@@ -19,7 +19,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane.equations import Formula
 
 from ..errors import shown
-from .fields import FLAG, SECONDS, RefusedError
+from .fields import FLAG, SECONDS, Kind, RefusedError
 
 if TYPE_CHECKING:
     from .fmus import Fmu
@@ -54,7 +54,7 @@ class Controller:
         """Return the function of each input, of the time and the outputs named."""
         found = {}
         for name, (text, outputs) in self.formulas.items():
-            formula = Formula(text, {**self.constants, **dict.fromkeys(outputs, 0.0)})
+            formula = Formula(text, {**self.constants, **dict.fromkeys(outputs, 0.0)}, ("t",))
             found[name] = (formula.of("t", *outputs), outputs)
         return found
 
@@ -69,8 +69,12 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
     if not given:
         return None
     if not fmu.is_ours or fmu.path is not None:
-        raise RefusedError("controller", f"controller: {fmu.model} is not a model of this package")
-    inputs = {v.name for v in fmu.variables if v.causality == "input"}
+        raise RefusedError(
+            "controller",
+            f"controller: {fmu.path.name if fmu.path else fmu.model} cannot have one; "
+            "name a model with inputs, such as QuarterCar",
+        )
+    inputs = [v.name for v in fmu.variables if v.causality == "input"]
     constants = _constants(given)
     formulas = {}
     for name, text in given.items():
@@ -91,12 +95,16 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
         raise RefusedError(
             "controller", f"controller: give a formula for one of {', '.join(inputs)}"
         )
-    try:
-        period = SECONDS.read(given.get("period", _PERIOD))
-        events = FLAG.read(given.get("events", False))
-    except ValueError as error:
-        raise RefusedError("controller", f"controller: {error}") from None
+    period = _read("period", SECONDS, given.get("period", _PERIOD))
+    events = _read("events", FLAG, given.get("events", False))
     return Controller(period, events, formulas, constants)
+
+
+def _read(name: str, kind: Kind, value: object) -> Any:
+    try:
+        return kind.read(value)
+    except ValueError as error:
+        raise RefusedError.value(f"controller.{name}", value, str(error)) from None
 
 
 def _constants(given: Mapping[str, Any]) -> dict[str, float]:
@@ -117,9 +125,9 @@ def _outputs_in(key: str, text: str, fmu: Fmu, constants: Mapping[str, float]) -
     """Return the outputs that a formula names."""
     outputs = fmu.outputs()
     try:
-        formula = Formula(text, {**dict.fromkeys(outputs, 0.0), **constants})
+        formula = Formula(
+            text, {**dict.fromkeys(outputs, 0.0), **constants}, ("t",), "controller.constants"
+        )
     except ValueError as error:
-        raise RefusedError(key, f"{key}: {str(error).removeprefix('equation ')}") from None
-    if any(formula.mentions(name) for name in ("v", "x")):
-        raise RefusedError(key, f"{key} = {shown(text)}: v and x mean nothing here; name outputs")
+        raise RefusedError(key, f"{key}{str(error).removeprefix('equation')}") from None
     return tuple(sorted(formula.names - constants.keys()))

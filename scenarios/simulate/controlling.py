@@ -62,7 +62,7 @@ def controlled(
                 rows.append([session.value(name) for name in names])
     except SimulationError as error:
         failure = str(error)
-    columns = dict(zip(names, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
+    columns = dict(zip(names, np.array(rows, float).reshape(len(rows), len(names)).T, strict=True))
     switches = sorted(event.time for event in session.events)
     ends = {name: float(column[-1]) for name, column in columns.items() if len(column)}
     return Solution({"time": time[: len(rows)], **columns}, ends, failure, switches)

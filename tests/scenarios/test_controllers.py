@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.errors import InputError, RunError
 
 import phaseplane
 
@@ -90,17 +90,31 @@ def test_a_sweep_varies_a_gain(tmp_path, monkeypatch):
     [
         ({"actuator_forc": "1"}, "did you mean 'actuator_force'"),
         ({"actuator_force": "-c * body_velocity"}, "'c' is not known"),
-        ({"actuator_force": "-3 * v"}, "v and x mean nothing here"),
+        ({"actuator_force": "-3 * v"}, "'v' is not known"),
+        ({"actuator_force": "-3 * body_velocty"},
+         r"did you mean 'body_velocity'\? Otherwise give its value in \[controller.constants\]"),
         ({"actuator_force": "body_velocity *"}, "not a formula"),
         ({"actuator_force": 3}, "must be a formula"),
         ({"period": "1 ms"}, "give a formula"),
-        ({"actuator_force": "1", "period": -1}, "greater than 0"),
+        ({"actuator_force": "1", "period": -1}, "controller.period = -1: must be greater than 0"),
+        ({"actuator_force": "1", "events": "yes"}, "controller.events = 'yes': must be true"),
         ({"actuator_force": "c", "constants": {"c": "3 N"}}, "must be a number in SI"),
     ],
 )
 def test_a_controller_that_is_none_is_refused(keys, words):
     with pytest.raises(InputError, match=words):
         phaseplane.run(with_controller(**keys))
+
+
+def test_an_equation_has_no_controller():
+    scene = {"fmu": "Equation", "duration": 1.0, "parameters": {"equation": "x"}}
+    with pytest.raises(InputError, match="Equation cannot have one; name a model with inputs"):
+        phaseplane.run({**scene, "controller": {"actuator_force": "v"}})
+
+
+def test_a_force_that_is_no_number_from_the_start_is_no_run():
+    with pytest.raises(RunError, match="no run: .*controller.actuator_force is nan at 0 s"):
+        phaseplane.run(with_controller(actuator_force="sqrt(-1)"))
 
 
 def test_a_force_that_is_no_number_ends_the_run():
