@@ -77,16 +77,14 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
     delimiter = ";" if lines and ";" in lines[0] else ","
     rows = list(csv.reader(lines, delimiter=delimiter))
     if not rows:
-        raise ValueError("the readings are empty")
+        raise ValueError("no readings")
     wanted = columns(planes)
     names = [name.partition("[")[0].strip() for name in wanted]
     head = [name.partition("[")[0].strip() for name in rows[0]]
     needed = names[: 1 + 2 * len(planes)]
     missing = [name for name in needed if name not in head]
     if missing:
-        raise ValueError(
-            f"the readings have no column {missing[0]!r}; needed are {', '.join(wanted)}"
-        )
+        raise ValueError(f"no column {missing[0]!r}; needed are {', '.join(wanted)}")
     found: list[Reading] = []
     for line, row in enumerate(rows[1:], 2):
         cells = dict(zip(head, [cell.strip() for cell in row], strict=False))
@@ -120,7 +118,7 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
             )
         found.append(Reading(len(found), states, feet))
     if len(found) < 2:
-        raise ValueError("the readings need at least the points 0 and 1")
+        raise ValueError("only point 0 is filled in; needed are at least the points 0 and 1")
     return found
 
 

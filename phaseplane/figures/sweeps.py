@@ -23,6 +23,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
+from phaseplane.picture.quantities import unit_text
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
@@ -208,12 +209,12 @@ def _matrix(varied: Quantities, measured: Quantities, palette: Palette) -> Figur
 
 
 def _words(name: str, unit: str, *, broken: bool = True) -> str:
-    words = name.replace("_", " ")
+    words = name.replace("_", " ").replace(".", " ")
     if broken and len(words) > 14:
-        middle = min((i for i, c in enumerate(words) if c in " ."), default=0,
+        middle = min((i for i, c in enumerate(words) if c == " "), default=0,
                      key=lambda i: abs(i - len(words) // 2))  # fmt: skip
         words = f"{words[: middle + 1].rstrip()}\n{words[middle + 1 :]}"
-    return f"{words} [{unit}]" if unit not in ("", "1", "count") else words
+    return f"{words} [{unit_text(unit)}]" if unit not in ("", "1", "count") else words
 
 
 def _short(text: str) -> str:

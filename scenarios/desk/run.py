@@ -8,14 +8,14 @@ from contextlib import suppress
 from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from phaseplane.suspension.session import Event, Session, SimulationError
 
 from ..draw.constructions import constructed
 from ..draw.pictures import figure_of, pictures_of
-from ..errors import InputError
+from ..errors import InputError, shown
 from ..results.folder import Place, Results, check_replaceable, replaced_whole, write_results
 from ..results.report import report
 from ..scene.layers import Setting, from_top
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 _ORIGIN = "run()"  # in messages
+_Through = Literal["process", "fmu"]
 _SHOWN = {"outputs", "measures", "output_interval"}  # keys of [show]
 _NOT_SHOWN_IN_PYTHON = {"drawn": None, "problems": (), "undrawn": ()}
 
@@ -140,7 +141,7 @@ def run(
     changes: Mapping[str, Any] | Sequence[str] = (),
     /,
     *,
-    through: Literal["process", "fmu"] = "process",
+    through: _Through = "process",
     expect: bool = True,
     **values: Any,
 ) -> Run:
@@ -171,6 +172,10 @@ def run(
     >>> [event.kind for event in run.events if event.element == "tyre"]
     ['contact', 'contact']
     """
+    if through not in get_args(_Through):
+        raise InputError(
+            f"{_ORIGIN}: through = {shown(through)}: allowed: {', '.join(get_args(_Through))}"
+        )
     loaded = load_scene(_reference(scene), settings(changes, values), expect=expect)
     direct = through == "process" and loaded.fmu.path is None
     return Run(loaded, runner.solve(loaded) if direct else runner.run(loaded))
@@ -221,4 +226,6 @@ def _is_table(value: object) -> bool:
 def _reference(scene: str | os.PathLike[str] | Mapping[str, Any]) -> str | Mapping[str, Any]:
     if isinstance(scene, Mapping):
         return {str(key): plain(value) for key, value in scene.items()}
+    if not isinstance(scene, str | os.PathLike):
+        raise InputError(f"{_ORIGIN}: scene = {shown(scene)}: give a name, a path or a mapping")
     return os.fspath(scene)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi
 from pathlib import Path
@@ -199,7 +199,9 @@ def _of_scene(scene: Scene, coordinate: str, period: float) -> _Subject:
         raise ValueError("--period is for equations only; a vehicle takes the period of its road")
     if scene.fmu.model not in MODELS:
         raise ValueError(f"there is no portrait of {scene.fmu.model}")
-    return _of_model(build(scene.fmu.model, parameters), parameters, coordinate)
+    outputs = scene.fmu.outputs()
+    angles = {name for name in outputs if outputs[name].unit == "rad"}
+    return _of_model(build(scene.fmu.model, parameters), parameters, coordinate, angles)
 
 
 def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
@@ -223,7 +225,9 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     return _Subject(system, labels, max(_REACH, least), start, least=least)
 
 
-def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) -> _Subject:
+def _of_model(
+    system: System, parameters: Mapping[str, Value], coordinate: str, angles: Collection[str]
+) -> _Subject:
     """Return a subject with one moving coordinate; a sine road forces one degree of freedom."""
     names = list(system.coordinates)
     name = (coordinate or names[0]).removesuffix("_displacement")
@@ -236,8 +240,11 @@ def _of_model(system: System, parameters: Mapping[str, Value], coordinate: str) 
     if len(names) == 1 and system.axles and parameters.get("road.shape") == "sine":
         section = _on_waves(section, system.signals[system.axles[0].road].segments[-1])
     words = name.replace("_", " ")
-    what = f"{words} displacement" if len(names) > 1 else "deflection"
-    labels = (f"{what} [m]", "its rate [m/s]")
+    unit = "rad" if f"{name}_displacement" in angles else "m"
+    what, rate = (f"{words} displacement", f"{words} velocity")
+    if len(names) == 1 and system.axles:
+        what, rate = "deflection", "deflection rate"
+    labels = (f"{what} [{unit}]", f"{rate} [{unit}/s]")
     held = tuple(other.replace("_", " ") for other in names if other != name)
     return _Subject(section, labels, _PART, held=held)
 

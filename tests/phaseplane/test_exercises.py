@@ -322,7 +322,7 @@ def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "are empty"),
+        ("", "no readings"),
         ("point,x\n0,1\n", "no column 'x_bar'; needed are point, x, x_bar, D"),
         ("point,x,x_bar\n0,2,0.1\n2,1,1\n", "line 3: point 2 follows point 0"),
         ("point,x,x_bar\n0,2,0.1\n1,a,1\n", "line 3: x = 'a' is not a number"),

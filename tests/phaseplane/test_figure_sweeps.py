@@ -45,7 +45,7 @@ def test_a_few_values_of_a_second_number_are_a_family_too_and_many_a_map() -> No
     quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", few)}
     figure = sweep(quantities, {"travel": ("mm", speed)})
     assert legend(figure) == ["500", "1000"]
-    assert figure.legends[0].get_title().get_text() == "rate [N.s/m]"
+    assert figure.legends[0].get_title().get_text() == "rate [N·s/m]"
     speed, many = gridded(list(np.linspace(10.0, 40.0, 10)), list(np.linspace(500.0, 1000.0, 9)))
     quantities = {"speed": ("m/s", speed), "rate": ("N.s/m", many)}
     figure = sweep(quantities, {"travel": ("mm", speed)})
@@ -84,3 +84,13 @@ def test_no_tick_label_overlaps_another_and_no_point_is_cut(parameters: int) -> 
                 assert not any(box.overlaps(other) for other in boxes[k + 1 :])
         for line in axes.lines:
             assert not line.get_clip_on()
+
+
+def test_axes_have_words_and_units_as_they_are_printed() -> None:
+    figure = sweep(
+        {"damper.rebound_rate": ("N.s/m", [1.0, 2.0])},
+        {"magnitude of peak.body_acceleration": ("m/s2", [3.0, 4.0])},
+    )
+    (panel,) = figure.axes
+    assert panel.get_xlabel() == "damper rebound rate [N·s/m]"
+    assert panel.get_ylabel().replace("\n", " ") == "magnitude of peak body acceleration [m/s²]"

@@ -91,8 +91,10 @@ def test_a_sweep_varies_a_gain(tmp_path, monkeypatch):
         ({"actuator_forc": "1"}, "did you mean 'actuator_force'"),
         ({"actuator_force": "-c * body_velocity"}, "'c' is not known"),
         ({"actuator_force": "-3 * v"}, "'v' is not known"),
-        ({"actuator_force": "-3 * body_velocty"},
-         r"did you mean 'body_velocity'\? Otherwise give its value in \[controller.constants\]"),
+        (
+            {"actuator_force": "-3 * body_velocty"},
+            r"did you mean 'body_velocity'\? Otherwise give its value in \[controller.constants\]",
+        ),
         ({"actuator_force": "body_velocity *"}, "not a formula"),
         ({"actuator_force": 3}, "must be a formula"),
         ({"period": "1 ms"}, "give a formula"),
@@ -113,7 +115,7 @@ def test_an_equation_has_no_controller():
 
 
 def test_a_force_that_is_no_number_from_the_start_is_no_run():
-    with pytest.raises(RunError, match="no run: .*controller.actuator_force is nan at 0 s"):
+    with pytest.raises(RunError, match=r"no run: .*controller.actuator_force is nan at 0 s"):
         phaseplane.run(with_controller(actuator_force="sqrt(-1)"))
 
 

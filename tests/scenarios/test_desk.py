@@ -113,6 +113,8 @@ def test_a_scene_can_be_a_mapping_that_extends_another(bump):
         (lambda: phaseplane.run({"extends": "ap75"}), "did you mean 'ap57'"),
         (lambda: phaseplane.run("ap57", {"damper.table": np.ones(3)}), r"shape \(3,\)"),
         (lambda: phaseplane.run("ap57", **QUICK).figure("histories"), "no picture 'histories'"),
+        (lambda: phaseplane.run("ap57", through="dll"), "through = 'dll': allowed: process, fmu"),
+        (lambda: phaseplane.run(3), "scene = 3: give a name, a path or a mapping"),
     ],
 )
 def test_bad_input_is_refused_in_words(call, words):

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.draw.portraits import _of_scene
+from phaseplane.scenarios.scene.loading import load_scene
 
 
 def phaseplane(*arguments: str) -> Result:
@@ -112,3 +114,10 @@ def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:
     assert done.exit_code == 2
     assert said in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_axes_of_an_angle_are_in_radians() -> None:
+    subject = _of_scene(load_scene("double_pendulum", ()), "upper", 0.0)
+    assert subject.labels == ("upper displacement [rad]", "upper velocity [rad/s]")
+    subject = _of_scene(load_scene("ap57", ()), "wheel", 0.0)
+    assert subject.labels == ("wheel displacement [m]", "wheel velocity [m/s]")
