@@ -39,7 +39,7 @@ CONTENTS = {
         "constructions",
         "figures",
     ),
-    "How it works": ("how_it_works",),
+    "How it works": ("how_it_works", "kernel"),
     "How well it works": ("validation", "accuracy"),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
 }
