@@ -468,6 +468,8 @@ def _value(said: object, p: Mapping[str, Value], where: str) -> float:
     ParameterError : if it is neither, or not finite.
     """
     if isinstance(said, int | float) and not isinstance(said, bool):
+        if not isfinite(said):
+            raise ParameterError(f"{where} = {said}: must be finite")
         return float(said)
     if not isinstance(said, str):
         raise ParameterError(f"{where} = {said!r}: must be a number or an expression")

@@ -131,6 +131,7 @@ def test_a_file_that_changes_replaces_its_model():
         ('"stiffness"', '"stiffness / 0"', "not an expression"),
         ('"stiffness"', '"__import__(1)"', "no parameter '__import__'"),
         ('"stiffness"', "true", "must be a number or an expression"),
+        ('"stiffness"', "nan", "= nan: must be finite"),
         ("{ x = 1 }", "{ y = 1 }", "unknown key 'y'"),
         ("spring = {", "sprung = {", "did you mean 'spring'"),
         ('"2 kg"', '"2 parsec"', "must be a number with a unit"),
