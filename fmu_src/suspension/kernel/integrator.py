@@ -152,7 +152,8 @@ class Integrator(March):
             self.stepper.refresh(self.time)
             self.net.impulse(signal, jump, self.stepper.v)
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-        self._book_contacts()
+        if jumps:  # at the start the road has always been there, and nothing was lost or met
+            self._book_contacts()
         self._note_changes()
         self._enter_branches()
         if jump != 0.0:

@@ -193,7 +193,7 @@ class March:
             self.stepper.drift[i] = 0.0
         self.dense.start = self.dense.end = self.time
         self.net.row_states(self.stepper.q, self.stepper.v)
-        self.ledger.initial_energy = self.net.energy(self.stepper.v)
+        self.ledger.initial_energy = self.net.energy(self.stepper.v) - self.net.exchange
 
     def _enter_branches(self):
         """Update everything that depends on the branches."""
