@@ -8,6 +8,7 @@ from collections.abc import Generator
 
 import pytest
 from hypothesis import HealthCheck, settings
+from phaseplane.suspension import models, own
 
 # no test counts on seconds: other programs may have the machine
 settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -18,6 +19,15 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 _PLATFORM = "on this platform"  # what a skip that is right everywhere says: "not on this platform"
+
+
+@pytest.fixture(autouse=True)
+def _models_of_the_package() -> Generator[None, None, None]:
+    """Forget the models that a test has registered: others go through all there are."""
+    yield
+    for name in models.ALL.keys() - models.FILES.keys():
+        del models.MODELS[name], models.ALL[name]
+        own._OWN.pop(name, None)
 
 
 def refuse(report: pytest.TestReport | pytest.CollectReport) -> None:

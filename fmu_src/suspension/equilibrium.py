@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from .engine import Network, Rest
 from .systems import System
 
 
@@ -28,6 +27,8 @@ def static_equilibrium(
     ------
     ValueError : no equilibrium was found: a coordinate is not held by any spring, or is unstable.
     """
+    from .engine import Network, Rest  # noqa: PLC0415  (commands that find no equilibrium need no kernel)
+
     rest = Rest(Network(system))
     for k, name in enumerate(system.signals):
         rest.level[k] = (signals or {}).get(name, 0.0)

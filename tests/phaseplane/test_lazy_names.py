@@ -16,6 +16,7 @@ from phaseplane import figures, scenarios, vehicle_fmus
 PACKAGES = [
     "phaseplane", "phaseplane.constructions", "phaseplane.portrait", "phaseplane.figures",
     "phaseplane.equations", "phaseplane.exercises", "phaseplane.recording", "phaseplane.vehicle_fmus",
+    "phaseplane.vehicle_fmus.native",
     "phaseplane.scenarios.simulate", "phaseplane.scenarios.draw",
 ]  # fmt: skip
 

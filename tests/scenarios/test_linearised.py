@@ -9,6 +9,7 @@ import pytest
 from phaseplane.scenarios.measures.linearised import linearised
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from phaseplane.suspension.models import build
+from phaseplane.suspension.roads import constant
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variables import checked_parameters
@@ -16,7 +17,9 @@ from phaseplane.suspension.variables import checked_parameters
 
 def oscillator(mass: float, rate: float, damping: float) -> System:
     strut = Element("strut", (1.0,), linear(rate), linear(damping), road="road")
-    return System(coordinates=("body",), mass=((mass,),), elements=(strut,))
+    return System(
+        coordinates=("body",), mass=((mass,),), elements=(strut,), signals={"road": constant()}
+    )
 
 
 def test_one_degree_has_its_closed_forms() -> None:

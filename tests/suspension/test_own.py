@@ -8,7 +8,7 @@ from phaseplane.suspension import own
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variable import ParameterError
-from phaseplane.suspension.variables import MODELS, checked_parameters
+from phaseplane.suspension.variables import checked_parameters
 
 QUARTER = """
 [system]
@@ -36,16 +36,6 @@ spring = { rate = "stiffness" }
 [system.loads.push]
 direction = { x = 1 }
 """
-
-
-@pytest.fixture(autouse=True)
-def as_before():
-    """Forget the models of a test."""
-    before = dict(MODELS)
-    yield
-    for name in MODELS.keys() - before.keys():
-        del MODELS[name]
-        own._OWN.pop(name, None)
 
 
 def test_a_wheel_and_a_body_are_the_quarter_car():
