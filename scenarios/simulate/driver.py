@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from fmpy import __version__ as fmpy_version
 from fmpy import extract, read_model_description
+from fmpy.fmi1 import printLogMessage
 from fmpy.simulation import instantiate_fmu
 from phaseplane.vehicle_fmus.archives import write_all
 from phaseplane.vehicle_fmus.wrapper import mend_unpacked
@@ -35,16 +36,24 @@ _LONGEST_SLEEP = 0.1  # s between two checks for an interrupt
 _DISCARD, _FATAL = 2, 4  # FMI status
 
 
+# FMPy passes the messages of all FMUs of a process to the callbacks that were given last, for ever
+_given: list[Any] = []
+
+
 @dataclass
 class _Log:
     """The log messages of an FMU."""
 
     lines: list[tuple[int, str, str]] = field(default_factory=list)
+    open: bool = True
 
     def take(
-        self, _environment: object, _name: bytes, status: int, category: bytes, message: bytes
+        self, environment: object, name: bytes, status: int, category: bytes, message: bytes
     ) -> None:
-        """Store a message; the FMU's log callback."""
+        """Store a message, or print it as FMPy does if it is another FMU's; the FMU's log callback."""
+        if not self.open:
+            printLogMessage(environment, name, status, category, message)
+            return
         texts = (str(part or b"", "utf-8", "replace") for part in (category, message))
         self.lines.append((status, *texts))  # type: ignore[arg-type]
 
@@ -99,6 +108,8 @@ class OpenFmu:
         except Exception as error:
             reason = self._log.complaint() or one_line(error)
             raise RunError(f"cannot load {self.fmu.model}: {reason}") from error
+        self._log.open = True
+        _given[:] = [self._instance.callbacks]  # may not be freed before there are others
         return self._instance
 
     def close(self, usable: bool = True) -> None:
@@ -107,6 +118,7 @@ class OpenFmu:
             with suppress(Exception):
                 self._instance.freeInstance()
         self._instance = None
+        self._log.open = False
 
     def drive(
         self,

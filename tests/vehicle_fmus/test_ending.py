@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib.util
 import shutil
 import signal
+import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -26,7 +27,7 @@ from phaseplane.vehicle_fmus.build import build
 HERE = Path(__file__).parent
 STATUS = 3  # what the hosts are told to end with
 SIX = sorted(FILES, key=lambda model: model == "QuarterCar")  # the last is to refuse something
-FILES, SOME, NONE = len(SIX), 2, 0  # how many are freed
+EVERY, SOME, NONE = len(SIX), 2, 0  # how many are freed
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="not on this platform: no ELF")
 
@@ -108,8 +109,8 @@ def test_the_fence_finds_it_in_every_host(
 def test_a_host_in_c(ending: str, in_c: Any, fenced: Path, folders: dict[str, str]) -> None:
     meant = -signal.SIGINT if ending == "killed" else STATUS
     for models in (SIX, ["QuarterCar"]):
-        for freed in {NONE, SOME, FILES} if models is SIX else {NONE}:
-            if ending == "refused" and freed == FILES:
+        for freed in {NONE, SOME, EVERY} if models is SIX else {NONE}:
+            if ending == "refused" and freed == EVERY:
                 continue  # FMI forbids it for the one that failed
             found = in_c(ending, freed, [folders[model] for model in models], fenced)
             assert found == (meant, ""), (models, freed)
@@ -123,8 +124,8 @@ def test_a_host_in_python(
 ) -> None:
     for models in (SIX, ["QuarterCar"]):
         # libcosim and Ecos free all or none
-        for freed in {NONE, SOME, FILES} if (host, models) == ("fmpy", SIX) else {NONE, FILES}:
-            if (host, ending, freed) == ("fmpy", "refused", FILES):
+        for freed in {NONE, SOME, EVERY} if (host, models) == ("fmpy", SIX) else {NONE, EVERY}:
+            if (host, ending, freed) == ("fmpy", "refused", EVERY):
                 continue  # FMI forbids it for the one that failed
             files = [fmus[model] for model in models]
             found = in_python(host, ending, freed, files, tmp_path, fenced)
@@ -177,8 +178,43 @@ def test_one_process_after_another(fmus: dict[str, Path], tmp_path: Path) -> Non
     def six(k: int) -> tuple[int, str]:
         scratch = tmp_path / f"six {k}"
         scratch.mkdir()
-        return in_python("fmpy", "done", k % FILES, [fmus[model] for model in SIX], scratch)
+        return in_python("fmpy", "done", k % EVERY, [fmus[model] for model in SIX], scratch)
 
     with ThreadPoolExecutor(2) as two:
         ends = [*two.map(main_job, range(20)), *two.map(six, range(20))]
     assert ends == [(0, "")] * 20 + [(STATUS, "")] * 20
+
+
+_AFTER_OURS = """
+import gc, sys
+import phaseplane
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+
+phaseplane.run("ap57", through="fmu", duration=0.05)
+gc.collect()
+folder = extract(sys.argv[1])
+described = read_model_description(folder)
+identity = dict(guid=described.guid, modelIdentifier="QuarterCar", instanceName="own")
+own = FMU2Slave(unzipDirectory=folder, **identity)
+own.instantiate(loggingOn=True)
+own.setupExperiment(startTime=0.0)
+mass = [v.valueReference for v in described.modelVariables if v.name == "sprung_mass"]
+own.setReal(mass, [-5.0])
+own.enterInitializationMode()
+try:
+    own.exitInitializationMode()
+except Exception:
+    print("refused")
+"""
+
+
+def test_another_fmu_tells_fmpy_what_is_wrong_after_a_run_of_ours(quarter_car_fmu: Path) -> None:
+    """FMPy gives the messages of all FMUs to the function that was given last: it must not be freed."""
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", _AFTER_OURS, str(quarter_car_fmu)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "sprung_mass = -5: must be greater than 0 in kg" in done.stdout
+    assert done.stdout.splitlines()[-1] == "refused"
