@@ -43,7 +43,7 @@ def _product(factor: float, function: Callable[[float], float], x: float) -> flo
 class Piece(NamedTuple):
     """One piece, valid from `start` upwards, of s = x - origin.
 
-    c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s),
+    `c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s)`,
     with `scale` > 0 and `exponent` > 0
     """
 
@@ -360,7 +360,7 @@ def saturating(rate: float, force: float, bump_rate: float | None = None) -> Cha
 
 
 def power(coefficient: float, exponent: float, linear_below: float = 0.0) -> Characteristic:
-    """Return a power law coefficient |x|^exponent sgn x, as of flow through an orifice (exponent 2).
+    """Return a power law `coefficient |x|^exponent sgn x`, as of flow through an orifice (exponent 2).
 
     Parameters
     ----------

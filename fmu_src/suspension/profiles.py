@@ -198,8 +198,8 @@ def random_profile(
             f"a road of {length:g} m sampled every {spacing:g} m has more than {_MOST_SAMPLES} samples; "
             "take a wider spacing, or a shorter road"
         )
-    profile = _known_profile if type(density) is type(length) is float else _profile
-    return spline(profile(density, length, spacing, fade, band, seed), speed, start, ends="level")
+    points = _profile(float(density), float(length), float(spacing), float(fade), band, seed)
+    return spline(points, speed, start, ends="level")
 
 
 def fade_length(length: float) -> float:
@@ -229,6 +229,7 @@ def _default_spacing(band: tuple[float, float]) -> float:
     return 0.125 / band[1]
 
 
+@lru_cache(_ROADS_KEPT)
 def _profile(
     density: float, length: float, spacing: float, fade: float, band: tuple[float, float], seed: int
 ) -> tuple[tuple[float, float], ...]:
@@ -241,9 +242,6 @@ def _profile(
         for i, elevation in enumerate(elevations)
     ]
     return ((0.0, 0.0), *points[1:-1], (length, 0.0))
-
-
-_known_profile = lru_cache(_ROADS_KEPT)(_profile)
 
 
 def _numbers(count: int, spacing: float, band: tuple[float, float]) -> tuple[int, int, float]:

@@ -121,19 +121,18 @@ class Tape:
         wanted : nodes
         names : names of nodes that are known; new ones are added
         """
-        wanted = list(wanted)
         uses: dict[int, int] = {}
         found: list[Node] = []
-
-        def visit(node: Node) -> None:
+        waiting = [(node, False) for node in reversed(list(wanted))]
+        while waiting:  # chains of operations, as along a spline, are longer than Python's stack
+            node, done = waiting.pop()
+            if done:
+                found.append(node)
+                continue
             uses[id(node)] = uses.get(id(node), 0) + 1
             if uses[id(node)] == 1 and id(node) not in names:
-                for operand in node.operands:
-                    visit(operand)
-                found.append(node)
-
-        for node in wanted:
-            visit(node)
+                waiting.append((node, True))
+                waiting += [(operand, False) for operand in reversed(node.operands)]
         lines = []
         for node in found:
             if node.operands and uses[id(node)] > 1:
