@@ -40,6 +40,8 @@ METHODS: dict[str, dict[str, Any]] = {
     "exact": {"method": "exact"},
     "unstable": {"method": "equilibrium", "step": 0.08},
 }
+# `exact` takes no curved forces
+TAKEN = [(s, m) for s in SYSTEMS for m in METHODS if (s, m) != ("curved", "exact")]
 INSTANTS = 100
 END = 0.5
 
@@ -56,13 +58,10 @@ def everything(integrator: Any) -> tuple[Any, ...]:
 
 
 @pytest.mark.parametrize("energy", [True, False], ids=["ledger", "no ledger"])
-@pytest.mark.parametrize("method", list(METHODS))
-@pytest.mark.parametrize("name", list(SYSTEMS))
+@pytest.mark.parametrize(("name", "method"), TAKEN)
 def test_it_goes_on_to_the_bit_from_a_hundred_instants(
     name: str, method: str, energy: bool
 ) -> None:
-    if method == "exact" and name == "curved":
-        pytest.skip("refused")
     system: System = build(*SYSTEMS[name])
     options = {**METHODS[method], "energy": energy}
     through, again = Integrator(system, **options), Integrator(system, **options)
