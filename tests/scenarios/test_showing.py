@@ -5,6 +5,7 @@ from __future__ import annotations
 from urllib.request import urlopen
 
 import pytest
+from phaseplane.scenarios.desk import showing
 from phaseplane.scenarios.desk.picture import Picture
 from phaseplane.scenarios.desk.showing import Page, show
 from phaseplane.scenarios.errors import InputError
@@ -34,6 +35,7 @@ def test_a_recording_is_served_to_this_machine() -> None:
     assert address.startswith("http://127.0.0.1:")
     with urlopen(address.split("?")[0]) as page:
         assert page.status == 200
+    showing._open.close()  # as at the end of a notebook
 
 
 def test_what_cannot_be_shown_is_refused() -> None:

@@ -57,7 +57,12 @@ def test_a_run_has_numbers_or_a_reason(model: str) -> None:
             session = Session(model, parameters)
         except ParameterError:
             return
-        outputs = [v.name for v in MODELS[model] if v.causality == "output"]
+        # energies repeat a part of a step, which may take millions where its first steps were too small
+        outputs = [
+            v.name
+            for v in MODELS[model]
+            if v.causality == "output" and not v.name.endswith("_energy")
+        ]
         for _ in range(STEPS):
             until = nextafter(max(session._integrator.time, session.time), inf)
             try:
