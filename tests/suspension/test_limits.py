@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -116,6 +117,43 @@ def test_the_zero_of_the_road_does_not_matter(height: float, tolerance: float) -
     found = np.zeros_like(truth)
     assert integrator.run(array("d", times), found.reshape(-1)) == 0
     assert np.abs(found - height - truth).max() < 3.0 * tolerance * np.abs(truth).max()
+
+
+STIFF: dict[str, tuple[str, dict[str, Any]]] = {
+    "a strong damper": ("OneDof", {
+        "road.shape": "pothole", "road.length": 1.3, "damper.rebound_rate": 2.4e7,
+        "spring.cubic": 7.3e5, "initial.body_displacement": -0.03,
+    }),
+    "a strong damper on one axle": ("HalfCar", {
+        "road.shape": "flat", "body_force.table": "0:2770, 0.1:2152, 0.15:-989",
+        "rear.damper.rebound_rate": 2e6,
+    }),
+    "a tyre at its corner": ("QuarterCar", {
+        "tyre.table": "-0.023:-3484, -0.0097:-1225, 0:0, 0.0071:1578", "tyre.damping": 0.0,
+    }),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", STIFF)
+def test_no_digits_are_lost_high_above_the_zero_of_the_road(name: str) -> None:
+    """1024 m are rounded to 1e-13 m: stiff parts feel it, and corners are passed to and fro."""
+    model, parameters = STIFF[name]
+    system = build(model, parameters)
+    n, start = len(system.mass), [-0.03 if model == "OneDof" else 0.0] * len(system.mass)
+    signals = {
+        name: raised(signal, 1024.0) if name.endswith("road") else signal
+        for name, signal in system.signals.items()
+    }
+    times, ends, steps = array("d", np.linspace(0.0, 0.4, 41)), [], []
+    for rise, chosen in ((0.0, system), (1024.0, replace(system, signals=signals))):
+        found = np.zeros((n, len(times)))
+        integrator = Integrator(chosen)
+        integrator.set_state([x + rise for x in start], [0.0] * n)
+        assert integrator.run(times, found.reshape(-1)) == 0
+        ends.append(found - rise)
+        steps.append(integrator.step_count)
+    assert np.abs(ends[1] - ends[0]).max() < 1e-7 * np.abs(ends[0] - ends[0][:, :1]).max() + 1e-12
+    assert steps[1] < 1.2 * steps[0]
 
 
 def test_a_small_scale_is_no_divergence() -> None:

@@ -87,12 +87,15 @@ class Dense:
             self.v[i] = first / h
             self.a[i] = second / (h * h)
 
-    def read_values(self, t, out, at, width):
-        """Write only the displacements, at less cost, to `out` from `at` on at intervals of `width`."""
+    def read_values(self, t, datum, out, at, width):
+        """Write only the displacements, at less cost, to `out` from `at` on at intervals of `width`.
+
+        They count from zero there, `datum` below the zero of the kernel.
+        """
         h = self.end - self.start
         if h <= 0.0:
             for i in range(self.n):
-                out[at + i * width] = self.qb[i]
+                out[at + i * width] = self.qb[i] + datum
             return
         if not self.known:
             self._find_terms()
@@ -103,4 +106,5 @@ class Dense:
             value = self.terms[k + 6] + u * self.terms[k + 7]
             value = self.terms[k + 4] + u * (self.terms[k + 5] + u * value)
             value = self.terms[k + 2] + x * (self.terms[k + 3] + x * value)
-            out[at + i * width] = self.terms[k] + x * (self.terms[k + 1] + x * value)
+            value = self.terms[k] + x * (self.terms[k + 1] + x * value)
+            out[at + i * width] = value + datum

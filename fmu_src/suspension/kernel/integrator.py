@@ -106,6 +106,7 @@ class Integrator(March):
         counterpart : for each element here the number of the same one there, or -1
         """
         self._stand_still(self.time, earlier.scale)  # whatever was before
+        self.net.set_datum(earlier.net.datum)
         for i in range(self.n):
             self.stepper.q[i] = earlier.stepper.q[i]
             self.stepper.v[i] = earlier.stepper.v[i]
@@ -289,7 +290,7 @@ class Integrator(March):
                 return status
             at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
-                self.dense.read_values(t, self.out_q, at, self.count)
+                self.dense.read_values(t, self.net.datum, self.out_q, at, self.count)
                 self.filled += 1
                 continue
             self.sample(t)
@@ -339,8 +340,9 @@ class Integrator(March):
         """
         self.dense.read(t)
         for i in range(self.n):
-            self.sample_q[i], self.sample_v[i] = self.dense.q[i], self.dense.v[i]
-            self.sample_a[i] = self.dense.a[i]
+            self.sample_low[i] = self.dense.q[i]
+            self.sample_q[i] = self.dense.q[i] + self.net.datum
+            self.sample_v[i], self.sample_a[i] = self.dense.v[i], self.dense.a[i]
 
     def sample_forces(self, t):
         """Find accelerations and element forces at the last sampled time, by the equation of motion.
@@ -351,7 +353,7 @@ class Integrator(March):
         if self.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
         self.net.read_forces(
-            t, self.sample_q, self.sample_v, self.sample_a, self.sample_f, self.sample_set
+            t, self.sample_low, self.sample_v, self.sample_a, self.sample_f, self.sample_set
         )
 
     @property

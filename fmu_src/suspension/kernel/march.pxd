@@ -36,6 +36,7 @@ cdef class March:
     cdef tuple wanted
     # results at the last sampled instant
     cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
+    cdef double[::1] sample_low
     cdef readonly Py_ssize_t filled
     # workspace
     cdef double[::1] event_time

@@ -103,6 +103,7 @@ class March:
         self.whole = Dense(n, False, False)  # an attempt in which a switch is located
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
         self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
+        self.sample_low = zeros(n)  # displacements from the datum
         elements = self.net.elements
         self.sample_f, self.sample_set = vectors(2, elements)
         self.step_limited, self.limited_time = marks(elements), zeros(elements)
@@ -156,8 +157,9 @@ class March:
 
     def _enter_state(self, x, at):
         """Start from the displacements and velocities in x[at:]."""
+        self.net.find_datum(self.time, self.scale)
         for i in range(self.n):
-            self.stepper.q[i] = x[at + i]
+            self.stepper.q[i] = x[at + i] - self.net.datum
             self.stepper.v[i] = x[at + self.n + i]
         self.stepper.count_from_here()
         self.in_step = True
@@ -175,6 +177,7 @@ class March:
             self.step_limited[e] = 0
             self.limited_time[e] = 0.0
         self.net.forget()
+        self.net.set_datum(0.0)
         self.net.enter_segments(time)
         self.stepper.start(reach)
         self.watch.start()
@@ -307,6 +310,7 @@ class March:
         self.scale = self._number(self.scale)
         self.stepper.reach = self._number(self.stepper.reach)
         self.net.exchange = self._number(self.net.exchange)
+        self.net.set_datum(self._number(self.net.datum))
         self.ledger.residual_start = self._number(self.ledger.residual_start)
         self.ledger.residual_end = self._number(self.ledger.residual_end)
         self.ledger.most_stored = self._number(self.ledger.most_stored)
@@ -354,6 +358,7 @@ class March:
         for k in range(self.net.signals):
             if self.net.signal_count[k] == 1:
                 self._numbers(self.net.segment, _SEGMENT * self.net.signal_first[k], _SEGMENT)
+                self._numbers(self.net.height, self.net.signal_first[k], 1)
                 self.net.find_level(self.net.signal_first[k])
 
     def _size_record(self):

@@ -1,15 +1,20 @@
 cimport cython
-from libc.math cimport sqrt
+from libc.math cimport fabs, sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
 cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE
+cdef double _HIGH
 
 @cython.final
 cdef class Network(Elements):
     cdef readonly int loads, size
+    cdef bint can_rise
     cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
     cdef int[::1] load_signal
+
+    @cython.locals(r=int, s=int)
+    cdef void find_datum(self, double t, double reach) noexcept nogil
     # results of the last evaluation
     cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling, kick
     # the system read

@@ -16,12 +16,13 @@ from .laws import functions_of, pieces_of
 from .signals import signal_numbers
 
 if not cython.compiled:
-    from math import sqrt
+    from math import fabs, sqrt
 
     from .linear import decompose, solve
 
 _DAMPER, _MODULATION, _CONTACT, _KINDS = 1, 2, 3, 5  # as in elements
 _LAWS, _PIECE = 3, 12  # as in laws
+_HIGH = 10.0  # times the scale of the motion
 
 
 class Network(Elements):
@@ -49,6 +50,7 @@ class Network(Elements):
                 )
         self.load_direction = zeros(max(self.loads * n, 1))
         self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
+        self._find_roads()
         self.multiplier, self.multiplier_rate, self.kick = vectors(3, elements)
         self.spread, self.reaction = zeros(elements * n), zeros(elements)
         self.coupling = zeros(elements * elements)
@@ -64,6 +66,35 @@ class Network(Elements):
         self.size = len(numbers)
         if self.enter_system(numbers, 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
+
+    def _find_roads(self):
+        """Find which signals are roads, and whether they and all masses can rise without effect."""
+        self.can_rise = True
+        for r in range(self.rows):
+            s = self.row_signal[r]
+            rise = sum(self.row_direction[r * self.n + i] for i in range(self.n))
+            if rise != (1.0 if s >= 0 else 0.0):
+                self.can_rise = False
+            if s >= 0:
+                self.is_road[s] = 1
+                if s in self.load_signal[: self.loads]:
+                    self.can_rise = False
+
+    def find_datum(self, t, reach):
+        """Count heights from that of the first road at t, if it lies high above zero.
+
+        A displacement of 1 km is rounded to 1e-13 m, which moves stiff masses visibly and passes corners
+        to and fro. Roads at most ten times `reach` high, the scale of the motion, count from zero.
+        """
+        self.set_datum(0.0)
+        if self.can_rise:
+            for r in range(self.rows):
+                s = self.row_signal[r]
+                if s >= 0:
+                    self.signal(s, t)
+                    if fabs(self.road[4 * s]) > _HIGH * reach:
+                        self.set_datum(self.road[4 * s])
+                    return
 
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""

@@ -7,13 +7,17 @@ cdef double _ROAD_PHASE
 cdef class Signals:
     cdef readonly int signals
     cdef int segments
-    cdef double[::1] segment, road
-    cdef int[::1] signal_first, signal_count, signal_now, level
+    cdef double datum
+    cdef double[::1] segment, road, height
+    cdef int[::1] signal_first, signal_count, signal_now, level, is_road
 
     @cython.locals(i=int, k=int)
     cdef int enter_signals(self, double[::1] x, int at) noexcept nogil
     @cython.locals(i=int)
     cdef void find_level(self, int k) noexcept nogil
+
+    @cython.locals(s=int, k=int)
+    cdef void set_datum(self, double datum) noexcept nogil
 
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil

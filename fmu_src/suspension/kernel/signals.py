@@ -32,15 +32,31 @@ class Signals:
         self.segments = sum(count)
         self.segment = zeros(_SEGMENT * max(sum(count), 1))
         self.level = marks(max(sum(count), 1))  # whether a segment is constant
+        # roads count from the datum, as all displacements do in the kernel
+        self.datum = 0.0
+        self.is_road = marks(max(self.signals, 1))
+        self.height = zeros(max(sum(count), 1))  # constant of each segment, from zero
         self.road = zeros(4 * max(self.signals, 1))  # value and three derivatives of each
 
     def enter_signals(self, x, at):
         """Read the segments of all signals from x[at:]; return where they end."""
         for i in range(_SEGMENT * self.segments):
             self.segment[i] = x[at + i]
+        self.datum = 0.0
         for k in range(self.segments):
+            self.height[k] = self.segment[k * _SEGMENT + 2]
             self.find_level(k)
         return at + _SEGMENT * self.segments
+
+    def set_datum(self, datum):
+        """Count the heights of all roads from `datum`, m."""
+        if datum == self.datum:
+            return
+        self.datum = datum
+        for s in range(self.signals):
+            if self.is_road[s]:
+                for k in range(self.signal_first[s], self.signal_first[s] + self.signal_count[s]):
+                    self.segment[k * _SEGMENT + 2] = self.height[k] - datum
 
     def find_level(self, k):
         """Find whether segment k is constant, after its numbers have changed."""
@@ -76,8 +92,11 @@ class Signals:
         self.segment[at + 1] = t
         for i in range(4):
             self.segment[at + 2 + i] = coefficients[i]
+        self.height[self.signal_first[s]] = coefficients[0]
+        if self.is_road[s]:
+            self.segment[at + 2] -= self.datum
         self.find_level(self.signal_first[s])
-        return coefficients[0] - before
+        return self.segment[at + 2] - before
 
     def signal(self, s, t):
         """Set `road` to value and three derivatives of signal s in its present segment."""
@@ -128,9 +147,9 @@ class Signals:
         self.signal_now[s] = now
 
     def value_before(self, s, t):
-        """Return the value of signal s just before t."""
+        """Return the value of signal s just before t, a road's from zero."""
         self.signal_at(s, t, 0)
-        return self.road[4 * s]
+        return self.road[4 * s] + self.datum if self.is_road[s] else self.road[4 * s]
 
     def all_signals(self, t):
         for s in range(self.signals):
