@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import acos, atan2, cos, exp, hypot, inf, nextafter, pi, sin, sqrt
 
 import numpy as np
@@ -14,10 +15,11 @@ import pytest
 from kernels import motion
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import Integrator
+from phaseplane.suspension.engine import Integrator, Network
 from phaseplane.suspension.models import build
 from phaseplane.suspension.signals import Segment, Signal
 from phaseplane.suspension.systems import Element, Load, System
+from phaseplane.suspension.variables import checked_parameters
 
 GRAVITY = 9.80665
 Options = dict[str, object]
@@ -373,3 +375,36 @@ def test_a_start_at_rest_under_the_whole_friction(
     expected = [0.5 * excess * t * t * (1.0 if push > 0 else -1.0) for t in (0.1, 1.0)]
     assert found.displacements[:, 0] == pytest.approx(expected, abs=max(allowed * excess, 1e-15))
     assert [s.time for s in found.switches] in ([], [0.0])
+
+
+@pytest.mark.parametrize("where", [1, 2])
+def test_a_run_that_halts_for_its_host_makes_the_same_steps(where: int) -> None:
+    """At every switch (1), or after every step (2); steps and states are those of one call."""
+    system = build("QuarterCar", checked_parameters("QuarterCar", {}))
+    whole, halting = Integrator(system), Integrator(system)
+    assert whole.advance(0.5) == 0
+    halting.halts = where
+    halts = []
+    while halting.advance(0.5) == -1:
+        halts.append(halting.time)
+    assert halting.snapshot() == whole.snapshot()
+    switches = sorted({time for time, *_ in whole.take_log()})
+    assert len(switches) > 4
+    if where == 1:
+        for before, halt in pairwise([-inf, *halts]):  # a switch is at an end of the step
+            assert any(before <= time <= halt for time in switches)
+        assert len(halts) > len(switches) - 3  # all but the last, which may end the run
+    else:
+        assert len(halts) >= whole.step_count - 1
+
+
+def test_corners_of_a_road_are_told_in_advance() -> None:
+    flat, ramp, top = (
+        Segment(start, max(start, 0.0), (level, slope, 0.0, 0.0))
+        for start, level, slope in ((-inf, 0.0, 0.0), (1.0, 0.0, 0.5), (2.0, 0.5, 0.0))
+    )
+    smooth = Segment(1.5, 1.0, (0.0, 0.5, 0.0, 0.0))  # continues the ramp
+    system = build("QuarterCar", checked_parameters("QuarterCar", {}))
+    road = Signal((flat, ramp, smooth, top))
+    network = Network(replace(system, signals={**system.signals, "road": road}))
+    assert [network.next_corner(t) for t in (0.0, 1.0, 1.7, 2.0)] == [1.0, 2.0, 2.0, 1e300]

@@ -7,7 +7,7 @@ from .stepper cimport Stepper
 from .switches cimport Switches
 from .watch cimport Watch
 
-cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL
+cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL, _HALTED, _AT_SWITCHES, _AT_STEPS
 cdef int _LAWS, _PIECE, _SEGMENT, _HALF
 cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef double _LINK
@@ -24,6 +24,7 @@ cdef class March:
     cdef int n
     cdef bint reads_switches, controlled, landing, energy, exact, in_step, entered
     cdef double fixed_step, no_error, most_error
+    cdef public int halts
     # its state
     cdef readonly double time
     cdef readonly long long step_count

@@ -23,6 +23,8 @@ if not cython.compiled:
 # How a run of steps ended; 2 and above are keys of integrator.FAILURES.
 _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
 _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
+_HALTED = -1  # where the host wants to look, short of the time it has named
+_AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
 _CONTACT, _KINDS = 3, 5  # as in elements
 _LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
@@ -96,6 +98,7 @@ class March:
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.exact = method == "exact"  # accurate even where the ledger is not
+        self.halts = 0  # set by a host that wants to see every switch, or every step
         self.controlled = method in ("extrapolated", "exact") and step == 0.0
         self.stepper.controlled = self.controlled
         self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow most
@@ -208,8 +211,8 @@ class March:
 
     def _advance(self, until, stop):
         while self.time < until:
-            events = self.event_count - self.event_base
-            if events > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
+            events = self.event_count
+            if events - self.event_base > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
                 return _PAUSED
             self.since_pause += 1
             before = self.time
@@ -224,6 +227,10 @@ class March:
                     status = self._overrun(until if stop else 1e300)
                     if status != 0:
                         return status
+            if self.halts == _AT_STEPS or (
+                self.halts == _AT_SWITCHES and self.event_count > events
+            ):
+                return _HALTED
         return _REACHED
 
     def _passes(self, h):

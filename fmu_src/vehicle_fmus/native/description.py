@@ -51,7 +51,7 @@ def description(
     kind = SubElement(
         root, "CoSimulation", modelIdentifier=model, canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true", canSerializeFMUstate="true",
-        canNotUseMemoryManagementFunctions="true",
+        canNotUseMemoryManagementFunctions="true", maxOutputDerivativeOrder="1",
     )  # fmt: skip
     SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
+from math import inf
 from types import SimpleNamespace
 from typing import Any
 
 from phaseplane.suspension import reading
 from phaseplane.suspension.engine import FAILURES
 from phaseplane.suspension.models import ALL, build
-from phaseplane.suspension.outputs import OfLedger, reading_of
+from phaseplane.suspension.outputs import (
+    DISPLACEMENT,
+    VELOCITY,
+    Line,
+    OfContact,
+    OfLedger,
+    reading_of,
+)
 from phaseplane.suspension.session import driven, initial_names
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variable import number as number_in
@@ -37,8 +46,9 @@ _ROOTS = [
         "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
         "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
     )),
-    ("Network", "signal_at"),
+    *(("Network", name) for name in ("signal_at", "next_corner")),
 ]  # fmt: skip
+_Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name
 _KIND = {float: "REAL", int: "INTEGER", bool: "BOOLEAN", str: "STRING"}
 
 
@@ -115,14 +125,15 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     conduct = image(run, "run", kernel, "Conduct", outside=[plain, plain.net])
     rest = [0.0] * plain.n
     starts = [noted[name] for names in initial_names(system.coordinates) for name in names]
-    read = _read(model, system, tape)
-    setting = _set_up(tape, plain.row(system, rest, rest), starts, read, machine.noted)
+    read, rates = _read(model, system, tape), _rates(model, system, tape)
+    setting = _set_up(tape, plain.row(system, rest, rest), starts, (read, rates), machine.noted)
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
         machine.text,
         conduct.text,
         _tables(declared, parameters, inputs, system, tape),
         setting,
+        _choice("is_continuous", [k for k in read if is_continuous(declared[k], system)]),
     ]
     pinned = [g.condition.of for g in tape.guards.values() if g.condition.text == "==" and g.holds]
     fixed = {
@@ -150,6 +161,7 @@ def _tables(
         f"#define ELEMENTS {len(system.elements)}",
         f"#define COORDINATES {len(system.coordinates)}",
         f"#define SIGNALS {len(system.signals)}",
+        f"#define TYRES {sum(1 for axle in system.axles if axle.tyre)}",
         f"#define SOLVER_TOLERANCE {names.index('solver.tolerance')}",
         f"#define DEFAULT_TOLERANCE {number(float(default))}",
         f"#define OK {names.index('ok')}",
@@ -170,13 +182,14 @@ def _tables(
         )
     tyres = {axle.tyre for axle in system.axles if axle.tyre}
     lines += ["};", "", "static const struct {", "    const char *name;",
-              "    int is_tyre, stop; /* 1: a bump stop, 2: a rebound stop */",
+              "    int is_tyre, stop, yields; /* stop: 1: a bump stop, 2: a rebound stop */",
               "} elements[ELEMENTS] = {"]  # fmt: skip
     for element in system.elements:
         stop = (
             1 if element.name.endswith("bump_stop") else 2 if element.name.endswith("stop") else 0
         )
-        lines.append(f"    {{{_text(element.name)}, {int(element.name in tyres)}, {stop}}},")
+        kind = f"{int(element.name in tyres)}, {stop}, {int(element.yield_force < inf)}"
+        lines.append(f"    {{{_text(element.name)}, {kind}}},")
     wheels = [axle.prefix.replace("_", " ") for axle in system.axles if axle.tyre] or [""]
     lines += ["};", "", f"static const char *const wheels[] = {{{', '.join(map(_text, wheels))}}};", "",
               "static const struct {", "    const char *cause, *remedy;", "} failures[] = {"]  # fmt: skip
@@ -200,12 +213,12 @@ def _set_up(
     tape: Tape,
     row: Sequence[Any],
     starts: Sequence[Any],
-    read: Mapping[int, tuple[Any, str]],
+    read: tuple[_Expressions, _Expressions],
     fields: Mapping[str, Number],
 ) -> str:
-    """Return the function that turns parameters into the numbers of a system, and that of outputs."""
+    """Return what turns parameters into the numbers of a system, and what finds outputs and rates."""
     derived = [tape.node(x) for x in starts]
-    for reader, _ in read.values():
+    for reader, _ in chain.from_iterable(of.values() for of in read):
         if isinstance(reader, Number):
             derived += [n for n in _of_parameters(reader.node) if n not in derived]
     rows = [tape.node(x) for x in row]
@@ -232,7 +245,17 @@ def _set_up(
     lines += [f"    of->{name} = {node.written(names)[0]};" for name, node in set_fields.items()]
     lines += ["    (void) of;", "    return 0;", "}", ""]
     known = {id(node): f"derived[{k}]" for k, node in enumerate(derived)}
-    return "\n".join([*lines, _outputs(read, known)])
+    outputs, rates = read
+    parts = [
+        "/* Which outputs need the forces at the present time, and which the roads. */",
+        *(_choice(name, which) for name, which in _needs(outputs, known).items()),
+        "/* Return an output at the present time. */",
+        _finder("find_output", outputs, known),
+        "/* Which outputs have derivatives that other motions are, and these derivatives. */",
+        _choice("has_own_rate", list(rates)),
+        _finder("find_own_rate", rates, known),
+    ]
+    return "\n".join([*lines, *parts])
 
 
 def _of_parameters(node: Node) -> list[Node]:
@@ -244,35 +267,37 @@ def _of_parameters(node: Node) -> list[Node]:
     return [part for operand in node.operands for part in _of_parameters(operand)]
 
 
-def _outputs(read: Mapping[int, tuple[Any, str]], known: dict[int, str]) -> str:
-    cases = []
-    needs_forces, needs_roads = [], []
-    for k, (value, name) in read.items():
-        text = value.text if isinstance(value, _Flag) else None
-        if isinstance(value, Number):
-            text = value.node.written(dict(known))[0]
-        elif text is None:
-            text = number(float(value))
-        if "->sample_a[" in text or "->sample_f[" in text or "->sample_set[" in text:
-            needs_forces.append(k)
-        if "roads[" in text:
-            needs_roads.append(k)
-        cases.append(f"        case {k}: return {text}; /* {name} */")
-    lines = [
-        "/* Which outputs need the forces at the present time, and which the roads. */",
-        _choice("needs_forces", needs_forces),
-        _choice("needs_roads", needs_roads),
-        "/* Return an output at the present time. */",
-        "static double find_output(Integrator *of, Run *run, const double *derived, double (*roads)[4],",
-        "        unsigned k) {",
+def _written(value: Any, known: dict[int, str]) -> str:
+    """Return an expression in C; parts that depend on parameters alone are `known`."""
+    if isinstance(value, _Flag):
+        return value.text
+    return value.node.written(dict(known))[0] if isinstance(value, Number) else number(float(value))
+
+
+def _needs(read: _Expressions, known: dict[int, str]) -> dict[str, list[int]]:
+    """Return which outputs need the forces, and which the roads."""
+    texts = {k: _written(value, known) for k, (value, _) in read.items()}
+    sampled = tuple(f"->sample_{x}[" for x in ("a", "f", "set"))
+    forces = [k for k, text in texts.items() if any(name in text for name in sampled)]
+    return {
+        "needs_forces": forces,
+        "needs_roads": [k for k, text in texts.items() if "roads[" in text],
+    }
+
+
+def _finder(name: str, of: _Expressions, known: dict[int, str]) -> str:
+    return "\n".join([
+        f"static double {name}(Integrator *of, Run *run, const double *derived,",
+        "        double (*roads)[4], unsigned k) {",
         "    (void) of, (void) run, (void) derived, (void) roads;",
         "    switch (k) {",
-        *cases,
+        *(f"        case {k}: return {_written(value, known)}; /* {name} */"
+          for k, (value, name) in of.items()),
         "        default: return 0.0;",
         "    }",
         "}",
-    ]
-    return "\n".join([*lines, ""])
+        "",
+    ])  # fmt: skip
 
 
 def _choice(name: str, which: Sequence[int]) -> str:
@@ -298,6 +323,10 @@ class _TracedState(reading.State):
     @property
     def signals(self) -> Any:
         return self._roads
+
+    def derivatives(self, quantity: int) -> list[Number]:
+        """The derivatives of displacements, or of velocities."""
+        return self._a if quantity == VELOCITY else self.v  # type: ignore[return-value]
 
 
 def _array(tape: Tape, name: str, count: int) -> list[Number]:
@@ -344,3 +373,28 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     ):
         raise ValueError(f"an output of {model} compares what is known in C only")
     return read
+
+
+def _rates(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
+    """Return the derivatives of outputs that are displacements or velocities, as expressions in C."""
+    state, left = _TracedState(system, tape), left_out(model, system)
+    found: dict[int, tuple[Any, str]] = {}
+    for k, v in enumerate(variables(model)):
+        line = reading_of(v, system) if v.causality == "output" and v.name not in left else None
+        if not isinstance(line, Line) or line.quantity not in (DISPLACEMENT, VELOCITY):
+            continue
+        moved, order = state.derivatives(line.quantity), line.quantity + 1
+        rate: Any = 0.0
+        for i, b in line.terms:
+            rate = rate + b * moved[i]
+        for name, c in line.signals:
+            rate = rate + c * state.signals[name][order]
+        found[k] = rate, v.name
+    return found
+
+
+def is_continuous(output: Variable, system: System) -> bool:
+    """Return whether an output changes between switches, too; instants and counts do not."""
+    reading = reading_of(output, system)
+    instant = isinstance(reading, OfContact) and reading.what != "airborne_time"
+    return isinstance(output.start, float) and not instant

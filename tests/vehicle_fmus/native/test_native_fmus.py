@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import random
 import shutil
@@ -158,6 +159,46 @@ def test_many_drawn_runs_have_the_bits_of_a_session(
     fmu = native_fmu(model, *settings.items())
     for seed in range(100, 130):
         same_bits(fmu, model, settings, seed, tmp_path / str(seed))
+
+
+@pytest.mark.parametrize("what", ["QuarterCar", "Elastoplastic"])
+def test_outputs_have_derivatives(what: str, native_fmu: Packer, tmp_path: Path) -> None:
+    """Against differences of the outputs on both sides, within one step of the integrator."""
+    model, settings = STRUCTURES[what]
+    fmu = native_fmu(model, *settings.items())
+    outputs = [v for v in described(fmu).values() if v.causality == "output" and v.type == "Real"]
+    references, h = [v.valueReference for v in outputs], 1e-6
+    with slave(fmu, model, tmp_path) as one:
+
+        def rates() -> np.ndarray[Any, Any]:
+            found = (ctypes.c_double * len(outputs))()
+            one.fmi2GetRealOutputDerivatives(
+                one.component, (ctypes.c_uint * len(outputs))(*references), len(outputs),
+                (ctypes.c_int * len(outputs))(*[1] * len(outputs)), found,
+            )  # fmt: skip
+            return np.array(found)
+
+        one.setupExperiment(startTime=0.0)
+        one.enterInitializationMode()
+        one.exitInitializationMode()
+        time, largest, compared = 0.0, np.zeros(len(outputs)), 0
+        count = [v.name for v in variables(model)].index("step_count")
+        for k in range(1, 40):
+            one.doStep(time, 0.01 * k - h - time)
+            before, steps = np.array(one.getReal(references)), one.getInteger([count])
+            one.doStep(0.01 * k - h, h)
+            found = rates()
+            one.doStep(0.01 * k, h)
+            time = 0.01 * k + h
+            if one.getInteger([count]) != steps:
+                continue  # a switch between them
+            wanted = (np.array(one.getReal(references)) - before) / (2.0 * h)
+            largest = np.maximum(largest, np.abs(wanted))
+            noise = 1e-10 * np.abs(before) / h
+            assert np.all(np.abs(found - wanted) <= 1e-4 * largest + noise + 1e-6), k
+            compared += 1
+        assert compared > 20
+        assert np.count_nonzero(largest) > 5
 
 
 @pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic"])

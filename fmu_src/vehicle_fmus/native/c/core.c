@@ -6,6 +6,7 @@
  */
 
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
+#define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct State {
     Machine machine, behind; /* behind: before the step in which the integrator went ahead */
@@ -18,10 +19,16 @@ typedef struct State {
     int initialised; /* whether initialisation has ended */
     int ready;       /* whether machine and conduct belong to the parameters */
     int ok, tuned, warned, passed_over;
+    double due[DUE]; /* instants of switches that the host has not been told of */
+    int dues, switched; /* switched: whether the last step of the host had one */
+    char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
 
 typedef struct Instance {
     State now;
+    int event_mode;   /* whether contacts are counted by the host's event mode, not by its steps */
+    int early_return; /* whether steps end on switches */
+    double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
     char refusal[512]; /* why the next step cannot be made */
     int quiet, forces_known, roads_known;
@@ -122,9 +129,33 @@ static void count_contacts(Instance *one, double until) {
     int c;
     while ((c = Run_next_contact(run, until)) >= 0) {
         const int airborne = run->airborne[c];
+        one->now.ticks[2 * c + !airborne] = 1;
         say(one, "logEvents", "%s%s at %.9g s", wheels[c], airborne ? "lift-off" : "touchdown",
             airborne ? run->last_lift_off[c] : run->last_touchdown[c]);
     }
+}
+
+/* Let the instant of a switch wait until the host reaches it. */
+static void enter_due(Instance *one, double time) {
+    State *now = &one->now;
+    if (one->quiet || (now->dues > 0 && now->due[now->dues - 1] >= time)) return;
+    if (now->dues == DUE) {
+        for (int k = 1; k < DUE; k++) now->due[k - 1] = now->due[k];
+        now->dues--;
+        now->switched = 1;
+    }
+    now->due[now->dues++] = time;
+}
+
+/* Take the first instant off the list if it is not after a time; return whether there was one. */
+static int take_due(Instance *one, double until, double *time) {
+    State *now = &one->now;
+    if (now->dues == 0 || now->due[0] > until) return 0;
+    *time = now->due[0];
+    for (int k = 1; k < now->dues; k++) now->due[k - 1] = now->due[k];
+    now->dues--;
+    now->switched = 1;
+    return 1;
 }
 
 /* Take the switches that the integrator has noted; those of contact wait for their time. */
@@ -137,25 +168,31 @@ static void note_switches(Instance *one, double until) {
         const int e = what[0], before = what[2], after = what[3];
         if (what[1] == CONTACT && elements[e].is_tyre) {
             Run_note_contact(run, time, e, after);
-            if (time <= until) count_contacts(one, time);
+            enter_due(one, time);
+            if (time <= until && !one->event_mode) count_contacts(one, time);
         } else if (elements[e].stop) {
             const int met = (after < before) == (elements[e].stop == 1);
+            enter_due(one, time);
             say(one, "logEvents", "%s %s at %.9g s", elements[e].name, met ? "met" : "left", time);
+        } else if (elements[e].yields && what[1] == SPRING) {
+            enter_due(one, time);
         }
     }
     integrator->event_count = integrator->event_base = 0;
 }
 
+/* Step up to a time or beyond it, or to where the integrator halts for the host. */
 static int step(Instance *one, double until, int stop) {
     State *now = &one->now;
     Integrator *integrator = &now->machine.integrator;
     int status;
-    Integrator__look_at_pace(integrator);
+    integrator->halts = one->quiet ? 0 : one->update ? AT_STEPS : one->early_return ? AT_SWITCHES : 0;
     for (;;) {
         status = Integrator__advance(integrator, until, stop);
         note_switches(one, one->quiet ? -INFINITY : until);
-        integrator->since_pause = 0;
+        if (status == HALTED) status = 0;
         if (status != PAUSED) break;
+        integrator->since_pause = 0;
         if (!Integrator_keeps_pace(integrator, until)) {
             status = TOO_MANY;
             break;
@@ -179,6 +216,12 @@ static int step(Instance *one, double until, int stop) {
                 (long long) integrator->step_count, failures[status].remedy);
 }
 
+static void look_at_pace(Instance *one) {
+    Integrator *integrator = &one->now.machine.integrator;
+    integrator->since_pause = 0;
+    Integrator__look_at_pace(integrator);
+}
+
 /* Return to the present: repeat the steps up to now if the integrator has gone ahead. */
 static int stop_here(Instance *one) {
     State *now = &one->now;
@@ -187,9 +230,11 @@ static int stop_here(Instance *one) {
     now->machine = now->behind;
     machine_wire(&now->machine);
     one->quiet = 1; /* what happened up to now was reported when it was first passed */
+    look_at_pace(one);
     status = step(one, now->conduct.run.time, 1);
     one->quiet = 0;
     Run_forget_waiting(&now->conduct.run);
+    now->dues = 0;
     return status;
 }
 
@@ -238,9 +283,51 @@ static int start_moving(Instance *one) {
 
 static void sample(Instance *one) {
     Run *run = &one->now.conduct.run;
-    count_contacts(one, run->time);
+    if (!one->event_mode) count_contacts(one, run->time);
     Integrator_sample(run->integrator, run->time);
     one->forces_known = one->roads_known = 0;
+}
+
+/* Come to a time within the host's step, and let the host look; return where the step is to end. */
+static double update_at(Instance *one, double time, double until) {
+    double wanted;
+    one->now.conduct.run.time = time;
+    sample(one);
+    wanted = one->update(one, time);
+    return wanted < until ? fmax(wanted, time) : until;
+}
+
+/* Step to a time, or with early return to the first switch before it.
+ *
+ * Where the host looks changes nothing in the motion: the integrator halts at the ends of the steps that
+ * it makes anyway.
+ */
+static int go_on(Instance *one, double until) {
+    State *now = &one->now;
+    Run *run = &now->conduct.run;
+    Integrator *integrator = &now->machine.integrator;
+    double time, seen = run->time;
+    now->switched = 0;
+    look_at_pace(one);
+    for (;;) {
+        if (one->early_return && take_due(one, until, &time)) {
+            until = fmax(time, run->time);
+            break;
+        }
+        if (integrator->time >= until) break;
+        if (!run->sampled) now->behind = now->machine;
+        if (step(one, until, run->sampled)) return 1;
+        time = fmin(integrator->time, until);
+        if (one->update && time > seen && !(now->dues && now->due[0] < time)) {
+            until = update_at(one, time, until);
+            seen = time;
+        }
+    }
+    if (one->update && seen < until) update_at(one, until, until);
+    while (take_due(one, until, &time)) {}
+    run->time = until;
+    sample(one);
+    return 0;
 }
 
 static int advance(Instance *one, double until) {
@@ -266,13 +353,7 @@ static int advance(Instance *one, double until) {
             if (run->airborne[c]) say(one, "logEvents", "%swheel in the air at the start", wheels[c]);
         }
     }
-    if (now->machine.integrator.time < until) {
-        if (!run->sampled) now->behind = now->machine;
-        if (step(one, until, run->sampled)) return 1;
-    }
-    run->time = until;
-    sample(one);
-    return 0;
+    return go_on(one, until);
 }
 
 /* Make the machine from parameters and inputs, at the start. */
@@ -281,7 +362,8 @@ static int begin(Instance *one) {
     Run *run = &now->conduct.run;
     now->ready = 0;
     now->ok = 1;
-    now->tuned = now->warned = now->passed_over = 0;
+    now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
+    memset(now->ticks, 0, sizeof now->ticks);
     if (make_machine(one, &now->machine, now->start)) return 1;
     now->behind = now->machine;
     now->conduct = conduct_as_packed;
@@ -382,7 +464,79 @@ static double get_value(Instance *one, unsigned k) {
     return find_output(&now->machine.integrator, &now->conduct.run, now->derived, one->roads, k);
 }
 
+/* Find the derivative of an output by time at the present, within the last step.
+ *
+ * Displacements and velocities have velocities and accelerations. Others are read at five places of the
+ * step, around the present as far as it allows; the derivative is that of the polynomial through them.
+ */
+static int find_rate(Instance *one, unsigned k, double *rate) {
+    Run *run = &one->now.conduct.run;
+    const Dense *dense = run->integrator->dense;
+    const double present = run->time, h = (dense->end - dense->start) / 64;
+    const double first = fmax(dense->start, fmin(present - 2 * h, dense->end - 4 * h));
+    double y[5];
+    if (!one->now.ready || !one->now.ok) return fail(one, "there is no motion to take derivatives of");
+    if (has_own_rate(k)) {
+        find_forces(one);
+        find_roads(one);
+        *rate = find_own_rate(run->integrator, run, one->now.derived, one->roads, k);
+        return 0;
+    }
+    *rate = 0.0;
+    if (!is_continuous(k)) return 0;
+    if (h <= 0.0) return fail(one, "%s: has no derivative before the first step", variables[k].name);
+    for (int i = 0; i < 5; i++) {
+        run->time = first + i * h;
+        Integrator_sample(run->integrator, run->time);
+        one->forces_known = one->roads_known = 0;
+        y[i] = get_value(one, k);
+    }
+    run->time = present;
+    Integrator_sample(run->integrator, present);
+    one->forces_known = one->roads_known = 0;
+    for (int i = 0; i < 5; i++) {
+        /* the derivative of Lagrange's polynomial i, which is 1 at place i and 0 at the others */
+        const double x = (present - first) / h;
+        double slope = 0.0;
+        for (int j = 0; j < 5; j++) {
+            double product = 1.0;
+            if (j == i) continue;
+            for (int m = 0; m < 5; m++) {
+                if (m != i && m != j) product *= (x - m) / (i - m);
+            }
+            slope += product / (i - j);
+        }
+        *rate += y[i] * slope / h;
+    }
+    return 0;
+}
+
 /* ---- whole state --------------------------------------------------------------------------- */
+
+#define SERIALIZED (sizeof GUID + sizeof(State))
+
+static void write_state(unsigned char *bytes, const State *state) {
+    memcpy(bytes, GUID, sizeof GUID);
+    memcpy(bytes + sizeof GUID, state, sizeof(State));
+}
+
+/* Read a state from bytes to new memory if there is none; return whether it failed. */
+static int read_state(Instance *one, const unsigned char *bytes, size_t size, State **state) {
+    if (size != SERIALIZED || memcmp(bytes, GUID, sizeof GUID) != 0) {
+        return fail(one, "this state is of another FMU");
+    }
+    if (!*state) *state = malloc(sizeof(State));
+    if (!*state) return fail(one, "out of memory");
+    memcpy(*state, bytes + sizeof GUID, sizeof(State));
+    return 0;
+}
+
+static int copy_state(Instance *one, State **state) {
+    if (!*state) *state = malloc(sizeof(State));
+    if (!*state) return fail(one, "out of memory");
+    **state = one->now;
+    return 0;
+}
 
 static void restore(Instance *one, const State *state) {
     one->now = *state;

@@ -209,10 +209,8 @@ fmi2Status fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind kind, fmi2S
 /* ---- whole state --------------------------------------------------------------------------- */
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    if (!*state) *state = malloc(sizeof(State));
-    if (!*state) return fmi2Error;
-    memcpy(*state, &((Host *) c)->instance.now, sizeof(State));
-    return fmi2OK;
+    Host *host = c;
+    return copy_state(&host->instance, (State **) state) ? failed(host, fmi2Error) : fmi2OK;
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
@@ -230,32 +228,37 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
     return fmi2OK;
 }
 
-static const char mark[] = GUID;
-
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
     (void) c, (void) state;
-    *size = sizeof mark + sizeof(State);
+    *size = SERIALIZED;
     return fmi2OK;
 }
 
 fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte bytes[], size_t size) {
     (void) c;
-    if (!state || size < sizeof mark + sizeof(State)) return fmi2Error;
-    memcpy(bytes, mark, sizeof mark);
-    memcpy(bytes + sizeof mark, state, sizeof(State));
+    if (!state || size < SERIALIZED) return fmi2Error;
+    write_state((unsigned char *) bytes, state);
     return fmi2OK;
 }
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
         fmi2FMUstate *state) {
     Host *host = c;
-    if (size != sizeof mark + sizeof(State) || memcmp(bytes, mark, sizeof mark) != 0) {
-        fail(&host->instance, "this state is of another FMU");
-        return failed(host, fmi2Error);
+    const int status = read_state(&host->instance, (const unsigned char *) bytes, size, (State **) state);
+    return status ? failed(host, fmi2Error) : fmi2OK;
+}
+
+fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
+        const fmi2Integer order[], fmi2Real value[]) {
+    Host *host = c;
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], REAL)) return failed(host, fmi2Error);
+        if (variables[vr[k]].causality != OUTPUT || order[k] != 1) {
+            fail(&host->instance, "%s: only outputs have derivatives, of order 1", variables[vr[k]].name);
+            return failed(host, fmi2Error);
+        }
+        if (find_rate(&host->instance, vr[k], &value[k])) return failed(host, fmi2Error);
     }
-    if (!*state) *state = malloc(sizeof(State));
-    if (!*state) return fmi2Error;
-    memcpy(*state, bytes + sizeof mark, sizeof(State));
     return fmi2OK;
 }
 
@@ -273,12 +276,5 @@ fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference
         const fmi2Integer order[], const fmi2Real value[]) {
     (void) vr, (void) count, (void) order, (void) value;
     fail(&((Host *) c)->instance, "derivatives of inputs are not taken");
-    return failed(c, fmi2Error);
-}
-
-fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
-        const fmi2Integer order[], fmi2Real value[]) {
-    (void) vr, (void) count, (void) order, (void) value;
-    fail(&((Host *) c)->instance, "derivatives of outputs are not provided");
     return failed(c, fmi2Error);
 }
