@@ -33,6 +33,8 @@ class Own(NamedTuple):
 
     def scaled(self, factor: float) -> Own:
         """Return the function times a factor."""
+        if factor == 1.0:
+            return self
         return Own(*(partial(_product, factor, part) for part in self))
 
 
@@ -216,8 +218,6 @@ class Characteristic:
 
     def scaled(self, factor: float) -> Characteristic:
         """Return the law with all forces multiplied by a factor."""
-        if factor == 1.0:
-            return self
         pieces = []
         for piece in self.pieces:
             c0, c1, c2, c3 = (factor * c for c in piece.coefficients)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from .signals import Signal
 from .systems import System
 from .variable import Value, Variable
 
@@ -22,6 +23,7 @@ class Model:
     page : equations and symbols, HTML
     picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
+    signals : of a source of signals: makes them by name, from all parameters, checked
     """
 
     summary: str
@@ -30,3 +32,4 @@ class Model:
     rank: int
     page: str
     picture: str
+    signals: Callable[[Mapping[str, Value]], Mapping[str, Signal]] | None = None

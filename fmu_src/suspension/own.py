@@ -25,7 +25,7 @@ import ast
 import operator
 import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, pi
 from typing import Any
@@ -73,13 +73,14 @@ _POWER = (
     "exponent",
     "linear_below",
 )  # added to a spring or damper; see `characteristics.power`
-_NAME = re.compile(r"[A-Za-z_][\w.]*")
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _WORD = re.compile(r"[a-z][a-z0-9_]*\Z")
 _OPERATIONS: Mapping[type, Callable[..., float]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
     ast.Div: operator.truediv, ast.Pow: operator.pow, ast.USub: operator.neg,
     ast.UAdd: operator.pos,
 }  # fmt: skip
+_PLACE = "_"  # before the number of a parameter in an expression
 _SMALL = 1e-3  # m, scale of errors if the road gives none
 
 
@@ -273,7 +274,8 @@ def load(text: str, key: str = "", *, checked: bool = True) -> Definition:
     if definition.name in MODELS and not _is_own(definition.name):
         raise ParameterError(f"system.name = {definition.name!r}: is a model of this package")
     _OWN[definition.name] = definition
-    register(definition.name, definition.variables(), definition.system)
+    about = definition.about or definition.name
+    register(definition.name, definition.variables(), definition.system, about)
     if not checked:
         return definition
     findings = check_system(definition.system(checked_parameters(definition.name, {})))
@@ -474,35 +476,44 @@ def _value(said: object, p: Mapping[str, Value], where: str) -> float:
     if not isinstance(said, str):
         raise ParameterError(f"{where} = {said!r}: must be a number or an expression")
 
+    values: list[float] = []
+
     def of(match: re.Match[str]) -> str:
         name = match[0]
         if name not in p or isinstance(p[name], str | bool):
             raise ParameterError(f"{where} = {said!r}: no parameter {name!r}{nearest(name, p)}")
-        return f"({float(p[name])!r})"
+        values.append(number(p, name))
+        return f"({_PLACE}{len(values) - 1})"  # a parameter may be called like a word of Python
 
     try:
         tree = ast.parse(_NAME.sub(of, said).replace("^", "**").strip(), mode="eval")
-        found = _worked_out(tree.body)
+        found = _worked_out(tree.body, values)
     except ParameterError:
         raise
     except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, KeyError) as error:
         raise ParameterError(
             f"{where} = {said!r}: not an expression of numbers and parameters ({error})"
         ) from None
-    if not isfinite(found):
+    if isinstance(found, complex) or not abs(found) < inf:
         raise ParameterError(f"{where} = {said!r}: is {found}; it must be finite")
     return found
 
 
-def _worked_out(node: ast.expr) -> float:
+def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
+    """Return the value of an expression; in place of floats the values may note what is done to them."""
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)
+        case ast.Name(id=name):
+            return values[int(name.removeprefix(_PLACE))]
         case ast.BinOp(left, operation, right):
-            return float(_OPERATIONS[type(operation)](_worked_out(left), _worked_out(right)))
+            found: tuple[float, ...] = (_worked_out(left, values), _worked_out(right, values))
         case ast.UnaryOp(operation, operand):
-            return float(_OPERATIONS[type(operation)](_worked_out(operand)))
-    raise ValueError(ast.unparse(node))
+            found = (_worked_out(operand, values),)
+        case _:
+            raise ValueError(ast.unparse(node))
+    result: float = _OPERATIONS[type(operation)](*found)
+    return result
 
 
 def _table(said: object, where: str) -> Mapping[str, Any]:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Mapping
 from math import isfinite, nan
 
-from .models import road_from
+from .models.road import signals
 from .session import SimulationError
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown
 
@@ -37,9 +37,8 @@ class RoadSource:
     ) -> None:
         self.model, self.time, self.ok = model, start_time, True
         self.messages: list[tuple[str, str]] = []
-        self.parameters = p = checked_parameters(model, parameters)
-        front = road_from(p)
-        rear = front.delayed(float(p["wheelbase"]) / float(p["speed"]))
+        self.parameters = checked_parameters(model, parameters)
+        front, rear = signals(self.parameters).values()
         self.readers: dict[str, Callable[[], Value]] = {
             "front_elevation": lambda: front.value(self.time),
             "front_velocity": lambda: front.rate(self.time),

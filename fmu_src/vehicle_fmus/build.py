@@ -125,7 +125,14 @@ class {name}(VehicleSlave):
     model = {key!r}
     description = {about!r}
 '''
+# Modules are shared by all FMUs of a process, and only a system of one's own needs this one: the
+# folder of the FMU that brought the others may be gone.
 _LOADING = """
+import sys
+
+from phaseplane.suspension import __name__ as package, __path__ as places
+
+places.append(f"{{sys.path[0]}}/{{package}}")
 from phaseplane.suspension.own import load
 
 load({text!r}, {key!r}, checked=False)
@@ -193,7 +200,7 @@ def _packed(model: str, start: dict[str, Value], own: str = "") -> bytes:
     members[_PYTHONFMU] = _without_builder(members[_PYTHONFMU])
     about = production()
     members |= {
-        "model.png": picture_file("HalfCar" if own else model).read_bytes(),
+        "model.png": picture_file(model).read_bytes(),
         "documentation/index.html": page(model, start, about["generationTool"], own).encode(),
         "documentation/externalDependencies.txt": _text("externalDependencies.txt"),
         "documentation/licenses/license.txt": _text("license.txt"),

@@ -34,8 +34,8 @@ def content_key(model: str) -> str:
 
 
 def picture_file(model: str) -> Path:
-    """Return the file of a model's picture."""
-    return KERNEL.parent / "models" / f"{FILES[model]}.png"
+    """Return the file of a model's picture; a system of one's own has that of a car."""
+    return KERNEL.parent / "models" / f"{FILES.get(model, FILES['HalfCar'])}.png"
 
 
 def suspension_name(package: Mapping[str, bytes]) -> str:

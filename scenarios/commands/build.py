@@ -12,7 +12,6 @@ import click
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import (
-    MODELS,
     ParameterError,
     Variable,
     refuse_unknown,
@@ -129,16 +128,28 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
 
 def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
     """Pack the FMU of a scene, with its parameters as start values, under the scene's name."""
-    fmu, model = scene.fmu, scene.fmu.model
-    if not fmu.is_ours or fmu.path is not None:
-        raise InputError(f"{scene.name}: an FMU is made of models of this package, not of {model}")
-    own = {model: fmu.system.read_text(encoding="utf-8")} if fmu.system is not None else {}
+    model, own = scene.fmu.model, _own_system(scene)
     with TemporaryDirectory() as work:
         made = vehicle_fmus.build.build(
             [model], Path(work), parameters={model: scene.parameters}, own=own, references=True,
             ssp=ssp and not own,
         )  # fmt: skip
         return _renamed(made, model, scene, folder)
+
+
+def _own_system(scene: Scene) -> dict[str, str]:
+    """Return the content of the file of a scene's system, by the name of the system, if it has one.
+
+    Raises
+    ------
+    InputError : if its model is none of this package.
+    """
+    fmu = scene.fmu
+    if not fmu.is_ours or fmu.path is not None:
+        raise InputError(
+            f"{scene.name}: an FMU is made of models of this package, not of {fmu.model}"
+        )
+    return {} if fmu.system is None else {fmu.model: fmu.system.read_text(encoding="utf-8")}
 
 
 def _renamed(made: Sequence[Path], model: str, scene: Scene, folder: Path) -> list[Path]:
@@ -167,24 +178,23 @@ def build_native(
     InputError : if there is no such model, parameter or platform, or the folder cannot be written to.
     RunError : if a compiler failed.
     """
-    names = list(dict.fromkeys(models)) or [name for name in MODELS if name in FILES]
-    scenes = [load_scene(name, expect=False) for name in names if name not in MODELS]
+    names = list(dict.fromkeys(models)) or list(FILES)
+    scenes = [load_scene(name, expect=False) for name in names if name not in FILES]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        chosen = [name for name in names if name in MODELS]
+        chosen = [name for name in names if name in FILES]
         files = vehicle_fmus.native.pack.build(
             chosen, folder, platforms=platforms, references=True,
             parameters=_start_values(chosen, settings),
         )  # fmt: skip
         for scene in scenes:
             model = scene.fmu.model
-            if not scene.fmu.is_ours or scene.fmu.path or scene.fmu.system:
-                raise InputError(f"{scene.name}: native FMUs are made of models of this package")
+            own = _own_system(scene)
             given = {**scene.parameters, **_start_values([model], settings).get(model, {})}
             with TemporaryDirectory() as work:
                 made = vehicle_fmus.native.pack.build(
                     [model], Path(work), platforms=platforms, references=True,
-                    parameters={model: given},
+                    parameters={model: given}, own=own,
                 )  # fmt: skip
                 files += _renamed(made, model, scene, folder)
         return files

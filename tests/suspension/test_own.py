@@ -79,6 +79,8 @@ def test_a_load_is_an_input_and_a_table():
 def test_expressions_follow_the_parameters():
     own.load(OSCILLATOR.replace('"mass"', '"2 * mass - mass^1 * (1 - 0.5) / 2"'))
     assert build("OwnOscillator", {"mass": 4.0}).mass == ((7.0,),)
+    own.load(OSCILLATOR.replace('"mass"', '"1e3 * mass + 2.5E-1"'))
+    assert build("OwnOscillator", {"mass": 4.0}).mass == ((4000.25,),)
 
 
 def test_a_sine_drives_at_its_frequency():

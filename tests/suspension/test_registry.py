@@ -130,7 +130,7 @@ def test_no_other_file_of_models_and_fmus_depends_on_a_models_name() -> None:
         if isinstance(node, ast.Constant) and node.value in FILES
     }
     # the road that drives vehicles, and the picture of systems of one's own
-    assert named == {"systems.py: Road", "build.py: HalfCar"}
+    assert named == {"systems.py: Road", "content.py: HalfCar"}
 
 
 def test_a_system_is_built_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -111,7 +111,10 @@ def _defaults(model: str) -> dict[str, Value]:
 
 
 def register(
-    name: str, declared: tuple[Variable, ...], make: Callable[[Mapping[str, Value]], System]
+    name: str,
+    declared: tuple[Variable, ...],
+    make: Callable[[Mapping[str, Value]], System],
+    summary: str = "",
 ) -> None:
     """Add a model that is in no file of this folder, or replace one that was added before.
 
@@ -120,8 +123,9 @@ def register(
     name : of the model
     declared : its public variables
     make : returns its system, given all of its parameters
+    summary : what it is, in one line
     """
-    ALL[name] = Model("", declared, make, rank=len(ALL), page="", picture="")
+    ALL[name] = Model(summary, declared, make, rank=len(ALL), page="", picture="")
     MODELS[name] = declared
     for known in (outputs, _parameters, _defaults, _built):
         known.cache_clear()

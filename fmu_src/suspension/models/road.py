@@ -7,12 +7,16 @@ It is a source of signals, without a system of its own; see `road_source`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ..declared import ROAD_SHAPES, road
 from ..model import Model
-from ..outputs import GROUND, output
-from ..variable import Variable, parameter
+from ..outputs import DISPLACEMENT, GROUND, OK, VELOCITY, Line
+from ..parts import road_from
+from ..signals import Signal
+from ..systems import System
+from ..variable import Value, Variable, number, parameter
 
 
 def _variables() -> tuple[Variable, ...]:
@@ -27,7 +31,7 @@ def _variables() -> tuple[Variable, ...]:
                 variable,
                 name=f"{axle}_{quantity}",
                 description=f"{axle} axle: {what}",
-                reading=None,
+                reading=_under,
             )
             for axle in ("front", "rear")
             for variable, quantity, what in zip(
@@ -37,9 +41,20 @@ def _variables() -> tuple[Variable, ...]:
                 strict=True,
             )
         ),
-        output("ok", "false once the run has failed; all other outputs are then NaN",
-               start=True),
+        OK,
     )  # fmt: skip
+
+
+def _under(system: System, output: Variable) -> Line:
+    """An elevation or a velocity under an axle."""
+    axle, _, quantity = output.name.partition("_")
+    return Line(VELOCITY if quantity == "velocity" else DISPLACEMENT, (), ((axle, 1.0),))
+
+
+def signals(p: Mapping[str, Value]) -> dict[str, Signal]:
+    """Return the road under both axles; `p` holds the checked parameters."""
+    front = road_from(p)
+    return {"front": front, "rear": front.delayed(number(p, "wheelbase") / number(p, "speed"))}
 
 
 _PAGE = """\
@@ -70,4 +85,5 @@ MODEL = Model(
     rank=6,
     page=_PAGE,
     picture=_PICTURE,
+    signals=signals,
 )

@@ -39,10 +39,12 @@ class Image:
     ----------
     text : definition of the record, its initial value, and the function that wires it
     noted : fields, as in `integrator.fixed_step`, that hold a number that notes what is done to it
+    arrays : the names of the arrays in the record, by identity
     """
 
     text: str
     noted: dict[str, Number]
+    arrays: dict[int, str]
 
 
 def image(
@@ -79,7 +81,8 @@ def image(
     parts += ["};", "", "/* Let the pointers of a copy point into that copy. */"]
     parts += [f"static void {record.lower()}_wire({record} *of) {{"]
     parts += [f"    {pointer};" for pointer in found.pointers]
-    return Image("\n".join([*parts, "}", ""]), found.noted)
+    names = {key: at for key, (at, _, _) in found.arrays.items()}
+    return Image("\n".join([*parts, "}", ""]), found.noted, names)
 
 
 def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> None:

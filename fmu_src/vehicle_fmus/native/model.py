@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 from math import inf
 from types import SimpleNamespace
 from typing import Any
 
-from phaseplane.suspension import reading
+from phaseplane.suspension import characteristics, reading
 from phaseplane.suspension.engine import FAILURES
-from phaseplane.suspension.models import ALL, build
+from phaseplane.suspension.models import ALL
 from phaseplane.suspension.outputs import (
     DISPLACEMENT,
     VELOCITY,
@@ -21,10 +21,11 @@ from phaseplane.suspension.outputs import (
     reading_of,
 )
 from phaseplane.suspension.session import driven, initial_names
-from phaseplane.suspension.systems import System
+from phaseplane.suspension.signals import Signal
+from phaseplane.suspension.systems import Element, System
 from phaseplane.suspension.variable import number as number_in
 from phaseplane.suspension.variables import (
-    ParameterError,
+    SOLVER_PARAMETERS,
     Value,
     Variable,
     checked_parameters,
@@ -85,7 +86,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
 
     Parameters
     ----------
-    model : a key of `variables.MODELS`
+    model : a key of `models.ALL`
     given : parameters that are not at their defaults, in SI; texts, switches and what decides on the
         structure keep their values
     """
@@ -99,20 +100,19 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         for k, v in enumerate(declared)
         if v.causality == "parameter"
     }
-    make = ALL[model].system
-    if make is None:
-        raise ParameterError(f"{model} is not a system; a native FMU is made of one")
-    system = make(noted)
+    system, packed = _system(model, noted), _system(model, parameters)
+    solver = {v.name: v.start for v in SOLVER_PARAMETERS} | noted
     plain = plain_integrator()(
-        build(model, parameters),
-        noted["solver.method"],
-        noted["solver.step"],
-        noted["solver.tolerance"],
+        packed,
+        solver["solver.method"],
+        solver["solver.step"],
+        solver["solver.tolerance"],
         0.0,
-        theta=noted["solver.theta"],
-        beyond_stable=noted["solver.beyond_stable"],
+        theta=solver["solver.theta"],
+        beyond_stable=solver["solver.beyond_stable"],
     )
-    if not plain.fits(system):
+    directions = _directions(plain, system)
+    if not plain.fits(_directed(system, packed)):
         raise ValueError("the structure of the system depends on how it is built")
     inputs = [v.name for v in declared if v.causality == "input"]
     sampled = parameters.get("road.shape") == "input"
@@ -124,9 +124,13 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     machine = image(plain, "integrator", kernel, "Machine")
     conduct = image(run, "run", kernel, "Conduct", outside=[plain, plain.net])
     rest = [0.0] * plain.n
-    starts = [noted[name] for names in initial_names(system.coordinates) for name in names]
+    names = (name for names in initial_names(system.coordinates) for name in names)
+    starts = [noted.get(name, 0.0) for name in names]
     read, rates = _read(model, system, tape), _rates(model, system, tape)
-    setting = _set_up(tape, plain.row(system, rest, rest), starts, (read, rates), machine.noted)
+    fields: dict[str, Number] = dict(machine.noted)
+    at = machine.arrays[id(plain.net.row_direction)]
+    fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
+    setting = _set_up(tape, plain.row(system, rest, rest), starts, (read, rates), fields)
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
         machine.text,
@@ -143,6 +147,42 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     return Translation("\n".join(parts), frozenset(fixed), left_out(model, system))
 
 
+def _system(model: str, p: Mapping[str, Any]) -> System:
+    """Return the system of a model; a source gets a mass at rest, which steps beside its signals."""
+    of = ALL[model]
+    if of.system is not None:
+        return of.system(p)
+    assert of.signals is not None, model
+    signals: Mapping[str, Signal] = of.signals(p)
+    at_rest = Element("rest", (1.0,), characteristics.linear(1.0))
+    return System(("",), ((1.0,),), (at_rest,), signals, scales=(1.0,))
+
+
+def _directions(plain: Any, system: System) -> list[Any]:
+    """Return the directions of all rows, one after the other, and note which rows there are.
+
+    As in `kernel.elements`, elements share a row if they have one direction and one road.
+    """
+    names = list(system.signals)
+    rows: list[Any] = []
+    found = []
+    for element in system.elements:
+        key = (tuple(element.direction), names.index(element.road) if element.road else -1)
+        if key not in rows:
+            rows.append(key)
+        found.append(rows.index(key))
+    if found != list(plain.net.element_row):
+        raise ValueError("the directions of the system depend on how it is built")
+    return [b for direction, _ in rows for b in direction]
+
+
+def _directed(system: System, other: System) -> System:
+    """Return the system with the directions of another."""
+    pairs = zip(system.elements, other.elements, strict=True)
+    elements = (replace(one, direction=theirs.direction) for one, theirs in pairs)
+    return replace(system, elements=tuple(elements))
+
+
 def _text(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
@@ -155,15 +195,18 @@ def _tables(
     tape: Tape,
 ) -> str:
     names = [v.name for v in declared]
-    default = next(v.start for v in declared if v.name == "solver.tolerance")
     lines = [
         f"#define VARIABLES {len(declared)}",
         f"#define ELEMENTS {len(system.elements)}",
         f"#define COORDINATES {len(system.coordinates)}",
         f"#define SIGNALS {len(system.signals)}",
         f"#define TYRES {sum(1 for axle in system.axles if axle.tyre)}",
-        f"#define SOLVER_TOLERANCE {names.index('solver.tolerance')}",
-        f"#define DEFAULT_TOLERANCE {number(float(default))}",
+        *(
+            f"#define {v.name.upper().replace('.', '_')} {k}\n"
+            f"#define DEFAULT_TOLERANCE {number(float(v.start))}"
+            for k, v in enumerate(declared)
+            if v.name == "solver.tolerance"
+        ),
         f"#define OK {names.index('ok')}",
         "",
         "static const Variable variables[VARIABLES] = {",
@@ -368,10 +411,11 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
         for k, v in enumerate(variables(model))
         if v.causality == "output" and v.name not in left_out(model, system)
     }
-    if len(tape.guards) > before and any(
-        "->" in name for g in list(tape.guards.values())[before:] for name in g.condition.of
-    ):
-        raise ValueError(f"an output of {model} compares what is known in C only")
+    for key, guard in list(tape.guards.items())[before:]:
+        if any("->" in name for name in guard.condition.of):
+            raise ValueError(f"an output of {model} compares what is known in C only")
+        if guard.differs:  # a factor that is neither 0 nor 1: the same expression serves all others
+            del tape.guards[key]
     return read
 
 

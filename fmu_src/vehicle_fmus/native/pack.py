@@ -8,7 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
 
-from phaseplane.suspension.variables import MODELS, Value, refuse_unknown
+from phaseplane.suspension.models import FILES
+from phaseplane.suspension.variables import Value, refuse_unknown
 
 from ..archives import digest_of, write_all, zipped
 from ..content import picture_file, production
@@ -37,6 +38,7 @@ def build(
     *,
     platforms: Sequence[str] = (),
     parameters: Mapping[str, Mapping[str, object]] | None = None,
+    own: Mapping[str, str] | None = None,
     references: bool = False,
 ) -> list[Path]:
     """Pack models as native co-simulation FMUs, `<model>.fmu` each.
@@ -45,11 +47,12 @@ def build(
 
     Parameters
     ----------
-    models : keys of `variables.MODELS`
+    models : keys of `models.FILES` or of `own`
     folder : output folder; created if it is missing
     platforms : names in `compilers.PLATFORMS`; by default the one at hand, or all if zig is installed
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
+    own : for each system of one's own that has been loaded, the content of its file
     references : whether to write a reference result beside each FMU
 
     Returns
@@ -62,8 +65,8 @@ def build(
     ValueError : unknown platform, or one without a compiler.
     RuntimeError : a compiler failed (the message includes its output).
     """
-    parameters = parameters or {}
-    refuse_unknown(models, MODELS, f"native FMUs exist for {', '.join(MODELS)}, not for")
+    parameters, own = parameters or {}, own or {}
+    refuse_unknown(models, {**FILES, **own}, f"FMUs exist for {', '.join(FILES)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
     targets = chosen(platforms)
     files: dict[str, bytes] = {}
@@ -71,7 +74,7 @@ def build(
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start, targets)
+        files[f"{model}.fmu"] = _packed(model, start, targets, own.get(model, ""))
         if references:
             files |= reference_files(model, start)
     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -80,11 +83,11 @@ def build(
     return list(contents)
 
 
-def _packed(model: str, start: Mapping[str, Value], targets: Sequence[Platform]) -> bytes:
+def _packed(model: str, start: Mapping[str, Value], targets: Sequence[Platform], own: str) -> bytes:
     """Return the archive of one FMU."""
     in_c = model_in_c(model, start)
-    own = ("core.h", "core.c", *_LAYER)
-    sources = {f"sources/{name}": (_C / name).read_bytes() for name in own}
+    files = ("core.h", "core.c", *_LAYER)
+    sources = {f"sources/{name}": (_C / name).read_bytes() for name in files}
     sources["sources/model.c"] = in_c.text.encode()
     about = production()
     about["generationTool"] = about["generationTool"].partition(" with ")[0]
@@ -103,7 +106,7 @@ def _packed(model: str, start: Mapping[str, Value], targets: Sequence[Platform])
         **_binaries(model, sources, targets),
         "modelDescription.xml": description(model, start, in_c, about, token),
         "documentation/index.html": page(
-            model, dict(start), about["generationTool"], native=True
+            model, dict(start), about["generationTool"], own, native=True
         ).encode(),
         "documentation/licenses/license.txt": (DOCUMENTATION / "license.txt").read_bytes(),
         "documentation/licenses/fmi_headers.txt": _licence(_C / _LAYER[1]),

@@ -75,6 +75,11 @@ class Guard:
     condition: Node
     holds: bool
 
+    @property
+    def differs(self) -> bool:
+        """Whether it says that two numbers are not equal."""
+        return (self.condition.text, self.holds) in (("==", False), ("!=", True))
+
     def in_words(self) -> str:
         """Return the condition by names of parameters, or nothing if that is too long."""
         text = self.condition.written({}, words=True)[0]

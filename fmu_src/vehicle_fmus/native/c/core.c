@@ -105,10 +105,12 @@ static int make_machine(Instance *one, Machine *machine, double time) {
     int guard;
     memcpy(p, now->parameters, sizeof p);
     if (check_parameters(one, p)) return 1;
-    if (SOLVER_TOLERANCE >= 0 && now->tolerance > 0.0 && p[SOLVER_TOLERANCE] == DEFAULT_TOLERANCE) {
+#ifdef SOLVER_TOLERANCE
+    if (now->tolerance > 0.0 && p[SOLVER_TOLERANCE] == DEFAULT_TOLERANCE) {
         p[SOLVER_TOLERANCE] = now->tolerance;
         if (check_parameters(one, p)) return 1;
     }
+#endif
     *machine = machine_as_packed;
     machine_wire(machine);
     guard = set_up(p, machine, row, now->derived);
