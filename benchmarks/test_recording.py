@@ -5,6 +5,8 @@ pytest -s -m slow benchmarks/test_recording.py
 
 from __future__ import annotations
 
+import resource
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
@@ -23,15 +25,26 @@ from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.picture.layers import layers_at
 from phaseplane.picture.quantities import read_off
 from phaseplane.picture.words import step_text
-from phaseplane.recording import DETAILS, Content, new_recording, serving
+from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.columns import xy
-from phaseplane.recording.sinks import encoded
 
 pytestmark = pytest.mark.slow
 
 
 def construction(steps: int) -> Drawing:
     return march(quarter_car(), delta, step=0.0025, steps=steps)
+
+
+def encoded(content: Content) -> Path:
+    """Write a recording, where the next one replaces it."""
+    path = Path(tempfile.gettempdir()) / "recorded.rrd"
+    record(content, path)
+    return path
+
+
+def peak_memory() -> float:
+    """The most memory that this process has ever had, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
 
 
 def log_one_by_one(drawing: Drawing) -> int:
@@ -81,6 +94,16 @@ def test_whole_columns_against_one_log_call_for_each_entity() -> None:
     assert median(ratios) >= 20
 
 
+def test_recording_takes_no_more_memory_for_more_steps() -> None:
+    many = construction(40_000)
+    encoded(Content("few", construction(10_000)))
+    before = peak_memory()
+    rate = len(many.frames) / timed(lambda: encoded(Content("many", many)))
+    more = peak_memory() - before
+    print(f"\n{rate:.0f} frames/s; 30 000 steps more took {more:.0f} MB more")
+    assert more < 40.0
+
+
 def test_what_each_level_of_detail_costs() -> None:
     drawing = construction(400)
     print("\ndetail    entities     bytes        ms")
@@ -89,22 +112,17 @@ def test_what_each_level_of_detail_costs() -> None:
         content = Content("a level", drawing, detail=detail)
         took = min(timed(lambda content=content: encoded(content)) for _ in range(5))
         made = encoded(content)
-        costs.append((entities(made), len(made), took))
+        costs.append((entities(made), made.stat().st_size, took))
         print(f"{detail:8} {costs[-1][0]:9} {costs[-1][1]:9} {1e3 * took:9.1f}")
     assert costs == sorted(costs)
 
 
-def entities(made: bytes) -> int:
-    path = Path("/tmp") / f"levels-{id(made)}.rrd"
-    path.write_bytes(made)
-    try:
-        return len({chunk.entity_path for chunk in RrdReader(path).stream()})
-    finally:
-        path.unlink()
+def entities(made: Path) -> int:
+    return len({chunk.entity_path for chunk in RrdReader(made).stream()})
 
 
 def test_a_frame_costs_at_most_two_kilobytes() -> None:
-    one, three = (len(encoded(Content("sizes", construction(n)))) for n in (1000, 3000))
+    one, three = (encoded(Content("sizes", construction(n))).stat().st_size for n in (1000, 3000))
     each = (three - one) / 2000
     print(f"\n{each:.0f} bytes per frame, {one - 1000 * each:.0f} bytes once")
     assert each <= 2000

@@ -33,7 +33,7 @@ def family(
     """
     first = march(construction, rule, step=step, duration=duration)
     (plane,) = construction.planes
-    others: list[tuple[Frame, ...]] = []
+    others: list[Sequence[Frame]] = []
     for x, velocity in starts:
         moved = replace(construction, initial_displacement=x, initial_velocity=velocity)
         others.append(march(moved, rule, step=step, duration=duration).frames)

@@ -18,6 +18,7 @@ from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import turn_angles
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.constructions.switching import first_end
 
 _LEAST_PART = 1e-9  # of a step: anything shorter is rounding
@@ -141,12 +142,12 @@ def march(
     """
     ending: list[Frame] = []
     made = frames(construction, rule, step=step, duration=duration, steps=steps, ending=ending)
-    drawn = drawing(construction, rule, tuple(made), step, f"step {1e3 * step:.4g} ms")
+    drawn = drawing(construction, rule, StoredFrames(made), step, f"step {1e3 * step:.4g} ms")
     return replace(drawn, end=ending[0])
 
 
 def drawing(
-    construction: Construction, rule: Rule, made: tuple[Frame, ...], step: float, words: str
+    construction: Construction, rule: Rule, made: StoredFrames, step: float, words: str
 ) -> Drawing:
     """Return the drawing of these frames and the fixed curves, with the turn angles of the step."""
     planes = construction.planes

@@ -15,6 +15,7 @@ from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import state_point
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
+from phaseplane.constructions.storage import StoredFrames
 
 
 def overlay(
@@ -69,7 +70,7 @@ def overlay(
             readings = None
     longest = max(frame.duration for frame in made)
     words = f"laid over {len(made)} steps of up to {1e3 * longest:.4g} ms"
-    return drawing(construction, rule, tuple(made), longest, words)
+    return drawing(construction, rule, StoredFrames(made), longest, words)
 
 
 def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[float]) -> Drawing:
@@ -108,7 +109,7 @@ def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[fl
         return found
 
     frames = (replace(f, readings={**f.readings, **drifts(f)}) for f in drawing.frames)
-    return replace(drawing, frames=tuple(frames))
+    return replace(drawing, frames=StoredFrames(frames))
 
 
 def _rows(

@@ -7,8 +7,10 @@ every step, as defined by the scheme. This module draws nothing and is independe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,30 +117,6 @@ class Scheme:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
-    """One step: from the state points to their successors.
-
-    Parameters
-    ----------
-    step : number of the step, from 0
-    time : at its start, s
-    duration : s
-    scheme : key into the drawing's schemes, e.g. `contact` or `flight`
-    points : the named points on the sheet, m of paper
-    readings : quantities read off at the start of the step by the source's formulas, SI
-    event : event at the start of this step (`lift_off`, `touchdown`), or empty
-    """
-
-    step: int
-    time: float
-    duration: float
-    scheme: str
-    points: Mapping[str, complex]
-    readings: Mapping[str, float]
-    event: str = ""
-
-
-@dataclass(frozen=True, slots=True)
 class Drawing:
     """A whole construction: the sheet with its fixed curves, the schemes, and the frames.
 
@@ -148,7 +126,8 @@ class Drawing:
     planes : the phase planes on the sheet
     curves : the fixed curves
     schemes : by key
-    frames : in the order of time; the successors of the last one are the end of the motion
+    frames : in the order of time, from any iterable; the successors of the last one are the end of
+        the motion
     end : points and readings at the end, as a step of no duration; None if unknown
     """
 
@@ -156,11 +135,16 @@ class Drawing:
     planes: tuple[Plane, ...]
     curves: tuple[Curve, ...]
     schemes: Mapping[str, Scheme]
-    frames: tuple[Frame, ...] = field(repr=False)
+    frames: StoredFrames = field(repr=False)
     end: Frame | None = field(default=None, repr=False)
 
+    def __post_init__(self) -> None:
+        """Store the frames as columns."""
+        if not isinstance(self.frames, StoredFrames):
+            object.__setattr__(self, "frames", StoredFrames(self.frames))
+
     @property
-    def instants(self) -> tuple[Frame, ...]:
+    def instants(self) -> Sequence[Frame]:
         """All points of the motion with their readings, including its end."""
         return self.frames if self.end is None else (*self.frames, self.end)
 

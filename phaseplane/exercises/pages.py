@@ -12,6 +12,7 @@ from typing import Any
 
 from phaseplane.constructions.primitives import Arc, Axis, Drawing, Frame, Plane
 from phaseplane.constructions.sheet import round_step
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns
@@ -77,7 +78,7 @@ def _gathered(drawing: Drawing, steps: int | None) -> Drawing:
         replace(c, vertices=tuple(z + shift for z in c.vertices)) if c.role in TURN else c
         for c in drawing.curves
     )
-    moved = tuple(
+    moved = StoredFrames(
         replace(f, points={n: z + shift if n[0] in "WN" else z for n, z in f.points.items()})
         for f in drawing.frames
     )

@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import round_step
+from phaseplane.constructions.storage import StoredFrames
 
 from .page import Page, Text
-from .paper import Box
+from .paper import Box, readings
 from .quantities import Quantity
 from .styles import PARTS
 from .words import bracketed, in_words, number
@@ -52,10 +53,10 @@ class Chart:
         self.values = {
             n: quantity.factor * np.asarray(histories[n], float)[until][::every] for n in self.names
         }
-        read = [f.readings[n] for f in drawing.instants for n in self.names if n in f.readings]
-        every_value = np.concatenate(
-            [*self.values.values(), quantity.factor * np.array(read), [0.0]]
-        )
+        end = StoredFrames([] if drawing.end is None else [drawing.end])
+        read = np.append(readings(drawing.frames, self.names), readings(end, self.names), axis=0)
+        self.read = np.array([*drawing.frames.times, *end.times]), quantity.factor * read
+        every_value = np.concatenate([*self.values.values(), self.read[1].ravel(), [0.0]])
         every_value = every_value[np.isfinite(every_value)]
         self.low, self.high = float(every_value.min()), float(every_value.max())
         self.stays = self._stays()
@@ -68,7 +69,7 @@ class Chart:
 
     def _stays(self) -> Page:
         view = Box(complex(0.78 * _WIDTH, 0.52 * _HEIGHT), complex(0.95 * _WIDTH, 0.72 * _HEIGHT))
-        sheet = Drawing("", (), (), {}, ())
+        sheet = Drawing("", (), (), {}, StoredFrames(()))
         page = Page(sheet, view, _EM, [np.zeros(1, complex)])
         zero = self.at(self.start, 0.0)
         page.arrow("axis", zero, zero + 1.03 * _WIDTH)
@@ -103,16 +104,13 @@ class Chart:
     def upto(self, step: int) -> Page:
         """Return a page with what was read off the planes up to a step, and a line at its time."""
         page = self.stays.following()
-        instants = self.drawing.instants[: step + 1]
-        every = max(1, len(instants) // _MOST)
-        for name in self.names:
-            points = [
-                self.at(f.time, self.quantity.factor * f.readings[name])
-                for f in instants[::every]
-                if name in f.readings
-            ]
-            page.dots(_part(name), points, 0.9)
-        page.lines("value", [self.cursor(instants[-1].time)])
+        times, read = (of[: step + 1] for of in self.read)
+        every = max(1, len(times) // _MOST)
+        for name, values in zip(self.names, read[::every].T, strict=True):
+            places = zip(times[::every], values, strict=True)
+            shown = [self.at(*place) for place in places if np.isfinite(place[1])]
+            page.dots(_part(name), shown, 0.9)
+        page.lines("value", [self.cursor(times[-1])])
         return page
 
     def cursor(self, time: float) -> list[complex]:

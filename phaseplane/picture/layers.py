@@ -10,6 +10,7 @@ import numpy as np
 
 from phaseplane.constructions.primitives import Arc, Drawing, Frame, Mark, Scheme, Stroke
 from phaseplane.constructions.rules import REPEATED
+from phaseplane.constructions.storage import StoredFrames
 
 from .paper import Points, arcs, table
 
@@ -58,18 +59,19 @@ def layers_of(drawing: Drawing, key: str, first: int = 0, last: int | None = Non
     ------
     ValueError : if a frame lacks a point of its scheme.
     """
-    frames = drawing.frames[first:last]
-    chosen = [i for i, frame in enumerate(frames, first) if frame.scheme == key]
-    return list(_layers(drawing.schemes[key], key, [drawing.frames[i] for i in chosen], chosen))
+    schemes = drawing.frames[first:last].schemes
+    chosen = [i for i, scheme in enumerate(schemes, first) if scheme == key]
+    return list(_layers(drawing.schemes[key], key, drawing.frames.at(chosen), chosen))
 
 
 def layers_at(drawing: Drawing, frame: Frame) -> list[Layer]:
     """Return the layers of one frame."""
-    return list(_layers(drawing.schemes[frame.scheme], frame.scheme, [frame], [frame.step]))
+    one = StoredFrames([frame])
+    return list(_layers(drawing.schemes[frame.scheme], frame.scheme, one, [frame.step]))
 
 
 def _layers(
-    scheme: Scheme, key: str, frames: Sequence[Frame], chosen: Sequence[int]
+    scheme: Scheme, key: str, frames: StoredFrames, chosen: Sequence[int]
 ) -> Iterator[Layer]:
     if not frames:
         return

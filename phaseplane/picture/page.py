@@ -18,7 +18,7 @@ from phaseplane.constructions.sheet import events_of, round_step
 
 from .layers import Layer, is_main, layers_at
 from .letters import place, text_box
-from .paper import Box, Points, Strip, arcs, table
+from .paper import Box, Points, Strip, arcs, columns, table
 from .quantities import display_unit
 from .styles import style_of
 from .words import LETTER_OF_EVENT, bracketed, level_text, number, typeset
@@ -126,11 +126,14 @@ def paths_of(drawing: Drawing, motions: Sequence[Points]) -> list[Points]:
     ways = []
     for plane, motion in zip(drawing.planes, motions, strict=True):
         ends = np.stack([motion[:-1], motion[1:]], 1)
-        centres = [_centre(drawing.schemes[frame.scheme], plane) for frame in drawing.frames]
-        if any(centres) and len(ends):
-            middle = np.array(
-                [f.points[c] if c else np.inf for f, c in zip(drawing.frames, centres, strict=True)]
-            )[: len(ends)]
+        schemes = drawing.frames.schemes[: len(ends)]
+        centres = {key: _centre(scheme, plane) for key, scheme in drawing.schemes.items()}
+        if any(centres.values()) and len(ends):
+            names = sorted({*centres.values()} - {""})
+            of = columns(drawing.frames[: len(ends)], names)
+            places = [names.index(centres[key]) if centres[key] else 0 for key in schemes]
+            middle = of[np.arange(len(ends)), places]
+            middle[[not centres[key] for key in schemes]] = np.inf
             swept = np.isfinite(middle) & (abs(middle - ends[:, 0]) < 1e3 * abs(np.ptp(ends)))
             curved = arcs(*(np.where(swept, z, 0) for z in (middle, ends[:, 0], ends[:, 1])))
             part = np.linspace(0.0, 1.0, curved.shape[1])
@@ -513,8 +516,9 @@ class Page:
         """Mark the events of the first `known` frames in every plane, or of all."""
         named = [
             (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind), "event")
-            for frame in self.drawing.frames[:known]
-            for event in (events_of(frame, self.drawing.planes) if frame.event else ())
+            for i in self.drawing.frames[:known].events
+            for frame in (self.drawing.frames[i],)
+            for event in events_of(frame, self.drawing.planes)
             for plane in event.planes
             if self.view.holds(frame.points[plane.state])
         ]

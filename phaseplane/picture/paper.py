@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import chain
 from math import ceil
-from operator import itemgetter
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from phaseplane.constructions.primitives import Frame
+from phaseplane.constructions.storage import StoredFrames
 
 Points = npt.NDArray[np.complex128]
 Lengths = npt.NDArray[np.floating]
@@ -152,23 +151,47 @@ def arcs(centre: npt.ArrayLike, start: npt.ArrayLike, end: npt.ArrayLike) -> Poi
     return centre[..., None] + radius[..., None] * np.exp(1j * turn[..., None] * fraction)
 
 
-def table(frames: Sequence[Frame], names: Sequence[str]) -> Points:
+def table(frames: StoredFrames, names: Sequence[str]) -> Points:
     """Return the named points of the frames, shape (frames, names).
 
     Raises
     ------
     ValueError : if a frame lacks a point.
     """
-    if not names:
-        return np.zeros((len(frames), 0), complex)
-    read = itemgetter(*names)
-    rows = (read(frame.points) for frame in frames)
-    values = rows if len(names) == 1 else chain.from_iterable(rows)
-    try:
-        return np.fromiter(values, complex, len(frames) * len(names)).reshape(-1, len(names))
-    except KeyError as error:
-        step = next(frame.step for frame in frames if error.args[0] not in frame.points)
-        raise ValueError(f"step {step} of the construction has no point {error}") from None
+    points = columns(frames, names)
+    for row, column in np.argwhere(np.isnan(points)):
+        frame = frames[int(row)]
+        if names[column] not in frame.points:
+            raise ValueError(
+                f"step {frame.step} of the construction has no point {names[column]!r}"
+            )
+    return points
+
+
+def columns(frames: StoredFrames, names: Sequence[str]) -> Points:
+    """Return the named points of the frames, shape (frames, names); nan where there is none."""
+    return _columns(frames, "points", names, complex)
+
+
+def readings(frames: StoredFrames, names: Sequence[str]) -> Lengths:
+    """Return the named readings of the frames, shape (frames, names); nan where there is none."""
+    return _columns(frames, "readings", names, float)
+
+
+def _columns(
+    frames: StoredFrames, part: Literal["points", "readings"], names: Sequence[str], kind: type
+) -> npt.NDArray[Any]:
+    store, chosen = frames.store, np.asarray(frames.chosen, np.int64)
+    numbers, rows = (np.frombuffer(of, np.int64)[chosen] for of in (store.numbers, store.rows))
+    found: npt.NDArray[Any] = np.full((len(chosen), len(names)), np.nan, kind)
+    for number in np.unique(numbers):
+        known = {name: i for i, name in enumerate(getattr(store.layouts[number], part))}
+        present = np.array([i for i, name in enumerate(names) if name in known], np.int64)
+        values: npt.NDArray[Any] = np.frombuffer(getattr(store.tables[number], part), kind)
+        mine = np.flatnonzero(numbers == number)
+        columns = np.array([known[names[i]] for i in present.tolist()], np.int64)
+        found[np.ix_(mine, present)] = values[rows[mine, None] * len(known) + columns]
+    return found
 
 
 def vertices(points: npt.ArrayLike) -> npt.NDArray[np.float64]:

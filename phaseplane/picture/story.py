@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -26,11 +27,12 @@ from .words import (
 )
 
 FEWEST, MOST = 40, 60
+"""Ticks of a story, where the schemes allow it."""
 _AWAY = (
     0.25  # least distance of a state point from its origin in a step that is told, of the largest
 )
 _TELLING = 12  # fewest steps from which those are chosen
-"""Ticks of a story, where the schemes allow it."""
+_CANDIDATES = 1000  # most of them
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _HELP = (
@@ -103,7 +105,7 @@ def story_of(
     page = _page(stays, len(drawing.frames))
     page.events()
     page.dots("state", [motion[-1] for motion in stays.motions], 1.6)
-    read = readings_table(drawing.instants[-1].readings, quantities)
+    read = readings_table((drawing.end or last).readings, quantities)
     said = f"**The whole motion**: {len(drawing.frames)} steps. {_FURTHER}\n\n{read}"
     caption = f"The whole motion: {len(drawing.frames)} steps"
     count = len(drawing.frames)
@@ -132,12 +134,12 @@ def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
 
     found: list[int] = []
     for kind in _TOLD:
-        at = (i for i, f in enumerate(drawing.frames) if kind in f.event)
-        found += [i for i in [next(at, -1)] if i >= 0]
-    mode = drawing.frames[0].scheme
-    ordinary = [i for i, frame in enumerate(drawing.frames) if frame.scheme == mode]
+        found += [i for i, event in sorted(drawing.frames.events.items()) if kind in event][:1]
+    schemes = drawing.frames.schemes
+    ordinary = [i for i, scheme in enumerate(schemes) if scheme == schemes[0]]
     ordinary = _moving(drawing, ordinary)
-    room = room_for_letters(drawing, [drawing.frames[i] for i in ordinary])
+    ordinary = ordinary[:: ceil(len(ordinary) / _CANDIDATES)]
+    room = room_for_letters(drawing, drawing.frames.at(ordinary))
     room = np.nan_to_num(room, nan=0.0, posinf=0.0)
     left = MOST - 2 - sum(map(cost, found))
     parts = max(3, min(12, left // max(1, cost(ordinary[0]))))
@@ -154,7 +156,7 @@ def _moving(drawing: Drawing, steps: list[int]) -> list[int]:
     """Return the steps in which some state point is well away from its origin; all if none is."""
     origins = np.array([plane.displacement.origin for plane in drawing.planes])
     names = [plane.state for plane in drawing.planes]
-    size = abs(table([drawing.frames[i] for i in steps], names) - origins).max(axis=1)
+    size = abs(table(drawing.frames.at(steps), names) - origins).max(axis=1)
     least = _AWAY * np.nanmax(size, initial=0.0)
     moving = [i for i, z in zip(steps, size, strict=True) if z >= least]
     return moving if len(moving) >= _TELLING else steps

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from phaseplane.constructions.primitives import Drawing, Frame, Plane
+from phaseplane.constructions.storage import StoredFrames
 
 from .layers import is_main
 from .page import CURVES, graduation_of, motions_of, reach_of
-from .paper import Box, Lengths, Points, around, bounds, corners, table
+from .paper import Box, Lengths, Points, around, bounds, columns, corners, table
 
 _NAME = 0.16  # room for the name of an axis, as a fraction of the sheet's height
 _FEET = 0.1  # share of the feet at either end that may be out of view
@@ -35,11 +36,12 @@ def telling_frame(drawing: Drawing, mode: str = "") -> Frame:
     mode : mode of the step; default: that of the first
     """
     mode = mode or drawing.frames[0].scheme
-    frames = [frame for frame in drawing.frames if frame.scheme == mode]
+    frames = drawing.frames
+    frames = frames.at([i for i, scheme in enumerate(frames.schemes) if scheme == mode])
     return frames[int(room_for_letters(drawing, frames).argmax())]
 
 
-def room_for_letters(drawing: Drawing, frames: Sequence[Frame]) -> Lengths:
+def room_for_letters(drawing: Drawing, frames: StoredFrames) -> Lengths:
     """Return how clear of each other the letters of steps of one mode are on their sheet."""
     mode = frames[0].scheme
     names = [m.point for m in drawing.schemes[mode].marks if is_main(m.point) and m.label]
@@ -93,14 +95,10 @@ def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, P
     points += [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
     known = corners(np.concatenate(points))
     size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
-    feet = [
-        f.points[plane.foot]
-        for f in drawing.frames
-        for plane in planes
-        if plane.foot in f.points and np.isfinite(f.points[plane.foot])
-    ]
-    if feet:
-        x = np.quantile(np.array(feet).real, [_FEET, 1.0 - _FEET])
+    feet = columns(drawing.frames, [plane.foot for plane in planes])
+    feet = feet[np.isfinite(feet)]
+    if feet.size:
+        x = np.quantile(feet.real, [_FEET, 1.0 - _FEET])
         low, high = known.real.min() - 0.2 * size, known.real.max() + 0.2 * size
         height = planes[0].displacement.origin.imag
         known = np.append(known, [complex(np.clip(v, low, high), height) for v in x])

@@ -55,8 +55,8 @@ class Clock:
             return cls(np.zeros(0), np.zeros(0, np.int64), np.zeros(0))
         last = drawing.frames[-1]
         return cls(
-            np.array([*(frame.time for frame in drawing.frames), last.time + last.duration]),
-            np.array([*(frame.step for frame in drawing.frames), last.step + 1]),
+            np.array([*drawing.frames.times, last.time + last.duration]),
+            np.array([*drawing.frames.steps, last.step + 1]),
             np.array(ticks, float),
         )
 

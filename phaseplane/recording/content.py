@@ -97,7 +97,7 @@ class Content:
         digest = blake2b(repr((self.title, self.detail, self.views)).encode(), digest_size=8)
         if self.drawing is not None:
             digest.update(self.drawing.title.encode())
-            digest.update(np.array([frame.time for frame in self.drawing.frames]).tobytes())
+            digest.update(np.array(self.drawing.frames.times).tobytes())
             for motion in motions_of(self.drawing):
                 digest.update(motion.tobytes())
         for name, column in self.histories.items():
@@ -108,10 +108,10 @@ class Content:
 def _check_drawing(drawing: Drawing) -> None:
     if not drawing.frames:
         raise ValueError(f"the drawing {drawing.title!r} has no steps: nothing to record")
-    for frame in drawing.frames:
-        if frame.scheme not in drawing.schemes:
+    for step, scheme in zip(drawing.frames.steps, drawing.frames.schemes, strict=True):
+        if scheme not in drawing.schemes:
             raise ValueError(
-                f"step {frame.step} follows the scheme {frame.scheme!r}; "
+                f"step {step} follows the scheme {scheme!r}; "
                 f"the drawing has {', '.join(drawing.schemes)}"
             )
 

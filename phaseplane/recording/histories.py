@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture.paper import readings
 from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of
 from phaseplane.picture.words import in_words
@@ -56,7 +58,7 @@ def panels(content: Content) -> list[Panel]:
     """Return the columns by quantity: those of the table first, then other units, then bare numbers."""
     found: dict[Quantity, list[str]] = {quantity: [] for quantity in QUANTITIES}
     drawing = content.drawing
-    readings = tuple(drawing.frames[0].readings) if drawing is not None else ()
+    known = tuple(drawing.frames[0].readings) if drawing is not None else ()
     for name in content.histories:
         quantity = quantity_of(name, content.units)
         if name == "time" or name.endswith("_residual"):
@@ -68,7 +70,7 @@ def panels(content: Content) -> list[Panel]:
         ):
             found.setdefault(quantity, []).append(name)
     return [
-        Panel(quantity, tuple(names), tuple(name for name in names if name in readings))
+        Panel(quantity, tuple(names), tuple(name for name in names if name in known))
         for quantity, names in found.items()
         if names
     ]
@@ -95,13 +97,14 @@ def send_readings(
     """Send what was read off the construction in a range of steps, as points on the curves."""
     drawing = content.drawing
     assert drawing is not None
-    instants = drawing.instants[first : last + (last == len(drawing.frames))]
+    end = [drawing.end] if last == len(drawing.frames) and drawing.end is not None else []
     for panel in panels(content):
-        for name in panel.drawn:
-            values = panel.quantity.factor * np.array([f.readings[name] for f in instants])
+        read = readings(drawing.frames[first:last], panel.drawn)
+        read = np.append(read, readings(StoredFrames(end), panel.drawn), axis=0)
+        for name, values in zip(panel.drawn, panel.quantity.factor * read.T, strict=True):
             recording.send_columns(
                 f"{panel.path}/{name}/{_POINTS}",
-                clock.columns(np.arange(first, first + len(instants))),
+                clock.columns(np.arange(first, first + len(values))),
                 rr.Scalars.columns(scalars=values),
             )
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Axis, Drawing, Plane
+from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.page import Page, motions_of
 from phaseplane.picture.paper import Box, Points, around
 from phaseplane.picture.quantities import quantity_of, rate_of
@@ -137,7 +138,7 @@ def pages_of(content: Content) -> list[Page]:
         views = [
             around(np.concatenate(motions), 0.12), *(around(motion, 0.12) for motion in motions)
         ]  # fmt: skip
-        drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, ())
+        drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     views = [_fitted(view) for view in (views if len(views) > 2 else views[:1])]
     pages = [Page(drawing, view, 2.0 * view.half.imag / _EMS, motions) for view in views]
     pages[0].axes_of_planes()

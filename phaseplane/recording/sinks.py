@@ -84,22 +84,14 @@ def record(
     )
     target = Path(path)
     _check_target(target)
-    _write_whole(target, encoded(content))
-
-
-def encoded(content: Content) -> bytes:
-    """Return the content of an `.rrd` file."""
     content.check()
-    with strict():
+    with strict(), _written_whole(target) as draft:
         recording = new_recording(content)
-        # Encoded in memory, because rerun's file sink hangs if the disk is full.
-        memory = recording.memory_recording()
+        recording.save(draft)
         recorder = Recorder(recording, content)
         recording.send_blueprint(blueprint(content, recorder))
         recorder.all()
-        made = memory.drain_as_bytes()
         recording.disconnect()
-    return made
 
 
 @contextmanager
@@ -120,12 +112,31 @@ def _check_target(target: Path) -> None:
         raise FileNotFoundError(f"no folder {target.parent}; create it first")
 
 
-def _write_whole(target: Path, content: bytes) -> None:
-    """Write beside the target, then move into its place."""
+@contextmanager
+def _written_whole(target: Path) -> Iterator[Path]:
+    """Give a file beside the target to write to, then move it into its place.
+
+    Raises
+    ------
+    OSError : if it could not be written; the target is then as it was.
+    """
     draft = target.with_name(f".{target.name}.{os.getpid()}")
     try:
-        draft.write_bytes(content)
+        yield draft
         draft.replace(target)
     except OSError as error:
-        draft.unlink(missing_ok=True)
         raise type(error)(f"cannot write {target}: {error.strerror}") from error
+    except RuntimeError as error:  # rerun does not say why its writer ended
+        raise OSError(f"cannot write {target}: {_why_unwritable(draft)}") from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _why_unwritable(draft: Path) -> str:
+    """Return why nothing can be added to a file."""
+    try:
+        with draft.open("ab") as file:
+            file.write(bytes(1 << 16))
+    except OSError as error:
+        return error.strerror or str(error)
+    return "rerun's writer has ended"

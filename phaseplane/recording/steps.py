@@ -53,7 +53,7 @@ def send_steps(
     ------
     ValueError : if a frame lacks a point of its scheme.
     """
-    schemes = [frame.scheme for frame in drawing.frames[first : last + 1]]
+    schemes = drawing.frames[first : last + 1].schemes
     for key in drawing.schemes:
         drawn = np.array([i for i in range(last - first) if schemes[i] == key], np.int64)
         left = [i + 1 for i in drawn if i + 1 < len(schemes) and schemes[i + 1] != key]
@@ -194,8 +194,8 @@ def send_events(
     recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
 ) -> None:
     """Log marks in the planes of each event in a range of steps."""
-    found = {i: _marks(drawing.frames[i], drawing) for i in range(first, last)}
-    found = {i: marks for i, marks in found.items() if marks}
+    events = drawing.frames[first:last].events
+    found = {first + i: _marks(drawing.frames[first + i], drawing) for i in events}
     if not found:
         return
     several = len(found) > _MOST_LETTERED
@@ -220,8 +220,6 @@ def send_events(
 
 
 def _marks(frame: Frame, drawing: Drawing) -> list[tuple[complex, str]]:
-    if not frame.event:
-        return []
     return [
         (frame.points[plane.state], LETTER_OF_EVENT.get(event.kind, event.kind))
         for event in events_of(frame, drawing.planes)

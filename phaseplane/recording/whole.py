@@ -10,7 +10,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.chart import Chart
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import Page, motions_of, reach_of
 from phaseplane.picture.quantities import Quantity, read_off
 from phaseplane.picture.story import Tick, arms_page, story_of
 
@@ -78,9 +78,8 @@ class Recorder:
         """The quantities of the readings of the construction."""
         drawing = self.content.drawing
         assert drawing is not None
-        axis = drawing.planes[0].displacement
-        values = [axis.read(frame.points[drawing.planes[0].state]) for frame in drawing.frames]
-        return read_off(drawing, float(np.ptp(values)))
+        low, high = reach_of(drawing.planes[0].displacement, motions_of(drawing)[0])
+        return read_off(drawing, high - low)
 
     @cached_property
     def chart(self) -> Chart | None:
@@ -120,12 +119,18 @@ class Recorder:
         return content.drawing is not None and content.shows("words") and content.detail != "trail"
 
     def all(self) -> None:
-        """Log the whole content."""
+        """Log the whole content, and wait until it is written.
+
+        Raises
+        ------
+        RuntimeError : if it cannot be written or sent.
+        """
         self.begin()
         drawing = self.content.drawing
         self.steps(0, len(drawing.frames) if drawing is not None else 0)
         self.run({name: np.asarray(c, float) for name, c in self.content.histories.items()})
         self.story()
+        self.recording.flush()
 
     def begin(self) -> None:
         """Log everything that is known before a run: axes, curves, shapes, names."""
@@ -162,6 +167,7 @@ class Recorder:
                 cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
                 send_cursor(self.recording, cursors, self.clock, start)
             send_readings(self.recording, self.content, self.clock, start, end)
+            self.recording.flush()  # what has been encoded is written, so that memory does not grow
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""

@@ -20,7 +20,7 @@ from recorded import (
 )
 
 from phaseplane.picture.styles import hue_of
-from phaseplane.recording import new_recording, record
+from phaseplane.recording import new_recording, record, whole
 from phaseplane.recording.columns import rgba
 
 
@@ -97,6 +97,22 @@ def test_a_failed_write_leaves_the_old_file(tmp_path: Path) -> None:
         record(drawing(), target)
     assert target.read_bytes() == b"the old recording"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def test_steps_are_written_slice_by_slice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes = []
+
+    def send_readings(*_: object) -> None:
+        (draft,) = tmp_path.glob(".f.rrd.*")
+        sizes.append(draft.stat().st_size)
+
+    monkeypatch.setattr(whole, "SLICE", 20)
+    monkeypatch.setattr(whole, "send_readings", send_readings)
+    record(drawing(), tmp_path / "f.rrd")
+    assert len(sizes) == 3
+    # when a slice is made, those before it are in the file
+    assert all(size > written * 20 * 300 for written, size in enumerate(sizes))
+    assert Recorded(tmp_path / "f.rrd").rows["/sheet/steps/here"]
 
 
 def test_an_existing_file_is_replaced(tmp_path: Path) -> None:
