@@ -61,6 +61,7 @@ DIRECTIVES = {
     "initializedcheck": False,
     "auto_pickle": False,  # two fifths of the machine code, which nothing called
     "binding": False,  # methods as CPython's own: under the limited API they are called faster
+    "warn.multiple_declarators": False,  # arrays of one kind are declared together
 }
 # in the order in which they need each other
 MODULES = (

@@ -29,12 +29,11 @@ def static_equilibrium(
     """
     from .engine import Network, Rest  # noqa: PLC0415  (commands that find no equilibrium need no kernel)
 
-    rest = Rest(Network(system))
-    for k, name in enumerate(system.signals):
-        rest.level[k] = (signals or {}).get(name, 0.0)
-    if rest.find() != 0:
+    levels = [(signals or {}).get(name, 0.0) for name in system.signals]
+    found: tuple[float, ...] | None = Rest(Network(system)).displacements(levels)
+    if found is None:
         raise ValueError(
             "no static equilibrium was found: every coordinate must be held by springs that can carry "
             "its load"
         )
-    return tuple(rest.q)
+    return found

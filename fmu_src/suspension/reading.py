@@ -64,10 +64,9 @@ class State:
 
     def __init__(self, system: System, integrator: Any) -> None:
         self._integrator = integrator
-        # builtin views are read several times faster than those of a compiled attribute
-        self.q, self.v = memoryview(integrator.sample_q), memoryview(integrator.sample_v)
-        self._a, self._f = memoryview(integrator.sample_a), memoryview(integrator.sample_f)
-        self._set = memoryview(integrator.sample_set)
+        self.q, self.v = integrator.sample_q, integrator.sample_v
+        self._a, self._f = integrator.sample_a, integrator.sample_f
+        self._set = integrator.sample_set
         self.at(0.0, system.signals)
 
     def at(self, time: float, signals: Mapping[str, Signal]) -> None:

@@ -166,7 +166,7 @@ class Session:
         self._system, self._integrator = system, integrator
         self._behind, self._around = integrator.snapshot(), None
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
-        self.contacts = Contacts(*(memoryview(getattr(self._run, of)) for of in Contacts._fields))
+        self.contacts = Contacts(*self._run.contacts())
         self.state = State(system, integrator)
         self.readers = Readers(outputs(self.model), system, integrator, self)  # while `ok`
 
@@ -350,10 +350,7 @@ class Session:
     def _read_lines(self) -> None:
         """Take the present course of every signal that inputs drive."""
         run, names = self._run, list(self._system.signals)
-        for signal, *line in zip(
-            run.line_signal, run.line_time, run.line_value, run.line_slope, strict=True
-        ):
-            origin, value, slope = line
+        for signal, origin, value, slope in run.courses():
             self._signals[names[signal]] = Signal(
                 (Segment(-inf, origin, (value, slope, 0.0, 0.0)),)
             )
@@ -457,7 +454,7 @@ class Session:
                 return nan if isinstance(start, float) else type(start)(0)
             return self.readers[name]()
         if name in self._inputs:
-            return float(self._run.value[self._inputs.index(name)])
+            return float(self._run.input_now(self._inputs.index(name)))
         refuse_unknown([name], (*declared, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
 

@@ -1,82 +1,89 @@
-"""The arrays that hold all numbers of the kernel, allocated once at the start.
+"""The memory of the kernel: the arrays of one integrator, side by side.
 
-The arrays of one integrator are contiguous, in memory of their own. Threads that write to the same cache
-line wait for each other, and Python's allocator hands out small blocks to all threads in turn, so two
-integrators in parallel would otherwise be slower than one after the other.
+Compiled, an array is an address within blocks of bytes that live as long as their `Memory`; the cache
+lines of two integrators are apart, as threads that write to one line wait for each other. Uncompiled, an
+array is one of Python's.
 """
 
 from __future__ import annotations
 
 from array import array
-from threading import local
 
 import cython
 
-_LINE = 64  # bytes of a cache line
-_BLOCK = 1 << 15  # bytes allocated at a time
-_WORD, _HALF_WORD = (
-    8,
-    4,
-)  # bytes of a double, at a multiple of which every array starts, and of an int
+_LINE = 8  # doubles in a cache line
+_BLOCK = 4096  # doubles allocated at a time
+_SIZE_OF_DOUBLE, _SIZE_OF_INTEGER = 8, 4  # bytes
 
 
-class _Place(local):
-    """The free memory for the next array, in each thread."""
+class Memory:
+    """Where the arrays of an integrator are; they are zero at first, and never given back."""
 
-    room = memoryview(b"")
-    at = 0  # the first free byte
+    def __init__(self):
+        self.blocks = []
+        self.left = -1  # doubles that are free in the last block; there is none yet
 
+    def _take(self, count):
+        """Return so many doubles from the last block, or from a new one."""
+        if count > self.left:
+            self.left = max(count, _BLOCK)
+            block = bytearray(_SIZE_OF_DOUBLE * (self.left + 2 * _LINE))
+            self.blocks.append(block)
+            # a line is left free on both sides
+            self.free = cython.cast("double *", PyByteArray_AsString(block)) + _LINE  # noqa: F821
+        taken = self.free
+        self.free += count
+        self.left -= count
+        return taken
 
-_place = _Place()
+    def zeros(self, count):
+        """Return so many doubles."""
+        if cython.compiled:
+            return self._take(count)
+        else:  # noqa: RET505  (what is not compiled has other types)
+            return array("d", bytes(_SIZE_OF_DOUBLE * count))
 
+    def marks(self, count):
+        """Return so many integers."""
+        if cython.compiled:
+            return cython.cast("int *", self._take((count + 1) // 2))
+        else:  # noqa: RET505
+            return array("i", bytes(_SIZE_OF_INTEGER * count))
 
-def begin_apart():
-    """Allocate the next arrays of this thread apart from all existing ones."""
-    _place.room, _place.at = memoryview(b""), 0
+    def doubles(self, values):
+        """Return an array of these doubles."""
+        given = list(values)
+        placed = self.zeros(len(given))
+        for i in range(len(given)):
+            placed[i] = given[i]
+        return placed
 
+    def integers(self, values):
+        """Return an array of these integers."""
+        given = list(values)
+        placed = self.marks(len(given))
+        for i in range(len(given)):
+            placed[i] = given[i]
+        return placed
 
-def zeros(count):
-    return (
-        _allocated(count, "d")
-        if cython.compiled and count > 0
-        else array("d", bytes(_WORD * count))
-    )
+    def seen(self, numbers, count):
+        """Return an array of doubles as Python sees it: a view that keeps its memory alive."""
+        if cython.compiled:
+            return self._view(cython.cast("char *", numbers), _SIZE_OF_DOUBLE * count).cast("d")
+        else:  # noqa: RET505
+            return memoryview(numbers)[:count]
 
+    def seen_marks(self, numbers, count):
+        """Return an array of integers as Python sees it."""
+        if cython.compiled:
+            return self._view(cython.cast("char *", numbers), _SIZE_OF_INTEGER * count).cast("i")
+        else:  # noqa: RET505
+            return memoryview(numbers)[:count]
 
-def marks(count):
-    return _allocated(count, "i") if cython.compiled and count > 0 else array("i", [0] * count)
-
-
-def doubles(values):
-    return _placed(array("d", values))
-
-
-def integers(values):
-    return _placed(array("i", values))
-
-
-def vectors(count, size):
-    return [zeros(size) for _ in range(count)]
-
-
-def _placed(values):
-    """Copy an array into the free memory; uncompiled, return it, as plain arrays are read faster."""
-    if not (cython.compiled and values):
-        return values
-    placed = _allocated(len(values), values.typecode)
-    placed[:] = memoryview(values)
-    return placed
-
-
-def _allocated(count, typecode):
-    """Return so many zeros from the free memory."""
-    size = count * (_WORD if typecode == "d" else _HALF_WORD)
-    place = _place
-    if place.at + size > len(place.room):
-        lines = max(size, _BLOCK) // _LINE + 1
-        memory = array("B", bytes((lines + 1) * _LINE))
-        first = -memory.buffer_info()[0] % _LINE
-        place.room, place.at = memoryview(memory)[first : first + lines * _LINE], 0
-    at = place.at
-    place.at = at + (size + _WORD - 1) // _WORD * _WORD
-    return place.room[at : at + size].cast(typecode)
+    def _view(self, address, size):
+        """Return bytes of the block that they are in."""
+        for block in self.blocks:
+            at = address - PyByteArray_AsString(block)  # noqa: F821
+            if 0 <= at < len(block):
+                return memoryview(block)[at : at + size]
+        raise ValueError("these numbers are in another memory")

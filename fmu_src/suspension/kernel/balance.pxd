@@ -9,11 +9,11 @@ cdef class Balance:
     cdef Network net
     cdef int n, instants, last, bends
     cdef bint loads_hold
-    cdef double[::1] fraction, tangent_k, tangent_c
-    cdef double[::1] constant, loads, load_rate, under, carrier, force, force_k, force_c
+    cdef double *fraction, *tangent_k, *tangent_c
+    cdef double *constant, *loads, *load_rate, *under, *carrier, *force, *force_k, *force_c
     cdef double[1024] stiffness, damping, flexibility
     cdef double[32] q, v, a, j, f, fk, fb
-    cdef int[::1] bent_row, bent_first, bent_piece, bent_factor, bent_law
+    cdef int *bent_row, *bent_first, *bent_piece, *bent_factor, *bent_law
 
     @cython.locals(i=int)
     cdef void enter(self) noexcept nogil
@@ -29,19 +29,19 @@ cdef class Balance:
     @cython.locals(i=int, at=int, p=int, s=int)
     cdef void _find_loads(self, int k, bint rates) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, f=double)
-    cdef void _add_loads(self, double[::1] out, int at, int order) noexcept nogil
+    cdef void _add_loads(self, double *out, int at, int order) noexcept nogil
     @cython.locals(k=int)
-    cdef void begin(self, double t, double[::1] q, double[::1] v, double[::1] a,
-                    double[::1] j) noexcept nogil
-    cdef void end(self, double t, double[::1] q, double[::1] v, double[::1] a,
-                  double[::1] j) noexcept nogil
+    cdef void begin(self, double t, double *q, double *v, double *a,
+                    double *j) noexcept nogil
+    cdef void end(self, double t, double *q, double *v, double *a,
+                  double *j) noexcept nogil
     @cython.locals(i=int)
-    cdef void accelerations(self, double t, double[::1] q, double[::1] v,
-                            double[::1] a) noexcept nogil
-    cdef void _solve_rows(self, double[::1] q, double[::1] v, double[::1] a,
-                          double[::1] j) noexcept nogil
+    cdef void accelerations(self, double t, double *q, double *v,
+                            double *a) noexcept nogil
+    cdef void _solve_rows(self, double *q, double *v, double *a,
+                          double *j) noexcept nogil
     @cython.locals(i=int)
-    cdef void _solve(self, double[::1] q, double[::1] v, double[::1] a, double[::1] j) noexcept nogil
+    cdef void _solve(self, double *q, double *v, double *a, double *j) noexcept nogil
     @cython.locals(i=int)
     cdef inline void _solve_motion(self, int n) noexcept nogil
     @cython.locals(i=int, p=int, r=int, at=int, d=double, w=double)

@@ -12,8 +12,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, marks, vectors, zeros
-
 if not cython.compiled:
     from .linear import solve
 
@@ -35,30 +33,33 @@ class Balance:
     def __init__(self, network, fractions):
         n, rows = network.n, max(network.rows, 1)
         self.net, self.n = network, n
+        memory = self.net.memory
         self.instants = len(fractions)
-        self.fraction = doubles(fractions)
+        self.fraction = memory.doubles(fractions)
         self.last = n * (self.instants - 1)
-        self.tangent_k, self.tangent_c = vectors(2, n * n)  # of all, at the state last asked for
-        self.constant, self.load_rate = vectors(2, n)
+        # of all, at the state last asked for
+        self.tangent_k, self.tangent_c = memory.zeros(n * n), memory.zeros(n * n)
+        self.constant, self.load_rate = memory.zeros(n), memory.zeros(n)
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
         self.stiffness, self.damping = [0.0] * 1024, [0.0] * 1024  # of the straight pieces
         self.flexibility = [0.0] * 1024
         self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
         self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
         # loads at all instants of a step, and at one more within it
-        self.loads = zeros(n * (self.instants + 1))
+        self.loads = memory.zeros(n * (self.instants + 1))
         self.loads_hold = 0  # whether the loads of the present branches are constant, and known
         self.bends = 0  # number of rows with a curved force
-        self.bent_row, self.bent_first = marks(rows), marks(rows + 1)
-        self.bent_law = marks(2 * network.elements)
-        self.bent_piece, self.bent_factor = integers(self.bent_law), integers(self.bent_law)
-        self.under = doubles(
-            [0.0] * 2 * rows * (self.instants + 1)
-        )  # road of each bent row, its rate
-        self.carrier = doubles(
-            [0.0] * rows * self.instants
-        )  # acceleration of the road of sticking rows
-        self.force, self.force_k, self.force_c = vectors(3, rows)  # of each bent row
+        self.bent_row, self.bent_first = memory.marks(rows), memory.marks(rows + 1)
+        laws = 2 * self.net.elements
+        self.bent_law = memory.marks(laws)
+        self.bent_piece, self.bent_factor = memory.marks(laws), memory.marks(laws)
+        # road of each bent row, its rate
+        self.under = memory.zeros(2 * rows * (self.instants + 1))
+        # acceleration of the road of sticking rows
+        self.carrier = memory.zeros(rows * self.instants)
+        # of each bent row
+        self.force, self.force_k = memory.zeros(rows), memory.zeros(rows)
+        self.force_c = memory.zeros(rows)
 
     def enter(self):
         """Read the present branches."""

@@ -11,7 +11,7 @@ cdef class Crossing:
     cdef double low, high
 
     @cython.locals(b="double *", d1=double, d2=double, d3=double)
-    cdef void hermite7(self, double[::1] x, int at, double h) noexcept nogil
+    cdef void hermite7(self, double *x, int at, double h) noexcept nogil
     @cython.locals(b="double *", d1=double, d2=double)
     cdef void hermite5(self, double x0, double dx0, double ddx0,
                        double x1, double dx1, double ddx1, double h) noexcept nogil

@@ -11,21 +11,21 @@ cdef class Columns:
     cdef Balance balance
     cdef Network net
     cdef int n, columns
-    cdef int[::1] substeps, instant
+    cdef int *substeps, *instant
     cdef double step, enough, bend
-    cdef double[::1] weight, check
+    cdef double *weight, *check
     cdef double[4] s, half, third, sixth
     cdef double[4096] inverse
     cdef double[128] q, v, a
     cdef double[32] f, fk, fb, end_q, end_v, error_q, error_v
-    cdef double[::1] yield_of, coupling, carried
+    cdef double *yield_of, *coupling, *carried
     cdef double[64] d, w, x0, x, dx, rest
-    cdef double[::1] matrix, x1, x2, x3
+    cdef double *matrix, *x1, *x2, *x3
 
     cdef void forget(self) noexcept nogil
     @cython.locals(n=int, c=int, i=int)
-    cdef int attempt(self, double h, double[::1] q, double[::1] v, double[::1] a,
-                     double[::1] j) noexcept nogil
+    cdef int attempt(self, double h, double *q, double *v, double *a,
+                     double *j) noexcept nogil
     @cython.locals(c=int, k=int, first=int, status=int)
     cdef inline int _advance(self, int n, bint rows) noexcept nogil
     @cython.locals(n=int, c=int, status=int)
@@ -46,7 +46,7 @@ cdef class Columns:
     @cython.locals(i=int, p=int, u=double)
     cdef inline int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil
     @cython.locals(i=int, p=int, r=int, c=int, at=int, x=double, rate=double)
-    cdef void _begin_rows(self, int n, double[::1] a, double[::1] j) noexcept nogil
+    cdef void _begin_rows(self, int n, double *a, double *j) noexcept nogil
     @cython.locals(rows=int, p=int, o=int, _iteration=int, before=double,
                    lack_before=double, share=double, lack=double, rounding=double, rest=double,
                    size=double, x=double, limit=double)
@@ -59,6 +59,6 @@ cdef class Columns:
     @cython.locals(i=int, p=int, at=int, slope=double, force=double, earlier=double)
     cdef inline void _take_rows(self, int n, int bends, int c, int k) noexcept nogil
     @cython.locals(n=int, i=int)
-    cdef int extrapolate(self, double[::1] q, double[::1] v) noexcept nogil
+    cdef int extrapolate(self, double *q, double *v) noexcept nogil
     @cython.locals(i=int, c=int, last=int, weight=double, check=double, x=double, y=double)
     cdef inline void _extrapolate(self, int n) noexcept nogil

@@ -27,8 +27,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, vectors, zeros
-
 if not cython.compiled:
     from math import fabs, isfinite
 
@@ -72,11 +70,12 @@ class Columns:
         self.balance = balance
         self.net, self.n, self.columns = self.balance.net, self.balance.n, len(sequence)
         n, rows, columns = self.n, max(self.net.rows, 1), self.columns
-        self.substeps, self.instant = integers(sequence), integers(fraction_index)
+        memory = self.net.memory
+        self.substeps, self.instant = memory.integers(sequence), memory.integers(fraction_index)
         weights = extrapolation_weights(sequence)
         lower = [0.0, *extrapolation_weights(sequence[1:])]
-        self.weight = doubles(weights)
-        self.check = doubles(w - x for w, x in zip(weights, lower, strict=True))
+        self.weight = memory.doubles(weights)
+        self.check = memory.doubles(w - x for w, x in zip(weights, lower, strict=True))
         self.step = -1.0  # that of the matrices; -1 if there are none
         self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
@@ -87,16 +86,17 @@ class Columns:
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
         self.rest = [0.0] * 64  # lack of equilibrium of each curved row, per mass
         # for each column and curved row: W b, and with each other curved row b' W b
-        self.yield_of = zeros(columns * rows * n)
-        self.coupling = zeros(columns * rows * rows)
+        self.yield_of = memory.zeros(columns * rows * n)
+        self.coupling = memory.zeros(columns * rows * rows)
         # for each column and sticking row: the acceleration of all by one of its road
-        self.carried = zeros(columns * rows * n)
+        self.carried = memory.zeros(columns * rows * n)
         # of curved rows: d*, w*, x without them, x, its last correction; the equations for it
         self.d, self.w, self.x0 = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.x, self.dx = [0.0] * 64, [0.0] * 64
-        self.matrix = zeros(rows * rows)
+        self.matrix = memory.zeros(rows * rows)
         # x at the ends of the last three substeps of each column
-        self.x1, self.x2, self.x3 = vectors(3, columns * rows)
+        bent = columns * rows
+        self.x1, self.x2, self.x3 = memory.zeros(bent), memory.zeros(bent), memory.zeros(bent)
         self.enough = 0.0  # error of x that does not matter
         self.bend = -1.0  # correction over the square of the one before; -1 if unknown
 

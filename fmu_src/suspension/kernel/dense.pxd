@@ -1,13 +1,15 @@
 cimport cython
+from .arrays cimport Memory
 
 cdef int _SEPTIC
 
 @cython.final
 cdef class Dense:
+    cdef Memory memory
     cdef int n
     cdef bint cubic, to_end, known
     cdef double start, end
-    cdef double[::1] qa, va, aa, ja, qb, vb, ab, jb, q, v, a, terms
+    cdef double *qa, *va, *aa, *ja, *qb, *vb, *ab, *jb, *q, *v, *a, *terms
 
     @cython.locals(i=int, at=int, h=double, c0=double, c1=double, c2=double, c3=double,
                    d0=double, d1=double, d2=double, d3=double)

@@ -9,8 +9,6 @@ form with the nodes at the ends,
 
 from __future__ import annotations
 
-from .arrays import vectors, zeros
-
 _SEPTIC = 8  # terms of each coordinate
 
 
@@ -19,19 +17,25 @@ class Dense:
 
     Parameters
     ----------
+    place : the memory of its numbers
     n : number of coordinates
     cubic : whether the third derivative is constant within the step
     to_end : whether that derivative follows from the displacement at the end; steps by increments end
         with the acceleration of the equation of motion, which is not that of their cubic
     """
 
-    def __init__(self, n, cubic, to_end):
-        self.n, self.cubic, self.to_end = n, cubic, to_end
+    def __init__(self, place, n, cubic, to_end):
+        self.memory, self.n, self.cubic, self.to_end = place, n, cubic, to_end
+        memory = self.memory
         self.start = self.end = 0.0
-        self.qa, self.va, self.aa, self.ja = vectors(4, n)
-        self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # before any switch there
-        self.q, self.v, self.a = vectors(3, n)  # the last values read
-        self.terms = zeros(_SEPTIC * n)
+        self.qa, self.va = memory.zeros(n), memory.zeros(n)
+        self.aa, self.ja = memory.zeros(n), memory.zeros(n)
+        # before any switch there
+        self.qb, self.vb = memory.zeros(n), memory.zeros(n)
+        self.ab, self.jb = memory.zeros(n), memory.zeros(n)
+        # the last values read
+        self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.terms = memory.zeros(_SEPTIC * n)
         self.known = 0  # whether the terms belong to the present ends
 
     def _find_terms(self):

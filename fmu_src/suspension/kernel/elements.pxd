@@ -8,21 +8,21 @@ cdef double _CREEP
 cdef class Elements(Laws):
     # the system
     cdef readonly int n, rows, elements
-    cdef double[::1] row_direction, limit, free_length, free_energy, spring_rate, initial_set, friction
-    cdef double[::1] opening, breakaway
-    cdef int[::1] row_signal, element_row, yields, modulated
+    cdef double *row_direction, *limit, *free_length, *free_energy, *spring_rate, *initial_set, *friction
+    cdef double *opening, *breakaway
+    cdef int *row_signal, *element_row, *yields, *modulated
     cdef bint always_straight
     cdef int switchable  # number of branches that can change
-    cdef int[::1] switch_element, switch_kind
+    cdef int *switch_element, *switch_kind
     # its branches
-    cdef int[::1] branch, departing, stuck_element, row_stuck
+    cdef int *branch, *departing, *stuck_element, *row_stuck
     cdef int stuck
     cdef double exchange
-    cdef int[::1] kept_branch, kept_signal
-    cdef double[::1] kept_set
+    cdef int *kept_branch, *kept_signal
+    cdef double *kept_set
     # results of the last evaluation
-    cdef double[::1] row_d, row_v, row_f, row_k, row_c
-    cdef double[::1] branch_f, branch_k, branch_c
+    cdef double *row_d, *row_v, *row_f, *row_k, *row_c
+    cdef double *branch_f, *branch_k, *branch_c
     cdef double force0, force1, force2
 
     @cython.locals(s=int, e=int, k=int)
@@ -32,7 +32,7 @@ cdef class Elements(Laws):
     @cython.locals(e=int, kind=int, p=int, several=bint)
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
-    cdef void row_states(self, double[::1] q, double[::1] v) noexcept nogil
+    cdef void row_states(self, double *q, double *v) noexcept nogil
     @cython.final
     cdef inline int piece_now(self, int e, int law) noexcept nogil
     @cython.locals(r=int)
@@ -47,7 +47,7 @@ cdef class Elements(Laws):
     cdef void linearise(self) noexcept nogil
     @cython.locals(ps=int, pd=int, pm=int, d=double, v=double, a=double, j=double, k=double, c=double,
                    damping0=double, damping1=double, damping2=double, m0=double, m1=double, m2=double)
-    cdef void unlimited_force(self, int e, double[::1] row, int at) noexcept nogil
+    cdef void unlimited_force(self, int e, double *row, int at) noexcept nogil
     cdef bint spring_is_straight(self, int e) noexcept nogil
     @cython.locals(p=int)
     cdef bint damper_is_straight(self, int e) noexcept nogil
@@ -56,13 +56,13 @@ cdef class Elements(Laws):
     cdef double bound(self, int e, int kind, int side) noexcept nogil
     @cython.locals(at=int, back=bint)
     cdef int enter(self, int e, int kind, int side, double t,
-                   double[::1] q, double[::1] v) noexcept nogil
+                   double *q, double *v) noexcept nogil
     @cython.locals(e=int, at=int, off=int, d=double, w=double, force=double)
-    cdef void locate_branches(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void locate_branches(self, double t, double *q, double *v) noexcept nogil
     @cython.locals(e=int, r=int)
     cdef void list_stuck(self) noexcept nogil
     @cython.locals(k=int, e=int)
-    cdef void follow_slips(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void follow_slips(self, double t, double *q, double *v) noexcept nogil
     @cython.locals(at=int)
     cdef void _follow_slip(self, int e, double w) noexcept nogil
     @cython.locals(k=int)
@@ -75,16 +75,16 @@ cdef class Elements(Laws):
     cdef void exchange_branches(self) noexcept nogil
 
     @cython.locals(d=double, change=double)
-    cdef void book_exchange(self, int e, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void book_exchange(self, int e, double t, double *q, double *v) noexcept nogil
     cdef double free_potential(self, int e, double d) noexcept nogil
     @cython.locals(e=int, side=int, d=double)
-    cdef void settle(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void settle(self, double t, double *q, double *v) noexcept nogil
     cdef double permanent_set(self, int e, double d) noexcept nogil
     @cython.locals(at=int, above=int, rate=double, flow=double)
     cdef void _set_at(self, int e, double permanent_set) noexcept nogil
     cdef void _unload(self, int e, double d) noexcept nogil
     @cython.locals(e=int, d=double, w=double)
-    cdef void follow(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void follow(self, double t, double *q, double *v) noexcept nogil
     cdef double element_energy(self, int e, double d) noexcept nogil
     @cython.locals(rate=double, flow=double, p=double)
     cdef double _yielding_energy(self, int e, double d) noexcept nogil

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, integers, marks, vectors, zeros
 from .laws import Laws, law_numbers
 
 if not cython.compiled:
@@ -45,27 +44,32 @@ class Elements(Laws):
         Laws.__init__(self, system)
         self.n = len(system.mass)
         self._read_rows(system)
+        memory = self.memory
         elements = self.elements
-        self.yields, self.modulated = marks(elements), marks(elements)
-        self.friction, self.limit, self.free_length, self.free_energy = vectors(4, elements)
-        self.opening = zeros(elements)  # deflection beyond which there is a gap
-        self.breakaway = zeros(elements)  # friction up to which it sticks
-        self.initial_set, self.spring_rate = vectors(2, elements)
-        self.branch, self.departing = (
-            marks(_KINDS * elements),
-            marks(_KINDS * elements),
-        )
+        self.yields, self.modulated = memory.marks(elements), memory.marks(elements)
+        self.friction, self.limit = memory.zeros(elements), memory.zeros(elements)
+        self.free_length, self.free_energy = memory.zeros(elements), memory.zeros(elements)
+        self.opening = memory.zeros(elements)  # deflection beyond which there is a gap
+        self.breakaway = memory.zeros(elements)  # friction up to which it sticks
+        self.initial_set, self.spring_rate = memory.zeros(elements), memory.zeros(elements)
+        kinds = _KINDS * elements
+        self.branch, self.departing = memory.marks(kinds), memory.marks(kinds)
         self.stuck = 0
-        self.stuck_element, self.row_stuck = marks(elements), marks(self.rows)
+        self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
         self.exchange = 0.0
-        self.kept_branch = marks(_KINDS * elements)
-        self.kept_set, self.kept_signal = zeros(elements), integers(self.signal_now)
-        self.row_d, self.row_v, self.row_f, self.row_k, self.row_c = vectors(5, self.rows)
-        self.branch_f, self.branch_k, self.branch_c = vectors(3, self.rows)
-        self.switch_element, self.switch_kind = (
-            marks(_KINDS * elements),
-            marks(_KINDS * elements),
+        self.kept_branch = memory.marks(kinds)
+        self.kept_set = memory.zeros(elements)
+        self.kept_signal = memory.marks(max(self.signals, 1))
+        rows = self.rows
+        self.row_d, self.row_v, self.row_f = (
+            memory.zeros(rows),
+            memory.zeros(rows),
+            memory.zeros(rows),
         )
+        self.row_k, self.row_c = memory.zeros(rows), memory.zeros(rows)
+        self.branch_f, self.branch_k = memory.zeros(rows), memory.zeros(rows)
+        self.branch_c = memory.zeros(rows)
+        self.switch_element, self.switch_kind = memory.marks(kinds), memory.marks(kinds)
 
     def _read_rows(self, system):
         names = list(system.signals)
@@ -84,9 +88,10 @@ class Elements(Laws):
                 rows.append(key)
             element_row.append(rows.index(key))
         self.rows, self.elements = len(rows), len(element_row)
-        self.row_direction = doubles(x for row in rows for x in row[0])
-        self.row_signal = integers(row[1] for row in rows)
-        self.element_row = integers(element_row)
+        memory = self.memory
+        self.row_direction = memory.doubles(x for row in rows for x in row[0])
+        self.row_signal = memory.integers(row[1] for row in rows)
+        self.element_row = memory.integers(element_row)
         rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
         if len(set(rubbing)) < len(rubbing):
             raise ValueError("two elements with friction act along one direction; make them one")

@@ -11,8 +11,8 @@ cdef class Propagator:
     cdef Network net
     cdef int n, size
     cdef double part
-    cdef double[::1] stiffness, damping, q0, v0, a0, q1, v1, q2, v2
-    cdef double[::1] rates, term, product, change, state, step, column, multiplier
+    cdef double *stiffness, *damping, *q0, *v0, *a0, *q1, *v1, *q2, *v2
+    cdef double *rates, *term, *product, *change, *state, *step, *column, *multiplier
 
     @cython.locals(n=int, i=int, doublings=int, _k=int)
     cdef int attempt(self, double t, double h) noexcept nogil
@@ -37,6 +37,6 @@ cdef class Propagator:
     @cython.locals(i=int, size=int, order=int)
     cdef void _sum_series(self) noexcept nogil
     @cython.locals(size=int, i=int, j=int, k=int, x=double)
-    cdef void _multiply(self, double[::1] left, double[::1] right) noexcept nogil
+    cdef void _multiply(self, double *left, double *right) noexcept nogil
     @cython.locals(size=int, i=int, j=int, x=double)
     cdef void _apply(self) noexcept nogil

@@ -15,8 +15,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import vectors, zeros
-
 if not cython.compiled:
     from math import cos, fabs, isfinite, sin
 
@@ -35,22 +33,17 @@ class Propagator:
     Parameters
     ----------
     network : of the system
-    stiffness, damping : K and B of the branch, by rows
-    start : displacements, velocities and accelerations at the start of a step
-    middle, end : arrays for displacements and velocities halfway and at the end of a step
     """
 
-    def __init__(self, network, stiffness, damping, start, middle, end):
+    def __init__(self, network):
         self.net, self.n = network, network.n
-        self.stiffness, self.damping = stiffness, damping
-        self.q0, self.v0, self.a0 = start
-        self.q1, self.v1 = middle
-        self.q2, self.v2 = end
         most = 2 * self.n + _POWERS + 2 * network.signals
-        self.rates, self.term, self.product, self.change = vectors(4, most * most)
-        self.state, self.step = vectors(2, most)
-        self.column = zeros(self.n)
-        self.multiplier = zeros(network.elements)
+        memory, size = self.net.memory, most * most
+        self.rates, self.term = memory.zeros(size), memory.zeros(size)
+        self.product, self.change = memory.zeros(size), memory.zeros(size)
+        self.state, self.step = memory.zeros(most), memory.zeros(most)
+        self.column = memory.zeros(self.n)
+        self.multiplier = memory.zeros(network.elements)
         self.size = most
 
     def attempt(self, t, h):

@@ -11,17 +11,17 @@ cdef class Increments:
     cdef Network net
     cdef int n
     cdef bint once
-    cdef double[::1] stiffness, damping, stiffness2, damping2, factor
-    cdef double[::1] stiffness_end, damping_end
-    cdef double[::1] pq, pv, sa, rhs, correction
-    cdef double[::1] start_k, start_c, mean_k, mean_c
+    cdef double *stiffness, *damping, *stiffness2, *damping2, *factor
+    cdef double *stiffness_end, *damping_end
+    cdef double *pq, *pv, *sa, *rhs, *correction
+    cdef double *start_k, *start_c, *mean_k, *mean_c
 
     @cython.locals(i=int, size=int)
     cdef int _solve_step_matrix(self, double h) noexcept nogil
     @cython.locals(n=int, i=int, k=int, r=int, iteration=int, before=double, change=double,
                    largest=double, share=double, mean=double)
-    cdef int add(self, double t, double h, double[::1] q, double[::1] v,
-                 double[::1] a) noexcept nogil
+    cdef int add(self, double t, double h, double *q, double *v,
+                 double *a) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, sign=int, factor=double,
                    p=double, f=double)
     cdef void _excitation_increment(self, double t, double h) noexcept nogil

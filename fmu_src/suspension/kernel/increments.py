@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import vectors, zeros
-
 if not cython.compiled:
     from math import fabs, isfinite
 
@@ -31,12 +29,17 @@ class Increments:
 
     def __init__(self, network, once):
         self.net, self.n, self.once = network, network.n, once
-        self.stiffness, self.damping, self.stiffness2, self.damping2 = vectors(4, self.n * self.n)
-        self.stiffness_end, self.damping_end = vectors(2, self.n * self.n)
-        self.factor = zeros(self.n * self.n)
-        self.pq, self.pv, self.sa, self.rhs, self.correction = vectors(5, self.n)
+        memory, n, size = self.net.memory, self.n, self.n * self.n
+        self.stiffness, self.damping = memory.zeros(size), memory.zeros(size)
+        self.stiffness2, self.damping2 = memory.zeros(size), memory.zeros(size)
+        self.stiffness_end, self.damping_end = memory.zeros(size), memory.zeros(size)
+        self.factor = memory.zeros(size)
+        self.pq, self.pv, self.sa = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.rhs, self.correction = memory.zeros(n), memory.zeros(n)
         # tangents of the rows at the start of a step, and those used for it
-        self.start_k, self.start_c, self.mean_k, self.mean_c = vectors(4, network.rows)
+        rows = self.net.rows
+        self.start_k, self.start_c = memory.zeros(rows), memory.zeros(rows)
+        self.mean_k, self.mean_c = memory.zeros(rows), memory.zeros(rows)
 
     def _solve_step_matrix(self, h):
         """Solve (M + h/2 B + h^2/6 K) x = rhs with the matrices `stiffness2`, `damping2`."""

@@ -1,6 +1,7 @@
 cimport cython
 from cpython.exc cimport PyErr_CheckSignals
 from libc.math cimport fabs, sqrt
+from .arrays cimport Memory
 from .march cimport March
 
 cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
@@ -10,6 +11,7 @@ cdef class Integrator(March):
     # arrays that a run fills
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
+    cdef double *given  # the coefficients of a signal
     cdef double[::1] instants, out_q, out_v, out_a, out_f
     # the record of the whole state, as bytes
     cdef object record_bytes, record_of_marks_bytes
@@ -21,7 +23,7 @@ cdef class Integrator(March):
     @cython.locals(i=int, here=int, there=int)
     cdef void take_over(self, Integrator earlier, int[::1] counterpart) noexcept nogil
     @cython.locals(before=double, jump=double, change=double)
-    cpdef void replace_signal(self, int signal, double[::1] coefficients, bint jumps) noexcept nogil
+    cdef void replace_signal(self, int signal, double *coefficients, bint jumps) noexcept nogil
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     cdef void _look_at_pace(self) noexcept nogil
@@ -30,7 +32,7 @@ cdef class Integrator(March):
     cdef bint keeps_pace(self, double until) noexcept nogil
     @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
-    @cython.locals(k=int, i=int, what="int[::1]")
+    @cython.locals(k=int, i=int, what="int *")
     cdef _log_events(self)
     @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
@@ -49,8 +51,9 @@ cdef class Integrator(March):
 cdef class Rows:
     cdef Integrator integrator
     cdef int most, contacts, width
-    cdef int[::1] status, filled, steps, log_end
-    cdef double[::1] time, limited
+    cdef Memory memory
+    cdef int *status, *filled, *steps, *log_end
+    cdef double *time, *limited
     cdef double[::1] numbers
     cdef Py_ssize_t rows, first, wanted, made
     cdef double start

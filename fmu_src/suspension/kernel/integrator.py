@@ -6,7 +6,7 @@ from array import array
 
 import cython
 
-from .arrays import marks, zeros
+from .arrays import Memory
 from .elements import KINDS
 from .march import March
 from .network import Network
@@ -139,7 +139,9 @@ class Integrator(March):
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
         """
-        self.replace_signal(signal, array("d", coefficients), jumps)
+        for i in range(4):
+            self.given[i] = coefficients[i]
+        self.replace_signal(signal, self.given, jumps)
 
     def replace_signal(self, signal, coefficients, jumps):
         """Replace a signal as `set_signal` does; the coefficients are an array."""
@@ -269,7 +271,7 @@ class Integrator(March):
         self.count, self.places = len(times), runs
         for out in (displacements, velocities, accelerations):
             self._check_room(out, runs * self.count * self.n)
-        self._check_room(forces, runs * self.count * len(self.sample_f))
+        self._check_room(forces, runs * self.count * self.net.elements)
         self.want_v, self.want_a = velocities is not None, accelerations is not None
         self.want_f = forces is not None
         self.instants, self.out_q = times, displacements
@@ -298,15 +300,15 @@ class Integrator(March):
                 self.sample_forces(t)
                 force_at = before * self.net.elements + self.filled
                 for i in range(self.net.elements):
-                    self.out_f[force_at + i * self.count] = self.sample_f[i]
+                    self.out_f[force_at + i * self.count] = self.read_f[i]
             for i in range(self.n):
-                self.out_q[at + i * self.count] = self.sample_q[i]
+                self.out_q[at + i * self.count] = self.read_q[i]
             if self.want_v:
                 for i in range(self.n):
-                    self.out_v[at + i * self.count] = self.sample_v[i]
+                    self.out_v[at + i * self.count] = self.read_v[i]
             if self.want_a:
                 for i in range(self.n):
-                    self.out_a[at + i * self.count] = self.sample_a[i]
+                    self.out_a[at + i * self.count] = self.read_a[i]
             self.filled += 1
         return 0
 
@@ -340,9 +342,9 @@ class Integrator(March):
         """
         self.dense.read(t)
         for i in range(self.n):
-            self.sample_low[i] = self.dense.q[i]
-            self.sample_q[i] = self.dense.q[i] + self.net.datum
-            self.sample_v[i], self.sample_a[i] = self.dense.v[i], self.dense.a[i]
+            self.read_low[i] = self.dense.q[i]
+            self.read_q[i] = self.dense.q[i] + self.net.datum
+            self.read_v[i], self.read_a[i] = self.dense.v[i], self.dense.a[i]
 
     def sample_forces(self, t):
         """Find accelerations and element forces at the last sampled time, by the equation of motion.
@@ -352,9 +354,32 @@ class Integrator(March):
         """
         if self.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
-        self.net.read_forces(
-            t, self.sample_low, self.sample_v, self.sample_a, self.sample_f, self.sample_set
-        )
+        self.net.read_forces(t, self.read_low, self.read_v, self.read_a, self.read_f, self.read_set)
+
+    @property
+    def sample_q(self):
+        """Displacements at the last sampled time, m."""
+        return self.net.memory.seen(self.read_q, self.n)
+
+    @property
+    def sample_v(self):
+        """Velocities at the last sampled time, m/s."""
+        return self.net.memory.seen(self.read_v, self.n)
+
+    @property
+    def sample_a(self):
+        """Accelerations at the last sampled time, m/s^2."""
+        return self.net.memory.seen(self.read_a, self.n)
+
+    @property
+    def sample_f(self):
+        """The force of each element at the last sampled time, N; see `sample_forces`."""
+        return self.net.memory.seen(self.read_f, self.net.elements)
+
+    @property
+    def sample_set(self):
+        """The permanent set of each element that yields at the last sampled time, m."""
+        return self.net.memory.seen(self.read_set, self.net.elements)
 
     @property
     def residual_end(self):
@@ -384,7 +409,13 @@ class Integrator(March):
         net.row_states(self.stepper.q, self.stepper.v)
         stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
         kinetic = net.energy(self.stepper.v) - sum(stored)
-        return kinetic, stored, list(work[: net.elements]), list(work[net.elements :])
+        dissipated = [work[e] for e in range(net.elements)]
+        return (
+            kinetic,
+            stored,
+            dissipated,
+            [work[k] for k in range(net.elements, self.ledger.works)],
+        )
 
     def limited_time_at(self, e, t):
         """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""
@@ -431,7 +462,7 @@ class Integrator(March):
     def snapshot(self):
         """Return the whole state as bytes, from which `restore` continues to the bit."""
         self._carry(True)
-        return bytes(self.record) + bytes(self.record_of_marks)
+        return bytes(self.record_bytes) + bytes(self.record_of_marks_bytes)
 
     def restore(self, state):
         """Return to the state of a snapshot of the same system.
@@ -451,9 +482,11 @@ class Integrator(March):
     def _make_record(self):
         """Allocate the record of the whole state."""
         self._size_record()
-        self.record, self.record_of_marks = zeros(self.at), marks(self.at_mark)
-        self.record_bytes = memoryview(self.record).cast("B")
-        self.record_of_marks_bytes = memoryview(self.record_of_marks).cast("B")
+        memory = self.net.memory
+        self.given = memory.zeros(4)
+        self.record, self.record_of_marks = memory.zeros(self.at), memory.marks(self.at_mark)
+        self.record_bytes = memory.seen(self.record, self.at).cast("B")
+        self.record_of_marks_bytes = memory.seen_marks(self.record_of_marks, self.at_mark).cast("B")
         self.record_size = len(self.record_bytes) + len(self.record_of_marks_bytes)
 
 
@@ -473,11 +506,10 @@ class Rows:
         most = self.most = self.integrator.places
         self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
         self.contacts = self.integrator.contacts
-        self.status, self.filled, self.steps, self.log_end = (marks(most) for _ in range(4))
-        self.time, self.limited = (
-            zeros(most),
-            zeros(most * max(self.contacts, 1)),
-        )
+        self.memory = memory = Memory()
+        self.status, self.filled = memory.marks(most), memory.marks(most)
+        self.steps, self.log_end = memory.marks(most), memory.marks(most)
+        self.time, self.limited = memory.zeros(most), memory.zeros(most * max(self.contacts, 1))
 
     def take(self, numbers, start):
         """Set the rows of all runs.

@@ -6,11 +6,11 @@ cdef int _LAWS, _PIECE, _FORCE, _SLOPE, _INTEGRAL
 cdef double _LOG_2, _NEAR, _FARTHEST
 
 cdef class Laws(Signals):
-    cdef double[::1] piece
-    cdef int[::1] first, count  # of the pieces of law k of element e, at index _LAWS e + k
-    cdef int[::1] straight  # whether each piece is straight
+    cdef double *piece
+    cdef int *first, *count  # of the pieces of law k of element e, at index _LAWS e + k
+    cdef int *straight  # whether each piece is straight
     cdef double value, slope  # of the law last asked for
-    cdef double[::1] low, high  # range in which each piece is curved
+    cdef double *low, *high  # range in which each piece is curved
     cdef list functions  # in Python, one for each piece, or None
     cdef readonly object failure
 

@@ -10,7 +10,6 @@ from itertools import accumulate
 
 import cython
 
-from .arrays import integers, vectors, zeros
 from .signals import Signals
 
 if not cython.compiled:
@@ -34,15 +33,16 @@ class Laws(Signals):
 
     def __init__(self, system):
         Signals.__init__(self, system.signals)
+        memory = self.memory
         count = [pieces for element in system.elements for pieces in pieces_of(element)]
-        self.count = integers(count)
-        self.first = integers(accumulate(count, initial=0))
-        self.piece = zeros(_PIECE * sum(count))
-        self.straight = integers([1] * sum(count))
+        self.count = memory.integers(count)
+        self.first = memory.integers(accumulate(count, initial=0))
+        self.piece = memory.zeros(_PIECE * sum(count))
+        self.straight = memory.integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
         self.failure = None  # what a function has raised
         # beyond its ends a cubic is continued by its tangent
-        self.low, self.high = vectors(2, sum(count))
+        self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
 
     def enter_laws(self, e, x, at):
         """Read the pieces of the laws of element e from x[at:]; return where they end."""

@@ -13,9 +13,9 @@ cdef class Ledger:
     cdef Network net
     cdef Dense dense
     cdef int works
-    cdef double[::1] power, work, scratch, point, weight, value, rate
-    cdef double[::1] loss, loss_rate, d, w, u, du
-    cdef int[::1] curved
+    cdef double *power, *work, *scratch, *point, *weight, *value, *rate
+    cdef double *loss, *loss_rate, *d, *w, *u, *du
+    cdef int *curved
     cdef double[8] ends
     cdef double initial_energy, stored, most_stored, supplied, residual_start, residual_end
 
@@ -28,7 +28,7 @@ cdef class Ledger:
     @cython.locals(k=int, s=int)
     cdef void _read_signals(self, double h) noexcept nogil
     @cython.locals(n=int, k=int, i=int, m=int, b=double)
-    cdef void _read_ends(self, double[::1] direction, int at, double h) noexcept nogil
+    cdef void _read_ends(self, double *direction, int at, double h) noexcept nogil
     @cython.locals(s=int, k=int, m=int, d=double, w=double)
     cdef void _read_row(self, int r, double h, bint moving) noexcept nogil
     @cython.locals(f=double, c=double, at=int, k=int, w=double, power=double, work=double)
@@ -42,7 +42,7 @@ cdef class Ledger:
     cdef void _book_points(self) noexcept nogil
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
-    cdef void strike_balance(self, double t, double[::1] q, double[::1] v) noexcept nogil
+    cdef void strike_balance(self, double t, double *q, double *v) noexcept nogil
     cdef void bring_in(self, int signal, double energy) noexcept nogil
     cdef bint grows(self) noexcept nogil
     @cython.locals(most=double)

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, marks, zeros
-
 if not cython.compiled:
     from math import fabs
 
@@ -42,18 +40,19 @@ class Ledger:
         self.net = self.balance.net
         elements, rows = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
-        self.work, self.power = zeros(self.works), zeros(self.works)
-        self.scratch = zeros(self.net.n)
-        self.point, self.weight = doubles(_POINT), doubles(_WEIGHT)
+        memory = self.net.memory
+        self.work, self.power = memory.zeros(self.works), memory.zeros(self.works)
+        self.scratch = memory.zeros(self.net.n)
+        self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
-        self.value, self.rate = doubles(value), doubles(rate)
+        self.value, self.rate = memory.doubles(value), memory.doubles(rate)
         # of each element: force at rest and damping of what dissipates, and whether it is curved
-        self.loss, self.loss_rate = zeros(elements), zeros(elements)
-        self.curved = marks(elements)
+        self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
+        self.curved = memory.marks(elements)
         # of each row at the points: deflection, rate; of each signal: value, rate
-        self.d, self.w = zeros(_POINTS * rows), zeros(_POINTS * rows)
+        self.d, self.w = memory.zeros(_POINTS * rows), memory.zeros(_POINTS * rows)
         signals = max(self.net.signals, 1)
-        self.u, self.du = zeros(_POINTS * signals), zeros(_POINTS * signals)
+        self.u, self.du = memory.zeros(_POINTS * signals), memory.zeros(_POINTS * signals)
         self.ends = [0.0] * 8  # literal, as this is a C array
         self.initial_energy = 0.0
         self.start()

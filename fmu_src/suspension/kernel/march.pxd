@@ -30,24 +30,23 @@ cdef class March:
     cdef readonly long long step_count
     cdef double grid_start, proposal, scale
     cdef long long grid_index
-    cdef double[::1] limited_time
+    cdef double *limited_time
     cdef int contacts
-    cdef int[::1] step_limited, contact_element
+    cdef int *step_limited, *contact_element
     cdef list logged
     cdef tuple wanted
     # results at the last sampled instant
-    cdef readonly double[::1] sample_q, sample_v, sample_a, sample_f, sample_set
-    cdef double[::1] sample_low
+    cdef double *read_q, *read_v, *read_a, *read_f, *read_set, *read_low
     cdef readonly Py_ssize_t filled
     # workspace
-    cdef double[::1] event_time
-    cdef int[::1] event_what, branch_before
+    cdef double *event_time
+    cdef int *event_what, *branch_before
     cdef readonly int overruns
     cdef int stalled, event_count, event_base, flushed, since_pause
     cdef double landed
     # the record of the whole state, and where it is read or written
-    cdef double[::1] record
-    cdef int[::1] record_of_marks
+    cdef double *record
+    cdef int *record_of_marks
     cdef bint saving, sizing
     cdef int at, at_mark
 
@@ -61,9 +60,9 @@ cdef class March:
     @cython.locals(high=int, low=int)
     cdef long long _count(self, long long x) noexcept nogil
     @cython.locals(i=int, value=double)
-    cdef void _numbers(self, double[::1] x, int first, int count) noexcept nogil
+    cdef void _numbers(self, double *x, int first, int count) noexcept nogil
     @cython.locals(i=int, value=int)
-    cdef void _marks(self, int[::1] x, int count) noexcept nogil
+    cdef void _marks(self, int *x, int count) noexcept nogil
     cdef void _resume(self) noexcept nogil
 
     @cython.locals(i=int)

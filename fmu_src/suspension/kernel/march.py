@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import begin_apart, integers, marks, vectors, zeros
 from .dense import Dense
 from .exact import not_straight
 from .ledger import Ledger
@@ -83,7 +82,6 @@ class March:
             )
         self.wanted = method, step, tolerance, order
         columns = _columns(system, *self.wanted)
-        begin_apart()
         self.net = Network(system)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
@@ -93,7 +91,8 @@ class March:
         self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
         self.n = n = self.net.n
         plain = method in ("equilibrium", "mean", "tangent")
-        self.dense = Dense(n, plain, method in ("mean", "tangent"))
+        memory = self.net.memory
+        self.dense = Dense(memory, n, plain, method in ("mean", "tangent"))
         self.ledger = Ledger(self.stepper.balance, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
@@ -103,21 +102,20 @@ class March:
         self.stepper.controlled = self.controlled
         self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow most
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
-        self.whole = Dense(n, False, False)  # an attempt in which a switch is located
+        self.whole = Dense(memory, n, False, False)  # an attempt in which a switch is located
         self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
-        self.sample_q, self.sample_v, self.sample_a = vectors(3, n)
-        self.sample_low = zeros(n)  # displacements from the datum
+        # results at the last sampled instant, which Python sees as `sample_q` and the like
+        self.read_q, self.read_v, self.read_a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.read_low = memory.zeros(n)  # displacements from the datum
         elements = self.net.elements
-        self.sample_f, self.sample_set = vectors(2, elements)
-        self.step_limited, self.limited_time = marks(elements), zeros(elements)
-        self.contact_element = integers(
-            e for e, element in enumerate(system.elements) if element.limit < 1e300
-        )
-        self.contacts = len(self.contact_element)
+        self.read_f, self.read_set = memory.zeros(elements), memory.zeros(elements)
+        self.step_limited, self.limited_time = memory.marks(elements), memory.zeros(elements)
+        limited = [e for e, element in enumerate(system.elements) if element.limit < 1e300]
+        self.contact_element, self.contacts = memory.integers(limited), len(limited)
         self.event_count = self.event_base = self.flushed = 0
-        self.event_time = zeros(_EVENT_CAPACITY)
-        self.event_what = marks(4 * _EVENT_CAPACITY)
-        self.branch_before = marks(_KINDS * elements)
+        self.event_time = memory.zeros(_EVENT_CAPACITY)
+        self.event_what = memory.marks(4 * _EVENT_CAPACITY)
+        self.branch_before = memory.marks(_KINDS * elements)
         self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()

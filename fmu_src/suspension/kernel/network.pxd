@@ -10,13 +10,13 @@ cdef double _HIGH
 cdef class Network(Elements):
     cdef readonly int loads, size
     cdef bint can_rise
-    cdef double[::1] mass, mass_factor, flexibility, load_direction, zero
-    cdef int[::1] load_signal
+    cdef double *mass, *mass_factor, *flexibility, *load_direction, *zero
+    cdef int *load_signal
 
     @cython.locals(r=int, s=int)
     cdef void find_datum(self, double t, double reach) noexcept nogil
     # results of the last evaluation
-    cdef double[::1] scratch, modes, modes2, multiplier, multiplier_rate, spread, reaction, coupling, kick
+    cdef double *scratch, *modes, *modes2, *multiplier, *multiplier_rate, *spread, *reaction, *coupling, *kick
     # the system read
     cdef list load_names, signal_sizes, element_shapes
 
@@ -29,38 +29,38 @@ cdef class Network(Elements):
     @cython.locals(s=int)
     cdef void enter_segments(self, double t) noexcept nogil
     @cython.locals(i=int, e=int, r=int, law=int, p=int)
-    cdef void kerb(self, int signal, double jump, double[::1] v) noexcept nogil
+    cdef void kerb(self, int signal, double jump, double *v) noexcept nogil
     @cython.locals(i=int, e=int, r=int, c=double)
-    cdef void impulse(self, int signal, double jump, double[::1] v) noexcept nogil
+    cdef void impulse(self, int signal, double jump, double *v) noexcept nogil
     @cython.locals(i=int, r=int, way=double, near=double)
     cdef void _push(self, int e, double c, double d, double jump) noexcept nogil
     @cython.locals(law=int)
     cdef double _work_of_factor(self, int e, double d) noexcept nogil
     @cython.locals(i=int)
-    cdef void _give_way(self, double[::1] v) noexcept nogil
+    cdef void _give_way(self, double *v) noexcept nogil
     @cython.locals(n=int, i=int, j=int, r=int, bi=double, bb=double)
-    cdef void assemble(self, double[::1] k, double[::1] c, double[::1] stiffness,
-                       double[::1] damping) noexcept nogil
+    cdef void assemble(self, double *k, double *c, double *stiffness,
+                       double *damping) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, p=double)
-    cdef void net_force(self, double[::1] out) noexcept nogil
+    cdef void net_force(self, double *out) noexcept nogil
     @cython.locals(n=int, r=int, i=int)
-    cdef void constant_force(self, double[::1] out) noexcept nogil
-    cdef void accelerate(self, double[::1] out) noexcept nogil
+    cdef void constant_force(self, double *out) noexcept nogil
+    cdef void accelerate(self, double *out) noexcept nogil
     @cython.locals(n=int, m=int, p=int, r=int, i=int, s=int, k=int, g=double)
-    cdef int stick(self, double[::1] factor, int at, double[::1] x, double[::1] base, int order,
-                   double[::1] multiplier) noexcept nogil
-    cdef void rest(self, double[::1] v) noexcept nogil
+    cdef int stick(self, double *factor, int at, double *x, double *base, int order,
+                   double *multiplier) noexcept nogil
+    cdef void rest(self, double *v) noexcept nogil
     @cython.locals(p=int, e=int)
-    cdef void hold(self, double[::1] multiplier) noexcept nogil
+    cdef void hold(self, double *multiplier) noexcept nogil
     @cython.locals(n=int, i=int, m=int, r=int, s=int, p=double, dv=double, da=double, rate=double)
-    cdef void jerk(self, double[::1] v, double[::1] a, double[::1] out) noexcept nogil
+    cdef void jerk(self, double *v, double *a, double *out) noexcept nogil
     @cython.locals(n=int, i=int, j=int, k=int, x=double, trace=double)
-    cdef double fastest_mode(self, double[::1] stiffness) noexcept nogil
+    cdef double fastest_mode(self, double *stiffness) noexcept nogil
     @cython.locals(i=int)
-    cdef bint is_damped(self, double[::1] stiffness, double[::1] damping, double share,
+    cdef bint is_damped(self, double *stiffness, double *damping, double share,
                         double omega) noexcept nogil
     @cython.locals(e=int, p=int)
-    cdef void read_forces(self, double t, double[::1] q, double[::1] v, double[::1] a,
-                          double[::1] forces, double[::1] sets) noexcept nogil
+    cdef void read_forces(self, double t, double *q, double *v, double *a,
+                          double *forces, double *sets) noexcept nogil
     @cython.locals(n=int, i=int, k=int, e=int, energy=double)
-    cdef double energy(self, double[::1] v) noexcept nogil
+    cdef double energy(self, double *v) noexcept nogil

@@ -10,7 +10,6 @@ from array import array
 
 import cython
 
-from .arrays import integers, vectors, zeros
 from .elements import Elements, element_numbers
 from .laws import functions_of, pieces_of
 from .signals import signal_numbers
@@ -48,15 +47,20 @@ class Network(Elements):
                     f"a load follows {load.signal!r}, which is none of the signals: "
                     f"{', '.join(names) or 'there are none'}"
                 )
-        self.load_direction = zeros(max(self.loads * n, 1))
-        self.load_signal = integers([names.index(load.signal) for load in system.loads] or [0])
+        memory = self.memory
+        self.load_direction = memory.zeros(max(self.loads * n, 1))
+        self.load_signal = memory.integers(
+            [names.index(load.signal) for load in system.loads] or [0]
+        )
         self._find_roads()
-        self.multiplier, self.multiplier_rate, self.kick = vectors(3, elements)
-        self.spread, self.reaction = zeros(elements * n), zeros(elements)
-        self.coupling = zeros(elements * elements)
-        self.zero, self.scratch = vectors(2, n)
-        self.modes, self.modes2 = vectors(2, n * n)
-        self.mass, self.mass_factor, self.flexibility = vectors(3, n * n)
+        self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
+        self.kick = memory.zeros(elements)
+        self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
+        self.coupling = memory.zeros(elements * elements)
+        self.zero, self.scratch = memory.zeros(n), memory.zeros(n)
+        self.modes, self.modes2 = memory.zeros(n * n), memory.zeros(n * n)
+        self.mass, self.mass_factor = memory.zeros(n * n), memory.zeros(n * n)
+        self.flexibility = memory.zeros(n * n)
         if any(len(row) != n for row in system.mass):
             raise ValueError("mass matrix and directions must have one entry per coordinate")
         self.load_names = [load.signal for load in system.loads]
@@ -77,8 +81,9 @@ class Network(Elements):
                 self.can_rise = False
             if s >= 0:
                 self.is_road[s] = 1
-                if s in self.load_signal[: self.loads]:
-                    self.can_rise = False
+                for m in range(self.loads):
+                    if self.load_signal[m] == s:
+                        self.can_rise = False
 
     def find_datum(self, t, reach):
         """Count heights from that of the first road at t, if it lies high above zero.

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, vectors
-
 if not cython.compiled:
     from math import fabs, isfinite
 
@@ -29,11 +27,18 @@ class Rest:
 
     def __init__(self, network):
         self.net, self.n = network, network.n
-        self.level = doubles([0.0] * max(network.signals, 1))  # of roads and loads, m and N
-        self.q, self.trial, self.change, self.now = vectors(4, self.n)
-        self.slope, self.size = vectors(2, self.n)
-        self.tangent = doubles([0.0] * self.n * self.n)
-        self.rows = doubles([0.0] * self.n * (self.n + 1))
+        memory, n = self.net.memory, self.n
+        self.level = memory.zeros(max(self.net.signals, 1))  # of roads and loads, m and N
+        self.q, self.trial, self.change = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.now, self.slope, self.size = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.tangent = memory.zeros(n * n)
+        self.rows = memory.zeros(n * (n + 1))
+
+    def displacements(self, levels):
+        """Return where the system rests for a level of each signal, or None."""
+        for s in range(self.net.signals):
+            self.level[s] = levels[s]
+        return None if self.find() else tuple([self.q[i] for i in range(self.n)])
 
     def find(self):
         """Find the displacements `q` for the present levels; return 1 if there is no equilibrium."""

@@ -1,5 +1,6 @@
 cimport cython
 from libc.math cimport fabs
+from .arrays cimport Memory
 from .integrator cimport Integrator
 from .rest cimport Rest
 
@@ -9,33 +10,35 @@ cdef double _LONGEST
 @cython.final
 cdef class Run:
     cdef public Integrator integrator
+    cdef Memory memory
     cdef readonly Rest rest
     cdef public double time
     cdef readonly double start
     cdef public bint sampled
     cdef int inputs, lines, tyres
     # inputs: their values, and the last samples of each
-    cdef readonly double[::1] value
-    cdef double[::1] sample_time, sample_value
-    cdef int[::1] samples
+    cdef double *value
+    cdef double *sample_time, *sample_value
+    cdef int *samples
     # the signals that inputs drive, and the present course of each
-    cdef readonly int[::1] line_signal
-    cdef int[::1] line_input, line_rate
-    cdef readonly double[::1] line_time, line_value, line_slope
+    cdef int *line_signal
+    cdef int *line_input, *line_rate
+    cdef double *line_time, *line_value, *line_slope
     cdef double course_time, course_value, course_slope
-    cdef double[::1] coefficients
+    cdef double *coefficients
     # contact of every tyre, and switches that lie ahead
-    cdef int[::1] tyre
-    cdef readonly int[::1] airborne, lift_offs
-    cdef readonly double[::1] last_lift_off, last_touchdown
+    cdef int *tyre
+    cdef int *airborne, *lift_offs
+    cdef double *last_lift_off, *last_touchdown
     cdef readonly int waiting
-    cdef double[::1] waiting_time
-    cdef int[::1] waiting_tyre, waiting_airborne
+    cdef double *waiting_time
+    cdef int *waiting_tyre, *waiting_airborne
 
     @cython.locals(i=int, k=int)
     cdef void begin(self, double start) noexcept nogil
     @cython.locals(at=int, count=int, k=int)
     cpdef void set_input(self, int i, double value) noexcept nogil
+    cpdef double input_now(self, int i) noexcept nogil
     @cython.locals(count=int)
     cdef double _since(self, int i) noexcept nogil
     @cython.locals(at=int, t0=double, t1=double, t2=double, f0=double, f1=double, f2=double,

@@ -12,11 +12,9 @@ here until their time has come.
 
 from __future__ import annotations
 
-from itertools import chain
-
 import cython
 
-from .arrays import integers, marks, vectors, zeros
+from .arrays import Memory
 from .rest import Rest
 
 if not cython.compiled:
@@ -47,22 +45,27 @@ class Run:
         self.rest = Rest(self.integrator.net)
         self.inputs, self.lines, self.tyres = inputs, len(lines), len(tyres)
         self.sampled = sampled
-        self.value = zeros(inputs)
-        self.samples = marks(inputs)
-        self.sample_time, self.sample_value = vectors(2, _SAMPLES * inputs)
-        self.line_signal, self.line_input, self.line_rate = (
-            integers(line[k] for line in lines) for k in range(3)
-        )
+        self.memory = memory = Memory()
+        self.value = memory.zeros(inputs)
+        self.samples = memory.marks(inputs)
+        samples = _SAMPLES * inputs
+        self.sample_time, self.sample_value = memory.zeros(samples), memory.zeros(samples)
+        self.line_signal = memory.integers([line[0] for line in lines])
+        self.line_input = memory.integers([line[1] for line in lines])
+        self.line_rate = memory.integers([line[2] for line in lines])
         # the present course of every line: a value at a time, and its slope
-        self.line_time, self.line_value, self.line_slope = vectors(3, len(lines))
+        self.line_time, self.line_value = memory.zeros(self.lines), memory.zeros(self.lines)
+        self.line_slope = memory.zeros(self.lines)
         self.course_time = self.course_value = self.course_slope = 0.0
-        self.coefficients = zeros(4)
-        self.tyre = integers(tyres)
-        self.airborne, self.lift_offs = marks(len(tyres)), marks(len(tyres))
-        self.last_lift_off, self.last_touchdown = vectors(2, len(tyres))
+        self.coefficients = memory.zeros(4)
+        self.tyre = memory.integers(tyres)
+        self.airborne, self.lift_offs = memory.marks(self.tyres), memory.marks(self.tyres)
+        self.last_lift_off = memory.zeros(self.tyres)
+        self.last_touchdown = memory.zeros(self.tyres)
         self.waiting = 0
-        self.waiting_time = zeros(_WAITING)
-        self.waiting_tyre, self.waiting_airborne = vectors_of_integers(2, _WAITING)
+        self.waiting_time = memory.zeros(_WAITING)
+        self.waiting_tyre = memory.marks(_WAITING)
+        self.waiting_airborne = memory.marks(_WAITING)
         self.begin(start)
 
     def begin(self, start):
@@ -93,6 +96,10 @@ class Run:
         self.sample_value[at + count] = value
         self.samples[i] = count + 1
         self.value[i] = value
+
+    def input_now(self, i):
+        """Return the present value of input i."""
+        return self.value[i]
 
     def _since(self, i):
         """Return when input i was last set, s; 0 if it never was."""
@@ -279,19 +286,55 @@ class Run:
     # -- whole state ---------------------------------------------------------------------------------
 
     def _parts(self):
+        """Return all arrays of the state, as Python sees them."""
+        memory, samples = self.memory, _SAMPLES * self.inputs
+        return [
+            memory.seen(self.value, self.inputs),
+            memory.seen_marks(self.samples, self.inputs),
+            memory.seen(self.sample_time, samples),
+            memory.seen(self.sample_value, samples),
+            memory.seen(self.line_time, self.lines),
+            memory.seen(self.line_value, self.lines),
+            memory.seen(self.line_slope, self.lines),
+            *self.contacts(),
+            memory.seen(self.waiting_time, self.waiting),
+            memory.seen_marks(self.waiting_tyre, self.waiting),
+            memory.seen_marks(self.waiting_airborne, self.waiting),
+        ]
+
+    def contacts(self):
+        """Return the contacts of all tyres at the present time, which change in place.
+
+        Returns
+        -------
+        Whether each is off the road, its lift-offs so far, and its last lift-off and touchdown, s.
+        """
+        memory = self.memory
         return (
-            self.value, self.samples, self.sample_time, self.sample_value, self.line_time,
-            self.line_value, self.line_slope, self.airborne, self.lift_offs, self.last_lift_off,
-            self.last_touchdown, self.waiting_time, self.waiting_tyre, self.waiting_airborne,
-        )  # fmt: skip
+            memory.seen_marks(self.airborne, self.tyres),
+            memory.seen_marks(self.lift_offs, self.tyres),
+            memory.seen(self.last_lift_off, self.tyres),
+            memory.seen(self.last_touchdown, self.tyres),
+        )
+
+    def courses(self):
+        """Return the present course of every signal that inputs drive.
+
+        Returns
+        -------
+        Number of the signal, a time (s), the value then, and the slope.
+        """
+        return [
+            (self.line_signal[k], self.line_time[k], self.line_value[k], self.line_slope[k])
+            for k in range(self.lines)
+        ]
 
     def snapshot(self):
         """Return the state, apart from the integrator's, as numbers."""
-        head = [self.time, self.start, self.sampled, self.waiting]
-        return [*head, *chain.from_iterable(part[: self._used(part)] for part in self._parts())]
-
-    def _used(self, part):
-        return self.waiting if len(part) == _WAITING else len(part)
+        numbers = [self.time, self.start, self.sampled, self.waiting]
+        for part in self._parts():
+            numbers += part.tolist()
+        return numbers
 
     def restore(self, state):
         """Return to the state of a snapshot of the same run."""
@@ -299,10 +342,7 @@ class Run:
         self.sampled, self.waiting = int(state[2]), int(state[3])
         at = 4
         for part in self._parts():
-            for k in range(self._used(part)):
-                part[k] = type(part[k])(state[at + k])
-            at += self._used(part)
-
-
-def vectors_of_integers(count, size):
-    return [marks(size) for _ in range(count)]
+            kind = int if part.format == "i" else float
+            for k in range(len(part)):
+                part[k] = kind(state[at + k])
+            at += len(part)

@@ -1,15 +1,17 @@
 cimport cython
+from .arrays cimport Memory
 from libc.math cimport cos, fabs, sin
 
 cdef int _SEGMENT
 cdef double _ROAD_PHASE, _CORNER
 
 cdef class Signals:
+    cdef Memory memory
     cdef readonly int signals
     cdef int segments
     cdef double datum
-    cdef double[::1] segment, road, height
-    cdef int[::1] signal_first, signal_count, signal_now, level, is_road
+    cdef double *segment, *road, *height
+    cdef int *signal_first, *signal_count, *signal_now, *level, *is_road
 
     @cython.locals(i=int, k=int)
     cdef int enter_signals(self, double[::1] x, int at) noexcept nogil
@@ -22,7 +24,7 @@ cdef class Signals:
     @cython.locals(now=int, before=double, jump=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
-    cdef double replace_signal(self, int s, double t, double[::1] coefficients) noexcept nogil
+    cdef double replace_signal(self, int s, double t, double *coefficients) noexcept nogil
     @cython.locals(k=int, at=int, x=double, value=double, rate=double,
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)

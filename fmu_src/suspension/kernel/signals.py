@@ -6,7 +6,7 @@ from itertools import accumulate
 
 import cython
 
-from .arrays import integers, marks, zeros
+from .arrays import Memory
 
 if not cython.compiled:
     from math import cos, fabs, sin
@@ -25,19 +25,20 @@ class Signals:
     """
 
     def __init__(self, signals):
+        self.memory = memory = Memory()
         count = [len(signal.segments) for signal in signals.values()]
         self.signals = len(count)
-        self.signal_count = integers(count or [0])
-        self.signal_first = integers(accumulate(count, initial=0))
-        self.signal_now = marks(max(self.signals, 1))
+        self.signal_count = memory.integers(count or [0])
+        self.signal_first = memory.integers(accumulate(count, initial=0))
+        self.signal_now = memory.marks(max(self.signals, 1))
         self.segments = sum(count)
-        self.segment = zeros(_SEGMENT * max(sum(count), 1))
-        self.level = marks(max(sum(count), 1))  # whether a segment is constant
+        self.segment = memory.zeros(_SEGMENT * max(sum(count), 1))
+        self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
         # roads count from the datum, as all displacements do in the kernel
         self.datum = 0.0
-        self.is_road = marks(max(self.signals, 1))
-        self.height = zeros(max(sum(count), 1))  # constant of each segment, from zero
-        self.road = zeros(4 * max(self.signals, 1))  # value and three derivatives of each
+        self.is_road = memory.marks(max(self.signals, 1))
+        self.height = memory.zeros(max(sum(count), 1))  # constant of each segment, from zero
+        self.road = memory.zeros(4 * max(self.signals, 1))  # value and three derivatives of each
 
     def enter_signals(self, x, at):
         """Read the segments of all signals from x[at:]; return where they end."""

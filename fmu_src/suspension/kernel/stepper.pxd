@@ -21,16 +21,16 @@ cdef class Stepper:
     cdef int n, method, columns, error_order, stamp, damping_known
     cdef bint controlled, adds
     cdef double theta, tolerance, road_rate, reach, scale, allowed, omega_squared, quickest, error, time, longest, least_damping
-    cdef double[::1] multiplier, multiplier_rate
-    cdef double[::1] q, v, a, j, qb, vb, ab, jb, origin
-    cdef double[::1] drift, drift_end, middle_q, middle_v, middle_a, septic_q, septic_v, septic_a
+    cdef double *multiplier, *multiplier_rate
+    cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *origin
+    cdef double *drift, *drift_end, *middle_q, *middle_v, *middle_a, *septic_q, *septic_v, *septic_a
     # workspace
-    cdef double[::1] stiffness, damping, stiffness_known, softest, velocity_scale, start_a
+    cdef double *stiffness, *damping, *stiffness_known, *softest, *velocity_scale, *start_a
 
     @cython.locals(i=int)
     cdef void count_from_here(self) noexcept nogil
     @cython.locals(i=int, reach=double, x=double)
-    cdef double reach_at(self, double[::1] q) noexcept nogil
+    cdef double reach_at(self, double *q) noexcept nogil
     @cython.locals(i=int, e=int)
     cdef void start(self, double scale) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import doubles, vectors, zeros
 from .balance import MOST_COORDINATES, MOST_ROWS, Balance
 from .columns import Columns
 from .exact import Propagator
@@ -73,26 +72,33 @@ class Stepper:
             )
         self.net, self.n = network, n
         self.method, self.columns, self.tolerance = METHODS[method], columns, tolerance
-        self.q, self.v, self.a, self.j = vectors(4, n)  # now
-        self.qb, self.vb, self.ab, self.jb = vectors(4, n)  # at the end of the attempt
+        memory = self.net.memory
+        # now, and at the end of the attempt
+        self.q, self.v, self.a, self.j = (
+            memory.zeros(n), memory.zeros(n), memory.zeros(n), memory.zeros(n),
+        )  # fmt: skip
+        self.qb, self.vb, self.ab, self.jb = (
+            memory.zeros(n), memory.zeros(n), memory.zeros(n), memory.zeros(n),
+        )  # fmt: skip
         self.error_order = 0  # exponent of the step in the error of the attempt
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
         self.controlled = False  # whether the error controls the step
         self.least_damping = _LEAST_DAMPING[columns]
         self.reach = 0.0  # the largest motion so far, m, to which errors are relative
         self.scale = 0.0
-        self.origin = zeros(n)  # start of the run, from which the motion is measured
+        self.origin = memory.zeros(n)  # start of the run, from which the motion is measured
         self.stamp = 0  # changes with every branch, to mark stored matrices as outdated
-        self.multiplier, self.multiplier_rate = vectors(2, network.elements)
+        held = self.net.elements
+        self.multiplier, self.multiplier_rate = memory.zeros(held), memory.zeros(held)
         # Wilson's acceleration minus that of the equation of motion, which is in `a`
         self.theta = theta
-        self.drift, self.drift_end = vectors(2, n)
+        self.drift, self.drift_end = memory.zeros(n), memory.zeros(n)
         self._allocate()
 
     def _allocate(self):
-        n = self.n
-        self.stiffness_known = zeros(n * n)  # the stiffness of the known fastest mode
-        self.softest, self.velocity_scale = doubles([1e300] * n), zeros(n)
+        n, memory = self.n, self.net.memory
+        self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
+        self.softest, self.velocity_scale = memory.doubles([1e300] * n), memory.zeros(n)
         # the times of all substeps of a macro step, each with its loads once
         sequence = SEQUENCES[self.columns]
         fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
@@ -104,23 +110,25 @@ class Stepper:
         self.balance = Balance(self.net, fractions)
         self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
         self.columns_now = Columns(self.balance, sequence, index)
-        self.start_a = zeros(n)
-        self.middle_q, self.middle_v, self.middle_a = vectors(3, n)
-        self.septic_q, self.septic_v, self.septic_a = vectors(3, n)
+        self.start_a = memory.zeros(n)
+        self.middle_q, self.middle_v, self.middle_a = (
+            memory.zeros(n),
+            memory.zeros(n),
+            memory.zeros(n),
+        )
+        self.septic_q, self.septic_v, self.septic_a = (
+            memory.zeros(n),
+            memory.zeros(n),
+            memory.zeros(n),
+        )
         self.adds = self.method in (_MEAN, _TANGENT)
         self.increments = Increments(self.net, self.method == _TANGENT) if self.adds else None
-        self.propagator = (
-            Propagator(
-                self.net,
-                self.stiffness,
-                self.damping,
-                (self.q, self.v, self.a),
-                (self.middle_q, self.middle_v),
-                (self.qb, self.vb),
-            )
-            if self.method == _EXACT
-            else None
-        )
+        self.propagator = Propagator(self.net) if self.method == _EXACT else None
+        if self.method == _EXACT:
+            self.propagator.stiffness, self.propagator.damping = self.stiffness, self.damping
+            self.propagator.q0, self.propagator.v0, self.propagator.a0 = self.q, self.v, self.a
+            self.propagator.q1, self.propagator.v1 = self.middle_q, self.middle_v
+            self.propagator.q2, self.propagator.v2 = self.qb, self.vb
 
     def count_from_here(self):
         """Measure the motion from the present displacements, the start of a run."""

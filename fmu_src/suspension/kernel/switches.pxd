@@ -15,10 +15,10 @@ cdef class Switches:
     cdef int watched, element, kind, side
     cdef bint roads_known, start_known, recedes, across, only_opens
     cdef double at, miss
-    cdef int[::1] watched_element, watched_kind
-    cdef double[::1] low, high, row, road
-    cdef double[::1] contact_f, contact_k, contact_c
-    cdef int[::1] contact_straight
+    cdef int *watched_element, *watched_kind
+    cdef double *low, *high, *row, *road
+    cdef double *contact_f, *contact_k, *contact_c
+    cdef int *contact_straight
 
     @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import marks, vectors, zeros
 from .bernstein import Crossing
 from .elements import KINDS
 
@@ -33,16 +32,19 @@ class Switches:
         self.net = self.stepper.net
         self.crossing = Crossing()
         most = len(KINDS) * self.net.elements
+        memory = self.net.memory
         self.watched = 0
-        self.watched_element, self.watched_kind = marks(most), marks(most)
-        self.low, self.high = vectors(2, most)
+        self.watched_element, self.watched_kind = memory.marks(most), memory.marks(most)
+        self.low, self.high = memory.zeros(most), memory.zeros(most)
         # for each row and each road, four numbers at the start of the attempt and four at its end
-        self.row = zeros(8 * max(self.net.rows, 1))
-        self.road = zeros(8 * max(self.net.signals, 1))
+        self.row = memory.zeros(8 * max(self.net.rows, 1))
+        self.road = memory.zeros(8 * max(self.net.signals, 1))
         self.roads_known = 0
         self.start_known = 0
-        self.contact_f, self.contact_k, self.contact_c = vectors(3, self.net.elements)
-        self.contact_straight = marks(self.net.elements)
+        elements = self.net.elements
+        self.contact_f, self.contact_k = memory.zeros(elements), memory.zeros(elements)
+        self.contact_c = memory.zeros(elements)
+        self.contact_straight = memory.marks(elements)
         self.at = 2.0
         self.element = self.kind = self.side = 0
         self.across = False  # whether the switch found is the end of a gap

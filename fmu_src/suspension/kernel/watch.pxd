@@ -12,16 +12,16 @@ cdef class Watch:
     cdef Network net
     cdef int n, policy, stamp
     cdef double limit, omega, beyond_since, beyond_step
-    cdef double[::1] matrix
+    cdef double *matrix
 
     cdef void start(self) noexcept nogil
     @cython.locals(omega=double)
     cdef double fit(self, double time, double h) noexcept nogil
     @cython.locals(largest=double)
     cdef double fastest(self) noexcept nogil
-    @cython.locals(n=int, i=int, j=int, p=int, _sweep=int, m="double[::1]", low="double[::1]",
+    @cython.locals(n=int, i=int, j=int, p=int, _sweep=int, m="double *", low="double *",
                    off=double, largest=double)
     cdef double _largest_eigenvalue(self) noexcept nogil
-    @cython.locals(n=int, k=int, m="double[::1]", theta=double, t=double, c=double, s=double,
+    @cython.locals(n=int, k=int, m="double *", theta=double, t=double, c=double, s=double,
                    x=double, y=double)
     cdef void _rotate(self, int i, int j) noexcept nogil

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import cython
 
-from .arrays import zeros
-
 if not cython.compiled:
     from math import fabs, floor, sqrt
 
@@ -39,7 +37,7 @@ class Watch:
         self.policy, self.limit = POLICIES[policy], _BELOW * limit
         self.stamp = -1
         self.omega = 0.0
-        self.matrix = zeros(self.n * self.n)
+        self.matrix = self.net.memory.zeros(self.n * self.n)
         self.start()
 
     def start(self):

@@ -21,7 +21,7 @@ NUMBERS = {
 """Types of numbers, and how they are called in C."""
 
 _NAME = r"[A-Za-z_]\w*"
-_TYPE = r"(?:double|int|bint|void|long long|Py_ssize_t|list|tuple|object|[A-Z]\w*)"
+_TYPE = r"(?:double|int|bint|void|long long|Py_ssize_t|char|list|tuple|object|[A-Z]\w*)"
 _SUFFIX = r"(?:\s*\[::1\]|\s*\[\d+\]|\s*\*)?"
 _DECLARED = re.compile(rf"({_TYPE}(?:\s*\[::1\]|\s*\[\d+\]|\s*\*|(?=\s)))\s*(.*)")
 _CALLED = re.compile(rf"({_NAME})\((.*)\)\s*(.*)")
@@ -130,7 +130,9 @@ def _variables(decorator: str) -> dict[str, str]:
 
 
 def _routine(text: str, variables: Mapping[str, str]) -> Routine | None:
-    head = re.match(rf"(?:cdef|cpdef)\s+(?:inline\s+)?(?:({_TYPE}{_SUFFIX})\s+)?(.*)", text)
+    head = re.match(
+        rf"(?:cdef|cpdef)\s+(?:inline\s+)?(?:({_TYPE}{_SUFFIX})(?:\s+|(?<=\*)))?(.*)", text
+    )
     called = head and _CALLED.fullmatch(head[2])
     if not (head and called):
         return None
@@ -155,7 +157,11 @@ def _fields(text: str) -> dict[str, str]:
     declared = given and _DECLARED.fullmatch(given[1])
     if not declared:
         return {}
-    return {name.strip(): _tidy(declared[1]) for name in declared[2].split(",")}
+    names = [name.strip() for name in declared[2].split(",")]
+    if declared[1].endswith("*"):
+        # as in C, the star stands before each name
+        names = [names[0], *(name.removeprefix("*").strip() for name in names[1:])]
+    return dict.fromkeys(names, _tidy(declared[1]))
 
 
 def _tidy(kind: object) -> str:

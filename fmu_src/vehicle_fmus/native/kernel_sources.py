@@ -44,14 +44,19 @@ class Sources:
     """All modules of a kernel.
 
     In C a class has the fields and methods of its bases, too, and stands for them: only classes that no
-    other is derived from become records.
+    other is derived from become records. A class without a method of the small language is none.
     """
 
     modules: tuple[Module, ...]
 
     @cached_property
     def records(self) -> dict[str, Record]:
-        return {r.name: r for m in self.modules for r in m.declared.records.values()}
+        return {
+            r.name: r
+            for m in self.modules
+            for r in m.declared.records.values()
+            if any(method.nogil for method in r.methods.values())
+        }
 
     def in_c(self, name: str) -> str:
         """Return the class that stands for a class in C.
@@ -100,7 +105,7 @@ class Sources:
         for node in module.tree.body:
             if isinstance(node, ast.FunctionDef) and node.name in module.declared.functions:
                 yield Definition(module.declared.functions[node.name], node, module.path, "")
-            if isinstance(node, ast.ClassDef) and node.name in module.declared.records:
+            if isinstance(node, ast.ClassDef) and node.name in self.records:
                 methods = module.declared.records[node.name].methods
                 for child in node.body:
                     if isinstance(child, ast.FunctionDef) and child.name in methods:

@@ -320,7 +320,7 @@ def _written(value: Any, known: dict[int, str]) -> str:
 def _needs(read: _Expressions, known: dict[int, str]) -> dict[str, list[int]]:
     """Return which outputs need the forces, and which the roads."""
     texts = {k: _written(value, known) for k, (value, _) in read.items()}
-    sampled = tuple(f"->sample_{x}[" for x in ("a", "f", "set"))
+    sampled = tuple(f"->read_{x}[" for x in ("a", "f", "set"))
     forces = [k for k, text in texts.items() if any(name in text for name in sampled)]
     return {
         "needs_forces": forces,
@@ -355,9 +355,9 @@ class _TracedState(reading.State):
 
     def __init__(self, system: System, tape: Tape) -> None:
         n, elements = len(system.coordinates), len(system.elements)
-        self.q, self.v = (_array(tape, f"of->sample_{x}", n) for x in "qv")  # type: ignore[assignment]
-        self._a = _array(tape, "of->sample_a", n)  # type: ignore[assignment]
-        self._f, self._set = (_array(tape, f"of->sample_{x}", elements) for x in ("f", "set"))  # type: ignore[assignment]
+        self.q, self.v = (_array(tape, f"of->read_{x}", n) for x in "qv")
+        self._a = _array(tape, "of->read_a", n)
+        self._f, self._set = (_array(tape, f"of->read_{x}", elements) for x in ("f", "set"))
         self._roads = {
             name: tuple(_array(tape, f"roads[{s}]", 4)) for s, name in enumerate(system.signals)
         }

@@ -38,9 +38,9 @@ int go(const double *times, int count, double *out) {
         Integrator_sample(one, times[k]);
         Integrator_sample_forces(one, times[k]);
         for (int i = 0; i < one->n; i++) {
-            *out++ = one->sample_q[i];
-            *out++ = one->sample_v[i];
-            *out++ = one->sample_a[i];
+            *out++ = one->read_q[i];
+            *out++ = one->read_v[i];
+            *out++ = one->read_a[i];
         }
     }
     return 0;

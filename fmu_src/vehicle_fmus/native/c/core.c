@@ -272,8 +272,8 @@ static int start_moving(Instance *one) {
     }
     Integrator_sample(integrator, now->conduct.run.time);
     for (int i = 0; i < COORDINATES; i++) {
-        same = same && state[i] == integrator->sample_q[i] &&
-            state[COORDINATES + i] == integrator->sample_v[i];
+        same = same && state[i] == integrator->read_q[i] &&
+            state[COORDINATES + i] == integrator->read_v[i];
     }
     if (!same) {
         Integrator__enter_state(integrator, state, 0);
