@@ -3,8 +3,8 @@ from libc.math cimport fabs, sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
-cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE
-cdef double _HIGH
+cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE, _SEGMENT
+cdef double _HIGH, _CORNER
 
 @cython.final
 cdef class Network(Elements):
@@ -28,6 +28,8 @@ cdef class Network(Elements):
 
     @cython.locals(s=int)
     cdef void enter_segments(self, double t) noexcept nogil
+    @cython.locals(s=int, k=int, now=int, start=double, corner=double, value=double, rate=double)
+    cpdef double next_corner(self, double t) noexcept nogil
     @cython.locals(i=int, e=int, r=int, law=int, p=int)
     cdef void kerb(self, int signal, double jump, double *v) noexcept nogil
     @cython.locals(i=int, e=int, r=int, c=double)

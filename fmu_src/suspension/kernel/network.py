@@ -20,7 +20,8 @@ if not cython.compiled:
     from .linear import decompose, solve
 
 _DAMPER, _MODULATION, _CONTACT, _KINDS = 1, 2, 3, 5  # as in elements
-_LAWS, _PIECE = 3, 12  # as in laws
+_LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
+_CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
 _HIGH = 10.0  # times the scale of the motion
 
 
@@ -144,6 +145,30 @@ class Network(Elements):
         """Move every signal to its segment from t on, as at a start."""
         for s in range(self.signals):
             self.enter_segment(s, t)
+
+    def next_corner(self, t):
+        """Return the next time after t at which the value or the rate of a signal jumps, or 1e300.
+
+        The present segments may be later ones.
+        """
+        corner = 1e300
+        for s in range(self.signals):
+            now = self.signal_now[s]
+            for k in range(1, self.signal_count[s]):
+                start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
+                if start <= t or start >= corner:
+                    continue
+                self.signal_now[s] = k - 1
+                self.signal(s, start)
+                value, rate = self.road[4 * s], self.road[4 * s + 1]
+                self.signal_now[s] = k
+                self.signal(s, start)
+                value -= self.road[4 * s]
+                rate -= self.road[4 * s + 1]
+                if fabs(value) > _CORNER or fabs(rate) > _CORNER:
+                    corner = start
+            self.signal_now[s] = now
+        return corner
 
     def kerb(self, signal, jump, v):
         """Apply a kerb without a ramp, the limit of ever shorter ramps: v += M^-1 sum b c jump.

@@ -3,7 +3,7 @@ from .arrays cimport Memory
 from libc.math cimport cos, fabs, sin
 
 cdef int _SEGMENT
-cdef double _ROAD_PHASE, _CORNER
+cdef double _ROAD_PHASE
 
 cdef class Signals:
     cdef Memory memory
@@ -38,7 +38,5 @@ cdef class Signals:
     cdef int still(self) noexcept nogil
     @cython.locals(s=int, k=int, joint=double, start=double)
     cdef double next_joint(self) noexcept nogil
-    @cython.locals(s=int, k=int, now=int, start=double, corner=double, value=double, rate=double)
-    cpdef double next_corner(self, double t) noexcept nogil
     @cython.locals(s=int, at=int, limit=double, speed=double)
     cdef double road_limit(self, double t) noexcept nogil

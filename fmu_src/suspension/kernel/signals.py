@@ -13,7 +13,6 @@ if not cython.compiled:
 
 _SEGMENT = 10  # numbers stored for one segment
 _ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
-_CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
 
 
 class Signals:
@@ -173,30 +172,6 @@ class Signals:
                 start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
                 joint = min(joint, start)
         return joint
-
-    def next_corner(self, t):
-        """Return the next time after t at which the value or the rate of a signal jumps, or 1e300.
-
-        The present segments may be later ones.
-        """
-        corner = 1e300
-        for s in range(self.signals):
-            now = self.signal_now[s]
-            for k in range(1, self.signal_count[s]):
-                start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
-                if start <= t or start >= corner:
-                    continue
-                self.signal_now[s] = k - 1
-                self.signal(s, start)
-                value, rate = self.road[4 * s], self.road[4 * s + 1]
-                self.signal_now[s] = k
-                self.signal(s, start)
-                value -= self.road[4 * s]
-                rate -= self.road[4 * s + 1]
-                if fabs(value) > _CORNER or fabs(rate) > _CORNER:
-                    corner = start
-            self.signal_now[s] = now
-        return corner
 
     def road_limit(self, t):
         """Return the longest macro step that the sinusoids of the present segments allow."""
