@@ -369,7 +369,7 @@ class _TracedState(reading.State):
 
     def derivatives(self, quantity: int) -> list[Number]:
         """The derivatives of displacements, or of velocities."""
-        return self._a if quantity == VELOCITY else self.v  # type: ignore[return-value]
+        return self._a if quantity == VELOCITY else self.v
 
 
 def _array(tape: Tape, name: str, count: int) -> list[Number]:
