@@ -29,7 +29,7 @@ _HEADINGS: dict[str, Callable[[Variable], bool]] = {
 
 
 def page(
-    model: str, start: dict[str, Value], colophon: str, own: str = "", *, native: bool = False
+    model: str, start: dict[str, Value], colophon: str, own: str = "", *, native: int = 0
 ) -> str:
     """Return documentation/index.html of a model.
 
@@ -39,14 +39,14 @@ def page(
     start : parameters whose start values are not the defaults
     colophon : the tools that made the FMU
     own : the file of a system of one's own, which stands in place of equations
-    native : whether it is a native FMU, which needs nothing from its host
+    native : 2 or 3 for a native FMU of that version of FMI, which needs nothing from its host
     """
     return Template(_part("index")).substitute(
         model=model,
         picture="" if own else picture(model),
         equations=_OWN.substitute(file=escape(own)) if own else f"{ALL[model].page}\n",
         stepping="" if model in SOURCES else _part("stepping"),
-        needs=_part("native" if native else "needs"),
+        needs=_part("native" if native else "needs") + (_part("events") if native == 3 else ""),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),
     )

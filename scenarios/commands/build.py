@@ -47,6 +47,11 @@ if TYPE_CHECKING:
     help="Pack FMUs that need no Python. Tables, road shape and other structure keep their values.",
 )
 @click.option(
+    "--fmi",
+    type=click.Choice(["2", "3"]),
+    help="Version of FMI of native FMUs; 3 has event mode and returns early at lift-off.  [default: 2]",
+)
+@click.option(
     "--platforms",
     metavar="NAMES",
     help="Platforms of native FMUs, separated by commas, or all. Other platforms than this one need "
@@ -65,6 +70,7 @@ def build(
     output: Path,
     ssp: bool,
     native: bool,
+    fmi: str | None,
     platforms: str | None,
     settings: tuple[str, ...],
     as_data: bool,
@@ -80,9 +86,9 @@ def build(
                 "--ssp: a system is packed of FMUs that run Python; leave out --native"
             )
         wanted = tuple(filter(None, (platforms or "").split(",")))
-        paths = build_native(models, output, wanted, settings)
-    elif settings or platforms:
-        raise InputError("--set and --platforms are for native FMUs; give --native, too")
+        paths = build_native(models, output, wanted, settings, int(fmi or 2))
+    elif settings or platforms or fmi:
+        raise InputError("--fmi, --set and --platforms are for native FMUs; give --native, too")
     else:
         paths = build_models(models, output, ssp)
     files = [str(path) for path in paths]
@@ -165,6 +171,7 @@ def build_native(
     folder: Path,
     platforms: Sequence[str] = (),
     settings: Sequence[str] = (),
+    fmi: int = 2,
 ) -> list[Path]:
     """Pack native FMUs of the given models, or of all, each with a reference result beside it.
 
@@ -172,6 +179,7 @@ def build_native(
     ----------
     platforms : names of platforms; none for the one at hand, or all if zig is installed
     settings : start values, as `name=value`; each is for the models that have such a parameter
+    fmi : version of FMI
 
     Raises
     ------
@@ -184,7 +192,7 @@ def build_native(
         folder.mkdir(parents=True, exist_ok=True)
         chosen = [name for name in names if name in FILES]
         files = vehicle_fmus.native.pack.build(
-            chosen, folder, platforms=platforms, references=True,
+            chosen, folder, fmi=fmi, platforms=platforms, references=True,
             parameters=_start_values(chosen, settings),
         )  # fmt: skip
         for scene in scenes:
@@ -193,7 +201,7 @@ def build_native(
             given = {**scene.parameters, **_start_values([model], settings).get(model, {})}
             with TemporaryDirectory() as work:
                 made = vehicle_fmus.native.pack.build(
-                    [model], Path(work), platforms=platforms, references=True,
+                    [model], Path(work), fmi=fmi, platforms=platforms, references=True,
                     parameters={model: given}, own=own,
                 )  # fmt: skip
                 files += _renamed(made, model, scene, folder)

@@ -34,6 +34,10 @@ class Platform:
     suffix: str
     target: str
 
+    def folder(self, fmi: int) -> str:
+        """Return the name of its folder in an FMU of FMI 2.0 or 3.0."""
+        return self.fmi2 if fmi == 2 else self.name
+
 
 PLATFORMS = {
     p.name: p

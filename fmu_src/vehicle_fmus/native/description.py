@@ -1,4 +1,4 @@
-"""The model description of a native FMU, for FMI 2.0."""
+"""The model description of a native FMU for FMI 2.0, and what it has in common with that for 3.0."""
 
 from __future__ import annotations
 
@@ -11,12 +11,13 @@ from phaseplane.suspension.variables import Value, Variable, variables
 from ..model_description import in_words, model_structure, unit_definitions
 from .model import Translation
 
-_CATEGORIES = {
+CATEGORIES = {
     "logEvents": "Times of lift-off, touchdown and contact with end stops.",
     "logStatusDiscard": "Steps that failed.",
     "logStatusError": "Calls and values that were refused.",
     "logAll": "All messages.",
 }
+EXPERIMENT = {"startTime": "0.0", "stopTime": "1.0", "tolerance": "1e-06", "stepSize": "0.001"}
 _TYPES = {float: "Real", int: "Integer", bool: "Boolean", str: "String"}
 SPEAKING = {"author": "The phaseplane developers", "license": "MIT",
             "copyright": "(c) 2026 The phaseplane developers"}  # fmt: skip
@@ -56,16 +57,9 @@ def description(
     SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))
     categories = SubElement(root, "LogCategories")
-    for name, text in _CATEGORIES.items():
+    for name, text in CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
-    SubElement(
-        root,
-        "DefaultExperiment",
-        startTime="0.0",
-        stopTime="1.0",
-        tolerance="1e-06",
-        stepSize="0.001",
-    )
+    SubElement(root, "DefaultExperiment", EXPERIMENT)
     held = SubElement(root, "ModelVariables")
     for k, variable in enumerate(declared):
         if variable.name in in_c.left_out:
@@ -80,6 +74,20 @@ def description(
 
 def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bool) -> None:
     """Append one variable."""
+    common = role(k, variable, fixed, isinstance(variable.start, float))
+    detail = values(variable, start)
+    SubElement(SubElement(held, "ScalarVariable", common), _TYPES[type(variable.start)], detail)
+
+
+def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str, str]:
+    """Return the attributes that say what a variable is.
+
+    Parameters
+    ----------
+    k : its value reference
+    fixed : whether it keeps the value with which the FMU was packed
+    continuous : whether an output changes between switches, too
+    """
     words = in_words(variable)
     if fixed:
         words += "; chosen when the FMU was packed"
@@ -89,15 +97,19 @@ def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bo
         "description": words,
         "causality": variable.causality,
     }
-    real = isinstance(variable.start, float)
     if variable.causality == "parameter":
         common["variability"] = "tunable" if variable.tunable and not fixed else "fixed"
         common["initial"] = "exact"
     elif variable.causality == "input":
         common["variability"] = "continuous"
     else:
-        common["variability"] = "continuous" if real else "discrete"
+        common["variability"] = "continuous" if continuous else "discrete"
         common["initial"] = "calculated"
+    return common
+
+
+def values(variable: Variable, start: Value) -> dict[str, str]:
+    """Return the attributes of a variable that belong to its type: start value, range and unit."""
     detail = {
         name: str(value)
         for name, value in {
@@ -109,11 +121,10 @@ def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bo
         }.items()
         if value is not None and not isinstance(start, str | bool)
     }
-    kind = _TYPES[type(variable.start)]
     if variable.causality != "output" and not isinstance(start, str):
         detail["start"] = str(start).lower() if isinstance(start, bool) else repr(start)
     if isinstance(start, int) and not isinstance(start, bool):
         detail = {k: str(int(float(v))) for k, v in detail.items() if k in ("min", "max", "start")}
     if isinstance(start, str) and variable.causality != "output":
         detail["start"] = start
-    SubElement(SubElement(held, "ScalarVariable", common), kind, detail)
+    return detail

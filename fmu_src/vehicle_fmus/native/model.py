@@ -74,11 +74,15 @@ class Translation:
     text : all that depends on the model
     fixed : names of the parameters that keep the values they were packed with
     left_out : names of the outputs that it does not have
+    continuous : names of the outputs that change between switches, too
+    tyres : prefixes of the axles whose wheels can leave the road, in the order of their clocks
     """
 
     text: str
     fixed: frozenset[str]
     left_out: frozenset[str]
+    continuous: frozenset[str]
+    tyres: tuple[str, ...]
 
 
 def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
@@ -131,20 +135,25 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     at = machine.arrays[id(plain.net.row_direction)]
     fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     setting = _set_up(tape, plain.row(system, rest, rest), starts, (read, rates), fields)
+    continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
         machine.text,
         conduct.text,
         _tables(declared, parameters, inputs, system, tape),
         setting,
-        _choice("is_continuous", [k for k in read if is_continuous(declared[k], system)]),
+        "/* Which outputs change between switches, too. */",
+        _choice("is_continuous", [k for k in read if declared[k].name in continuous]),
     ]
     pinned = [g.condition.of for g in tape.guards.values() if g.condition.text == "==" and g.holds]
     fixed = {
         v.name for v in declared if v.causality == "parameter" and not isinstance(v.start, float)
     }
     fixed |= {name for names in pinned if len(names) == 1 for name in names}
-    return Translation("\n".join(parts), frozenset(fixed), left_out(model, system))
+    prefixes = tuple(axle.prefix for axle in tyres)
+    return Translation(
+        "\n".join(parts), frozenset(fixed), left_out(model, system), continuous, prefixes
+    )
 
 
 def _system(model: str, p: Mapping[str, Any]) -> System:
@@ -437,7 +446,7 @@ def _rates(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]
     return found
 
 
-def is_continuous(output: Variable, system: System) -> bool:
+def _is_continuous(output: Variable, system: System) -> bool:
     """Return whether an output changes between switches, too; instants and counts do not."""
     reading = reading_of(output, system)
     instant = isinstance(reading, OfContact) and reading.what != "airborne_time"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
@@ -15,12 +15,17 @@ from ..archives import digest_of, write_all, zipped
 from ..content import picture_file, production
 from ..manual import DOCUMENTATION, page
 from ..reference import reference_files, session_of
+from . import description, description3
 from .compilers import FLAGS, Platform, chosen, compiled
-from .description import description
 from .model import model_in_c
 
 _C = Path(__file__).parent / "c"
-_LAYER = ("fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h")
+_LAYERS = {
+    2: ("fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+    3: ("fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+}
+VERSIONS = tuple(_LAYERS)
+"""Versions of FMI for which native FMUs are packed."""
 _ALL = """\
 /* {model}, all of it: compile this file alone, with {flags}. */
 
@@ -36,6 +41,7 @@ def build(
     models: Sequence[str],
     folder: Path,
     *,
+    fmi: int = 2,
     platforms: Sequence[str] = (),
     parameters: Mapping[str, Mapping[str, object]] | None = None,
     own: Mapping[str, str] | None = None,
@@ -49,6 +55,7 @@ def build(
     ----------
     models : keys of `models.FILES` or of `own`
     folder : output folder; created if it is missing
+    fmi : 2 or 3, the version of FMI
     platforms : names in `compilers.PLATFORMS`; by default the one at hand, or all if zig is installed
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
@@ -62,19 +69,21 @@ def build(
     Raises
     ------
     ParameterError : unknown model or parameter, or a start value that is refused.
-    ValueError : unknown platform, or one without a compiler.
+    ValueError : unknown version or platform, or a platform without a compiler.
     RuntimeError : a compiler failed (the message includes its output).
     """
     parameters, own = parameters or {}, own or {}
     refuse_unknown(models, {**FILES, **own}, f"FMUs exist for {', '.join(FILES)}, not for")
     refuse_unknown(parameters, models, "start values given for a model that is not built:")
+    if fmi not in VERSIONS:
+        raise ValueError(f"FMI {fmi}: native FMUs are packed for {' or '.join(map(str, VERSIONS))}")
     targets = chosen(platforms)
     files: dict[str, bytes] = {}
     for model in models:
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start, targets, own.get(model, ""))
+        files[f"{model}.fmu"] = _packed(model, start, fmi, targets, own.get(model, ""))
         if references:
             files |= reference_files(model, start)
     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -83,51 +92,51 @@ def build(
     return list(contents)
 
 
-def _packed(model: str, start: Mapping[str, Value], targets: Sequence[Platform], own: str) -> bytes:
+def _packed(
+    model: str, start: Mapping[str, Value], fmi: int, targets: Sequence[Platform], own: str
+) -> bytes:
     """Return the archive of one FMU."""
     in_c = model_in_c(model, start)
-    files = ("core.h", "core.c", *_LAYER)
-    sources = {f"sources/{name}": (_C / name).read_bytes() for name in files}
-    sources["sources/model.c"] = in_c.text.encode()
+    layer = _LAYERS[fmi]
+    sources = {name: (_C / name).read_bytes() for name in ("core.h", "core.c", *layer)}
+    sources["model.c"] = in_c.text.encode()
     about = production()
     about["generationTool"] = about["generationTool"].partition(" with ")[0]
-    what = {
-        **sources,
-        "about": json.dumps([about, model, dict(start)]).encode(),
-    }
-    token = str(UUID(hex=digest_of(what)[:32]))
+    what = {**sources, "about": json.dumps([about, model, dict(start)]).encode()}
+    token = f"{{{UUID(hex=digest_of(what)[:32])}}}"
     flags = " ".join(flag for flag in FLAGS if flag != "-w")
-    token = f"{{{token}}}"
-    sources["sources/all.c"] = _ALL.format(
-        model=model, flags=flags, token=token, layer=_LAYER[0]
-    ).encode()
+    sources["all.c"] = _ALL.format(model=model, flags=flags, token=token, layer=layer[0]).encode()
+    picture = picture_file("HalfCar" if own else model).read_bytes()
+    described = {2: description.description, 3: description3.description}[fmi]
     members = {
-        **sources,
-        **_binaries(model, sources, targets),
-        "modelDescription.xml": description(model, start, in_c, about, token),
+        "modelDescription.xml": described(model, start, in_c, about, token),
         "documentation/index.html": page(
-            model, dict(start), about["generationTool"], own, native=True
+            model, dict(start), about["generationTool"], own, native=fmi
         ).encode(),
         "documentation/licenses/license.txt": (DOCUMENTATION / "license.txt").read_bytes(),
-        "documentation/licenses/fmi_headers.txt": _licence(_C / _LAYER[1]),
+        "documentation/licenses/fmi_headers.txt": _licence(_C / layer[1]),
+        "model.png": picture,
     }
-    members["model.png"] = picture_file(model).read_bytes()
-    return zipped(members)
+    if fmi == 3:
+        sources["buildDescription.xml"] = description3.build_description(model, flags)
+        members["terminalsAndIcons/terminalsAndIcons.xml"] = description3.terminals(model)
+        members["terminalsAndIcons/icon.png"] = members.pop("model.png")
+    for target, library in _binaries(sources, targets):
+        members[f"binaries/{target.folder(fmi)}/{model}{target.suffix}"] = library
+    return zipped({**members, **{f"sources/{name}": text for name, text in sources.items()}})
 
 
 def _binaries(
-    model: str, sources: Mapping[str, bytes], targets: Sequence[Platform]
-) -> dict[str, bytes]:
+    sources: Mapping[str, bytes], targets: Sequence[Platform]
+) -> Iterator[tuple[Platform, bytes]]:
     """Compile the sources for each platform."""
-    found = {}
     with TemporaryDirectory() as work:
         for name, content in sources.items():
-            Path(work, Path(name).name).write_bytes(content)
+            Path(work, name).write_bytes(content)
         for target in targets:
             library = Path(work, f"{target.name}{target.suffix}")
             compiled(Path(work, "all.c"), library, target)
-            found[f"binaries/{target.fmi2}/{model}{target.suffix}"] = library.read_bytes()
-    return found
+            yield target, library.read_bytes()
 
 
 def _licence(header: Path) -> bytes:

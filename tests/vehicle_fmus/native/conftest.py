@@ -5,13 +5,14 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
 from phaseplane.suspension import own
 from phaseplane.vehicle_fmus.build import build as build_in_python
 from phaseplane.vehicle_fmus.native import compilers
@@ -27,12 +28,13 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> Packer:
         pytest.skip("no C compiler")
 
     @cache
-    def packed(model: str, *settings: tuple[str, object], text: str = "") -> Path:
+    def packed(model: str, *settings: tuple[str, object], text: str = "", fmi: int = 2) -> Path:
         quick = tuple("-O1" if flag == "-O2" else flag for flag in compilers.FLAGS)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(compilers, "FLAGS", quick)
             patch.setattr(compilers, "has_zig", lambda: False)
-            return _packed(build, model, settings, text, tmp_path_factory.mktemp("native"))
+            pack = partial(build, fmi=fmi)
+            return _packed(pack, model, settings, text, tmp_path_factory.mktemp("native"))
 
     return packed
 
@@ -63,15 +65,61 @@ def _packed(
     return path
 
 
+class Fmi3(FMU3Slave):
+    """An FMU of FMI 3.0 with the methods of one of FMI 2.0; with events, a step goes on from each."""
+
+    def __init__(self, events: bool, **given: Any) -> None:
+        super().__init__(**given)
+        self.events = events
+        self.getReal, self.getInteger = self.getFloat64, self.getInt32
+        self.setReal = self.setFloat64
+        self.serializeFMUstate, self.deSerializeFMUstate = (
+            self.serializeFMUState, self.deserializeFMUState,
+        )  # fmt: skip
+        self.getFMUstate, self.setFMUstate = self.getFMUState, self.setFMUState
+        self.instants: list[float] = []
+
+    def instantiate(self, **options: Any) -> None:
+        super().instantiate(eventModeUsed=self.events, earlyReturnAllowed=self.events, **options)
+
+    def setupExperiment(self, startTime: float) -> None:  # noqa: N802
+        self.start = startTime
+
+    def enterInitializationMode(self) -> None:  # type: ignore[override] # noqa: N802
+        super().enterInitializationMode(startTime=self.start)
+
+    def exitInitializationMode(self) -> None:  # noqa: N802
+        super().exitInitializationMode()
+        if self.events:
+            self.updateDiscreteStates()
+            self.enterStepMode()
+
+    def doStep(self, time: float, step: float) -> None:  # type: ignore[override] # noqa: N802
+        end = time + step
+        while True:
+            event, over, early, time = super().doStep(time, end - time)
+            assert not over
+            assert early == (time < end)
+            if event:
+                self.instants.append(time)
+                self.enterEventMode()
+                assert not self.updateDiscreteStates()[0]
+                self.enterStepMode()
+            if not early:
+                assert time == end
+                return
+
+
 @pytest.fixture
 def slave() -> Callable[..., Any]:
-    """The function that instantiates an FMU of FMI 2.0, unpacked into a folder."""
+    """The function that instantiates an FMU, unpacked into a folder, with the methods of FMI 2.0."""
 
     @contextmanager
-    def instance(fmu: Path, work: Path) -> Iterator[Any]:
+    def instance(fmu: Path, work: Path, events: bool = False) -> Iterator[Any]:
         folder = extract(str(fmu), str(work))
         description = read_model_description(folder)
-        made = FMU2Slave(
+        kind = FMU2Slave if description.fmiVersion == "2.0" else partial(Fmi3, events)
+        made = kind(
             guid=description.guid, unzipDirectory=folder, instanceName="one",
             modelIdentifier=description.coSimulation.modelIdentifier,
         )  # fmt: skip

@@ -21,6 +21,7 @@ typedef struct State {
     int ok, tuned, warned, passed_over;
     double due[DUE]; /* instants of switches that the host has not been told of */
     int dues, switched; /* switched: whether the last step of the host had one */
+    int mode; /* of an FMI 3.0 interface */
     char ticks[2 * TYRES + 1]; /* lift-off and touchdown of each tyre since the last look */
 } State;
 
@@ -316,14 +317,14 @@ static int go_on(Instance *one, double until) {
             until = fmax(time, run->time);
             break;
         }
-        if (integrator->time >= until) break;
-        if (!run->sampled) now->behind = now->machine;
-        if (step(one, until, run->sampled)) return 1;
         time = fmin(integrator->time, until);
-        if (one->update && time > seen && !(now->dues && now->due[0] < time)) {
+        if (one->update && time > seen) {
             until = update_at(one, time, until);
             seen = time;
         }
+        if (integrator->time >= until) break;
+        if (!run->sampled) now->behind = now->machine;
+        if (step(one, until, run->sampled)) return 1;
     }
     if (one->update && seen < until) update_at(one, until, until);
     while (take_due(one, until, &time)) {}

@@ -1,0 +1,436 @@
+/* FMI 3.0 for co-simulation, on an instance (core.c). */
+
+#include "fmi3Functions.h"
+
+/* Value references after those of the variables: time, and two clocks for each tyre. */
+#define TIME VARIABLES
+#define FIRST_CLOCK (VARIABLES + 1)
+#define CLOCKS (2 * TYRES)
+
+enum { INSTANTIATED = 1, INITIALIZATION = 2, EVENT = 4, STEP = 8, TERMINATED = 16, LOOKING = 32 };
+static const char *const modes[] = {"after instantiation", "in initialization mode", "in event mode",
+    "in step mode", "after the end", "in intermediate update mode"};
+
+typedef struct Host {
+    Instance instance;
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+    fmi3IntermediateUpdateCallback update;
+    int logging;
+} Host;
+
+static void tell(Instance *one, int is_error, const char *category, const char *text) {
+    Host *host = one->host;
+    if (host->logging && host->log) {
+        host->log(host->environment, is_error ? fmi3Error : fmi3OK, category, text);
+    }
+}
+
+static fmi3Status failed(Host *host) {
+    if (host->log) {
+        host->log(host->environment, fmi3Error, "logStatusError", host->instance.reason);
+    }
+    return fmi3Error;
+}
+
+/* Return whether a call is out of place in the present mode, and note that. */
+static int misplaced(Host *host, const char *call, int allowed) {
+    int k = 0;
+    if (host->instance.now.mode & allowed) return 0;
+    while (host->instance.now.mode >> (k + 1)) k++;
+    return fail(&host->instance, "%s cannot be called %s", call, modes[k]);
+}
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance c, fmi3Boolean on, size_t count,
+        const fmi3String categories[]) {
+    (void) count, (void) categories;
+    ((Host *) c)->logging = on;
+    return fmi3OK;
+}
+
+/* ---- life ---------------------------------------------------------------------------------- */
+
+/* Let the host look at an instant within its step; return where it wants the step to end. */
+static double let_look(Instance *one, double time) {
+    Host *host = one->host;
+    fmi3Boolean wanted = fmi3False;
+    fmi3Float64 end = INFINITY;
+    one->now.mode = LOOKING;
+    host->update(host->environment, time, fmi3False, fmi3True, fmi3True, one->early_return, &wanted, &end);
+    one->now.mode = STEP;
+    return wanted && one->early_return ? end : INFINITY;
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+        fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode, fmi3Boolean early_return,
+        const fmi3ValueReference required[], size_t count, fmi3InstanceEnvironment environment,
+        fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update) {
+    Host *host;
+    (void) name, (void) resources, (void) visible, (void) required, (void) count;
+    if (!token || strcmp(token, GUID) != 0) {
+        if (log) {
+            log(environment, fmi3Error, "logStatusError",
+                    "the instantiation token is not that of the model description");
+        }
+        return NULL;
+    }
+    host = calloc(1, sizeof *host);
+    if (!host) return NULL;
+    host->environment = environment;
+    host->log = log;
+    host->update = update;
+    host->logging = logging;
+    host->instance.host = host;
+    host->instance.event_mode = event_mode;
+    host->instance.early_return = early_return;
+    host->instance.update = update ? let_look : NULL;
+    reset_instance(&host->instance);
+    host->instance.now.mode = INSTANTIATED;
+    return host;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+        fmi3Boolean visible, fmi3Boolean logging, fmi3InstanceEnvironment environment,
+        fmi3LogMessageCallback log) {
+    (void) name, (void) token, (void) resources, (void) visible, (void) logging;
+    if (log) log(environment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String resources,
+        fmi3Boolean visible, fmi3Boolean logging, fmi3InstanceEnvironment environment,
+        fmi3LogMessageCallback log, fmi3ClockUpdateCallback clock, fmi3LockPreemptionCallback lock,
+        fmi3UnlockPreemptionCallback unlock) {
+    (void) clock, (void) lock, (void) unlock;
+    return fmi3InstantiateModelExchange(name, token, resources, visible, logging, environment, log);
+}
+
+void fmi3FreeInstance(fmi3Instance c) { free(c); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean has_tolerance, fmi3Float64 tolerance,
+        fmi3Float64 start, fmi3Boolean has_stop, fmi3Float64 stop) {
+    Host *host = c;
+    State *now = &host->instance.now;
+    (void) has_stop, (void) stop;
+    if (misplaced(host, "fmi3EnterInitializationMode", INSTANTIATED)) return failed(host);
+    now->start = start;
+    now->tolerance = has_tolerance ? tolerance : 0.0;
+    now->ready = 0;
+    host->instance.now.mode = INITIALIZATION;
+    return fmi3OK;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+    Host *host = c;
+    Instance *one = &host->instance;
+    if (misplaced(host, "fmi3ExitInitializationMode", INITIALIZATION)) return failed(host);
+    if (one->refusal[0]) {
+        fail(one, "%s", one->refusal);
+        return failed(host);
+    }
+    if (begin(one)) return failed(host);
+    one->now.initialised = 1;
+    host->instance.now.mode = one->event_mode ? EVENT : STEP;
+    return fmi3OK;
+}
+
+fmi3Status fmi3Terminate(fmi3Instance c) {
+    ((Host *) c)->instance.now.mode = TERMINATED;
+    return fmi3OK;
+}
+
+fmi3Status fmi3Reset(fmi3Instance c) {
+    Host *host = c;
+    reset_instance(&host->instance);
+    host->instance.now.mode = INSTANTIATED;
+    return fmi3OK;
+}
+
+/* ---- variables ----------------------------------------------------------------------------- */
+
+static int is_of_kind(Host *host, unsigned k, int kind) {
+    if (k < VARIABLES && variables[k].kind == kind) return 1;
+    fail(&host->instance, "value reference %u is no variable of this type", k);
+    return 0;
+}
+
+static int have_room(Host *host, size_t count, size_t values) {
+    if (count == values) return 1;
+    fail(&host->instance, "%lu values for %lu scalar variables", (unsigned long) values,
+            (unsigned long) count);
+    return 0;
+}
+
+#define GET(Name, KIND, TEST)                                                                       \
+    fmi3Status fmi3Get##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+            fmi3##Name value[], size_t values) {                                                    \
+        Host *host = c;                                                                             \
+        if (!have_room(host, count, values)) return failed(host);                                   \
+        for (size_t k = 0; k < count; k++) {                                                        \
+            if (KIND == REAL && vr[k] == TIME) {                                                    \
+                const State *now = &host->instance.now;                                             \
+                value[k] = now->initialised ? now->conduct.run.time : now->start;                   \
+                continue;                                                                           \
+            }                                                                                       \
+            if (!is_of_kind(host, vr[k], KIND)) return failed(host);                                \
+            value[k] = get_value(&host->instance, vr[k]) TEST;                                      \
+        }                                                                                           \
+        return fmi3OK;                                                                              \
+    }
+
+#define SET(Name, KIND)                                                                             \
+    fmi3Status fmi3Set##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+            const fmi3##Name value[], size_t values) {                                              \
+        Host *host = c;                                                                             \
+        if (!have_room(host, count, values)) return failed(host);                                   \
+        if (misplaced(host, "fmi3Set" #Name, INSTANTIATED | INITIALIZATION | EVENT | STEP)) {       \
+            return failed(host);                                                                    \
+        }                                                                                           \
+        for (size_t k = 0; k < count; k++) {                                                        \
+            if (!is_of_kind(host, vr[k], KIND)) return failed(host);                                \
+            set_value(&host->instance, vr[k], value[k]);                                            \
+        }                                                                                           \
+        return fmi3OK;                                                                              \
+    }
+
+GET(Float64, REAL, )
+GET(Int32, INTEGER, )
+GET(Boolean, BOOLEAN, != 0.0)
+SET(Float64, REAL)
+SET(Int32, INTEGER)
+SET(Boolean, BOOLEAN)
+
+fmi3Status fmi3GetString(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+        fmi3String value[], size_t values) {
+    Host *host = c;
+    if (!have_room(host, count, values)) return failed(host);
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], STRING)) return failed(host);
+        value[k] = variables[vr[k]].text;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetString(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+        const fmi3String value[], size_t values) {
+    Host *host = c;
+    if (!have_room(host, count, values)) return failed(host);
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], STRING)) return failed(host);
+        set_text(&host->instance, vr[k], value[k]);
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetClock(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+        fmi3Clock value[]) {
+    Host *host = c;
+    for (size_t k = 0; k < count; k++) {
+        if (vr[k] < FIRST_CLOCK || vr[k] >= FIRST_CLOCK + CLOCKS) {
+            fail(&host->instance, "value reference %u is no clock", vr[k]);
+            return failed(host);
+        }
+        value[k] = host->instance.now.mode == EVENT && host->instance.now.ticks[vr[k] - FIRST_CLOCK];
+    }
+    return fmi3OK;
+}
+
+/* ---- steps and events ---------------------------------------------------------------------- */
+
+fmi3Status fmi3EnterStepMode(fmi3Instance c) {
+    Host *host = c;
+    if (misplaced(host, "fmi3EnterStepMode", EVENT)) return failed(host);
+    host->instance.now.mode = STEP;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance c) {
+    Host *host = c;
+    Instance *one = &host->instance;
+    if (!one->event_mode) {
+        fail(one, "this instance was made without event mode");
+        return failed(host);
+    }
+    if (misplaced(host, "fmi3EnterEventMode", STEP)) return failed(host);
+    count_contacts(one, one->now.conduct.run.time);
+    host->instance.now.mode = EVENT;
+    return fmi3OK;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance c, fmi3Boolean *again, fmi3Boolean *terminate,
+        fmi3Boolean *nominals_changed, fmi3Boolean *values_changed, fmi3Boolean *has_next,
+        fmi3Float64 *next) {
+    Host *host = c;
+    State *now = &host->instance.now;
+    double corner;
+    if (misplaced(host, "fmi3UpdateDiscreteStates", EVENT)) return failed(host);
+    memset(now->ticks, 0, sizeof now->ticks);
+    corner = Network_next_corner(now->machine.integrator.net, now->conduct.run.time);
+    host->instance.roads_known = 0;
+    *again = *terminate = *nominals_changed = *values_changed = fmi3False;
+    *has_next = corner < 1e300;
+    *next = corner;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance c) {
+    (void) c;
+    return fmi3OK;
+}
+
+fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 size, fmi3Boolean no_return,
+        fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *reached) {
+    Host *host = c;
+    Instance *one = &host->instance;
+    const double until = time + size;
+    int status = 1;
+    (void) no_return;
+    *event = *terminate = *early = fmi3False;
+    if (misplaced(host, "fmi3DoStep", STEP)) {
+    } else if (one->refusal[0]) {
+        fail(one, "%s", one->refusal);
+    } else {
+        status = advance(one, until);
+        if (status) one->now.ok = 0;
+    }
+    *reached = one->now.conduct.run.time;
+    if (status) return failed(host);
+    *event = one->event_mode && one->now.switched;
+    *early = *reached < until;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t count,
+        const fmi3Int32 order[], fmi3Float64 value[], size_t values) {
+    Host *host = c;
+    if (!have_room(host, count, values)) return failed(host);
+    for (size_t k = 0; k < count; k++) {
+        if (!is_of_kind(host, vr[k], REAL)) return failed(host);
+        if (variables[vr[k]].causality != OUTPUT || order[k] != 1) {
+            fail(&host->instance, "%s: only outputs have derivatives, of order 1", variables[vr[k]].name);
+            return failed(host);
+        }
+        if (find_rate(&host->instance, vr[k], &value[k])) return failed(host);
+    }
+    return fmi3OK;
+}
+
+/* ---- whole state --------------------------------------------------------------------------- */
+
+fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
+    Host *host = c;
+    return copy_state(&host->instance, (State **) state) ? failed(host) : fmi3OK;
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+    if (!state) return fmi3Error;
+    restore(&((Host *) c)->instance, state);
+    return fmi3OK;
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
+    (void) c;
+    if (state) {
+        free(*state);
+        *state = NULL;
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size) {
+    (void) c, (void) state;
+    *size = SERIALIZED;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[], size_t size) {
+    (void) c;
+    if (!state || size < SERIALIZED) return fmi3Error;
+    write_state(bytes, state);
+    return fmi3OK;
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+        fmi3FMUState *state) {
+    Host *host = c;
+    return read_state(&host->instance, bytes, size, (State **) state) ? failed(host) : fmi3OK;
+}
+
+/* ---- what it does not have ----------------------------------------------------------------- */
+
+static fmi3Status missing(fmi3Instance c, const char *what) {
+    fail(&((Host *) c)->instance, "this FMU has no %s", what);
+    return failed(c);
+}
+
+#define NO_TYPE(Name)                                                                               \
+    fmi3Status fmi3Get##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+            fmi3##Name value[], size_t values) {                                                    \
+        (void) vr, (void) count, (void) value, (void) values;                                       \
+        return count ? missing(c, "variables of type " #Name) : fmi3OK;                             \
+    }                                                                                               \
+    fmi3Status fmi3Set##Name(fmi3Instance c, const fmi3ValueReference vr[], size_t count,           \
+            const fmi3##Name value[], size_t values) {                                              \
+        (void) vr, (void) count, (void) value, (void) values;                                       \
+        return count ? missing(c, "variables of type " #Name) : fmi3OK;                             \
+    }
+
+NO_TYPE(Float32)
+NO_TYPE(Int8)
+NO_TYPE(UInt8)
+NO_TYPE(Int16)
+NO_TYPE(UInt16)
+NO_TYPE(UInt32)
+NO_TYPE(Int64)
+NO_TYPE(UInt64)
+
+/* Functions that belong to what this FMU is not. */
+#define NO_FUNCTION(Name, what, ...)                                                                \
+    fmi3Status Name(fmi3Instance c, __VA_ARGS__) { return missing(c, what); }
+
+#define REFERENCES const fmi3ValueReference vr[], size_t count
+#define SENSITIVITIES                                                                               \
+    const fmi3ValueReference unknowns[], size_t n_unknowns, const fmi3ValueReference knowns[],      \
+            size_t n_knowns, const fmi3Float64 seed[], size_t n_seed, fmi3Float64 sensitivity[],    \
+            size_t n_sensitivity
+
+NO_FUNCTION(fmi3GetBinary, "binary variables", REFERENCES, size_t sizes[], fmi3Binary value[], size_t n)
+NO_FUNCTION(fmi3SetBinary, "binary variables", REFERENCES, const size_t sizes[],
+        const fmi3Binary value[], size_t n)
+NO_FUNCTION(fmi3SetClock, "input clocks", REFERENCES, const fmi3Clock value[])
+NO_FUNCTION(fmi3GetNumberOfVariableDependencies, "dependencies that change", fmi3ValueReference vr,
+        size_t *count)
+NO_FUNCTION(fmi3GetVariableDependencies, "dependencies that change", fmi3ValueReference vr, size_t a[],
+        fmi3ValueReference b[], size_t d[], fmi3DependencyKind kind[], size_t count)
+NO_FUNCTION(fmi3GetDirectionalDerivative, "directional derivatives", SENSITIVITIES)
+NO_FUNCTION(fmi3GetAdjointDerivative, "adjoint derivatives", SENSITIVITIES)
+NO_FUNCTION(fmi3GetIntervalDecimal, "clocks with intervals", REFERENCES, fmi3Float64 interval[],
+        fmi3IntervalQualifier qualifier[])
+NO_FUNCTION(fmi3GetIntervalFraction, "clocks with intervals", REFERENCES, fmi3UInt64 counter[],
+        fmi3UInt64 resolution[], fmi3IntervalQualifier qualifier[])
+NO_FUNCTION(fmi3GetShiftDecimal, "clocks with intervals", REFERENCES, fmi3Float64 shift[])
+NO_FUNCTION(fmi3GetShiftFraction, "clocks with intervals", REFERENCES, fmi3UInt64 counter[],
+        fmi3UInt64 resolution[])
+NO_FUNCTION(fmi3SetIntervalDecimal, "clocks with intervals", REFERENCES, const fmi3Float64 interval[])
+NO_FUNCTION(fmi3SetIntervalFraction, "clocks with intervals", REFERENCES, const fmi3UInt64 counter[],
+        const fmi3UInt64 resolution[])
+NO_FUNCTION(fmi3SetShiftDecimal, "clocks with intervals", REFERENCES, const fmi3Float64 shift[])
+NO_FUNCTION(fmi3SetShiftFraction, "clocks with intervals", REFERENCES, const fmi3UInt64 counter[],
+        const fmi3UInt64 resolution[])
+NO_FUNCTION(fmi3ActivateModelPartition, "model partitions", fmi3ValueReference clock, fmi3Float64 time)
+NO_FUNCTION(fmi3CompletedIntegratorStep, "model exchange", fmi3Boolean no_return, fmi3Boolean *enter,
+        fmi3Boolean *terminate)
+NO_FUNCTION(fmi3SetTime, "model exchange", fmi3Float64 time)
+NO_FUNCTION(fmi3SetContinuousStates, "model exchange", const fmi3Float64 x[], size_t count)
+NO_FUNCTION(fmi3GetContinuousStateDerivatives, "model exchange", fmi3Float64 x[], size_t count)
+NO_FUNCTION(fmi3GetEventIndicators, "model exchange", fmi3Float64 x[], size_t count)
+NO_FUNCTION(fmi3GetContinuousStates, "model exchange", fmi3Float64 x[], size_t count)
+NO_FUNCTION(fmi3GetNominalsOfContinuousStates, "model exchange", fmi3Float64 x[], size_t count)
+NO_FUNCTION(fmi3GetNumberOfEventIndicators, "model exchange", size_t *count)
+NO_FUNCTION(fmi3GetNumberOfContinuousStates, "model exchange", size_t *count)
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance c) { return missing(c, "model exchange"); }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance c) { return missing(c, "structural parameters"); }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance c) { return missing(c, "structural parameters"); }

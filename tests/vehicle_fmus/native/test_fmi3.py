@@ -1,0 +1,316 @@
+"""Native FMUs of FMI 3.0: the bits of FMI 2.0, located events, clocks, looks within steps."""
+
+from __future__ import annotations
+
+import random
+import shutil
+import subprocess
+import zipfile
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description, simulate_fmu
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+from lxml import etree
+from phaseplane.suspension.session import Session
+from phaseplane.suspension.variables import variables
+from structures import STRUCTURES
+from test_same_bits import QUICK, Pair, not_fixed
+
+Packer = Callable[..., Path]
+SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
+CLOCKS = ("lift_off_event", "touchdown_event")
+
+
+def same_as_fmi2(
+    what: str, seeds: range, events: bool, pack: Packer, slave: Any, work: Path
+) -> int:
+    """Compare in drawn runs; return the number of events at which steps ended."""
+    structure, found = STRUCTURES[what], 0
+    fmus = [pack(structure.model, *structure.settings.items(), text=structure.text, fmi=fmi)
+            for fmi in (2, 3)]  # fmt: skip
+    model, free = structure.loaded, not_fixed(fmus[0])
+    for seed in seeds:
+        with ExitStack() as stack:
+            pair = [stack.enter_context(slave(fmus[0], work / f"{seed}-2")),
+                    stack.enter_context(slave(fmus[1], work / f"{seed}-3", events))]  # fmt: skip
+            Pair(pair, model, free, random.Random(f"{what} {seed}")).run()
+            found += len(pair[1].instants)
+    return found
+
+
+@pytest.mark.parametrize("events", [False, True], ids=["plain", "events"])
+@pytest.mark.parametrize("what", QUICK[:4])
+def test_both_versions_give_the_same_bits(
+    what: str, events: bool, native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    """With events, steps end on switches too, and the host goes on from each of them."""
+    found = same_as_fmi2(what, range(4), events, native_fmu, slave, tmp_path)
+    assert (found > 0) == (events and what != "Road"), found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", STRUCTURES)
+def test_both_versions_give_the_same_bits_in_many_runs(
+    what: str, native_fmu: Packer, slave: Any, tmp_path: Path
+) -> None:
+    same_as_fmi2(what, range(100, 110), True, native_fmu, slave, tmp_path)
+
+
+@pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic", "Road"])
+def test_what_describes_it_is_valid(model: str, native_fmu: Packer, tmp_path: Path) -> None:
+    fmu = native_fmu(model, *STRUCTURES[model].settings.items(), fmi=3)
+    assert validate_fmu(str(fmu)) == []
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(tmp_path)
+    for file, schema in (
+        ("terminalsAndIcons/terminalsAndIcons.xml", "fmi3TerminalsAndIcons.xsd"),
+        ("sources/buildDescription.xml", "fmi3BuildDescription.xsd"),
+    ):
+        checked = etree.XMLSchema(file=str(SCHEMAS / schema))
+        tree = etree.parse(tmp_path / file)
+        assert checked.validate(tree), checked.error_log
+    names = {v.name for v in read_model_description(str(fmu)).modelVariables}
+    terminals = etree.parse(tmp_path / "terminalsAndIcons/terminalsAndIcons.xml")
+    members = [m.get("variableName") for m in terminals.iter("TerminalMemberVariable")]
+    assert set(members) <= names
+    assert ("contact_force" in members) == (model == "QuarterCar")
+    assert (tmp_path / "terminalsAndIcons/icon.png").read_bytes().startswith(b"\x89PNG")
+    page = (tmp_path / "documentation/index.html").read_text("utf-8")
+    assert "lift_off_event" in page
+
+
+def test_the_library_shows_the_functions_of_fmi_3_alone(native_fmu: Packer, tmp_path: Path) -> None:
+    if shutil.which("nm") is None:
+        pytest.skip("no nm")
+    folder = extract(str(native_fmu("QuarterCar", fmi=3)), str(tmp_path))
+    (library,) = Path(folder, "binaries").rglob("QuarterCar.*")
+    shown = subprocess.run(
+        ["nm", "-D", "--defined-only", str(library)], capture_output=True, text=True, check=True
+    ).stdout.split()[2::3]
+    header = Path(folder, "sources", "fmi3Functions.h").read_text("utf-8")
+    assert sorted(shown) == sorted({word for word in header.replace("(", " ").split()
+                                    if word.startswith("fmi3") and f"FMI3_Export {word}TYPE {word};"
+                                    in " ".join(header.split())})  # fmt: skip
+
+
+class Awake:
+    """A host with event mode that notes which clocks tick, when, and which instants it is told of."""
+
+    def __init__(self, fmu: Path, work: Path, **options: Any) -> None:
+        folder = extract(str(fmu), str(work))
+        description = read_model_description(folder)
+        self.reference = {v.name: v.valueReference for v in description.modelVariables}
+        self.clocks = [name for name in self.reference if name.endswith(CLOCKS)]
+        self.one = FMU3Slave(
+            guid=description.guid, unzipDirectory=folder, instanceName="one",
+            modelIdentifier=description.coSimulation.modelIdentifier,
+        )  # fmt: skip
+        self.one.instantiate(eventModeUsed=True, **{"earlyReturnAllowed": True, **options})
+        self.one.enterInitializationMode()
+        self.one.exitInitializationMode()
+        self.time, self.ticks, self.events = 0.0, [], []  # type: ignore[var-annotated]
+        self.update()
+
+    def update(self) -> None:
+        active = self.one.getClock([self.reference[name] for name in self.clocks])
+        self.ticks += [(self.time, name) for name, ticks in zip(self.clocks, active, strict=True)
+                       if ticks]  # fmt: skip
+        again, over, *_, known, corner = self.one.updateDiscreteStates()
+        assert not again
+        assert not over
+        assert not any(self.one.getClock([self.reference[name] for name in self.clocks]))
+        self.corner = corner if known else None
+        self.one.enterStepMode()
+
+    def step(self, end: float) -> bool:
+        """Step once; return whether the end has been reached."""
+        event, _, early, self.time = self.one.doStep(self.time, end - self.time)
+        if event:
+            self.events.append(self.time)
+            self.one.enterEventMode()
+            self.update()
+        return not early
+
+    def run(self, until: float, interval: float) -> None:
+        for k in range(1, round(until / interval) + 1):
+            while not self.step(k * interval):
+                pass
+
+    def value(self, name: str) -> float:
+        return float(self.one.getFloat64([self.reference[name]])[0])
+
+
+def switches_of_contact(session: Session) -> list[tuple[float, str]]:
+    return [
+        (event.time, f"{event.element.removesuffix('tyre')}{CLOCKS[0 if event.after else 1]}")
+        for event in session.events
+        if event.kind == "contact"
+    ]
+
+
+@pytest.mark.parametrize("interval", [1e-3, 7e-3, 0.07, 0.7])
+def test_clocks_tick_at_the_located_instants(
+    interval: float, native_fmu: Packer, tmp_path: Path
+) -> None:
+    session = Session("HalfCar", {})
+    session.advance(0.7)
+    host = Awake(native_fmu("HalfCar", fmi=3), tmp_path)
+    host.run(0.7, interval)
+    wanted = switches_of_contact(session)
+    assert len(wanted) >= 4
+    assert host.ticks == wanted  # equal, not only within 1e-9 s
+    assert host.value("rear_last_lift_off") == session.value("rear_last_lift_off")
+    count = host.one.getInt32([host.reference["front_lift_off_count"]])
+    assert count == [session.value("front_lift_off_count")]
+
+
+def test_without_early_return_the_clocks_tick_at_the_end_of_the_step(
+    native_fmu: Packer, tmp_path: Path
+) -> None:
+    host = Awake(native_fmu("QuarterCar", fmi=3), tmp_path, earlyReturnAllowed=False)
+    host.run(0.7, 0.01)
+    session = Session("QuarterCar", {})
+    session.advance(0.7)
+    wanted = switches_of_contact(session)
+    assert [name for _, name in host.ticks] == [name for _, name in wanted]
+    for (seen, _), (located, _) in zip(host.ticks, wanted, strict=True):
+        assert located <= seen < located + 0.01
+
+
+def test_stops_and_yielding_are_events(native_fmu: Packer, tmp_path: Path) -> None:
+    what = "with stops, friction and a sampled road"
+    fmu = native_fmu("QuarterCar", *STRUCTURES[what].settings.items(), fmi=3)
+    host = Awake(fmu, tmp_path / "a")
+    for k in range(1, 60):
+        host.one.setFloat64([host.reference["body_force"]], [-9000.0])
+        while not host.step(0.01 * k):
+            pass
+    assert host.events
+    assert not host.ticks
+    flows = Awake(native_fmu("Elastoplastic", ("hardening", 500.0), fmi=3), tmp_path / "b")
+    for k in range(1, 60):
+        flows.one.setFloat64([flows.reference["force"]], [12.0 if k % 20 < 10 else -12.0])
+        while not flows.step(0.05 * k):
+            pass
+    assert len(flows.events) > 2
+
+
+def test_the_next_corner_of_the_road_is_told(native_fmu: Packer, tmp_path: Path) -> None:
+    host = Awake(
+        native_fmu("Road", ("road.shape", "plank"), ("road.ramp_length", 0.1), fmi=3), tmp_path
+    )
+    corners = []
+    while host.corner is not None:
+        corners.append(host.corner)
+        while not host.step(host.corner):
+            pass
+        host.one.enterEventMode()
+        host.update()
+    assert len(corners) >= 4
+    assert corners == sorted(corners)
+    h = 1e-7
+    rates = []
+    host = Awake(
+        native_fmu("Road", ("road.shape", "plank"), ("road.ramp_length", 0.1), fmi=3),
+        tmp_path / "2",
+    )
+    for corner in corners:
+        sides = []
+        for time in (corner - h, corner + h):
+            host.step(time)
+            sides.append(host.value("front_velocity") + host.value("rear_velocity"))
+        rates.append(abs(sides[1] - sides[0]))
+    assert min(rates) > 1e-3
+
+
+def test_a_host_looks_within_steps_and_may_return_there(native_fmu: Packer, tmp_path: Path) -> None:
+    """What it sees are the outputs of a run that stops there; looking changes nothing."""
+    seen: list[tuple[float, float]] = []
+    ends: list[float] = []
+
+    def look(
+        _: Any, time: float, _set: bool, get: bool, done: bool, can: bool, asked: Any, end: Any
+    ) -> None:
+        assert (get, done, can) == (True, True, True)
+        seen.append((time, host.value("body_displacement")))
+        if ends:
+            asked[0], end[0] = True, ends[0]
+
+    fmu = native_fmu("QuarterCar", fmi=3)
+    host = Awake(fmu, tmp_path / "looking", intermediateUpdate=look)
+    host.run(0.2, 0.05)
+    assert len(seen) > 20
+    times = [time for time, _ in seen]
+    assert times == sorted(times)
+    assert {0.05, 0.1, 0.2} <= set(times)
+    other = Awake(fmu, tmp_path / "stopping")
+    for time, value in seen:
+        while other.time < time and not other.step(time):
+            pass
+        assert other.value("body_displacement") == value
+    for wanted in (0.2345, 0.3012):
+        ends[:] = [wanted]
+        assert not host.step(0.4)
+        assert host.time == wanted
+    ends.clear()
+    while host.time < 0.4:
+        host.step(0.4)
+    while other.time < 0.4:
+        other.step(0.4)
+    for name in ("body_velocity", "tyre_force", "airborne_time"):
+        assert host.value(name) == other.value(name)
+
+
+@pytest.mark.parametrize("events", [False, True])
+@pytest.mark.parametrize("early", [False, True])
+def test_fmpy_runs_it_with_and_without_events(
+    events: bool, early: bool, native_fmu: Packer
+) -> None:
+    """At the communication points all four ways give the rows of FMI 2.0."""
+    options: dict[str, Any] = {"stop_time": 0.5, "output_interval": 0.01}
+    wanted = simulate_fmu(str(native_fmu("QuarterCar")), **options)
+    found = simulate_fmu(
+        str(native_fmu("QuarterCar", fmi=3)),
+        use_event_mode=events,
+        early_return_allowed=early,
+        **options,
+    )
+    last = {float(row["time"]): row for row in found}
+    assert len(found) > len(wanted) or not (events or early)
+    for row in wanted:
+        for name in wanted.dtype.names:
+            assert last[float(row["time"])][name] == row[name], (row["time"], name)
+
+
+def test_calls_out_of_place_are_refused(native_fmu: Packer, tmp_path: Path, capfd: Any) -> None:
+    host = Awake(native_fmu("QuarterCar", fmi=3), tmp_path)
+    with pytest.raises(Exception, match="status 3"):
+        host.one.updateDiscreteStates()
+    host.one.enterEventMode()
+    with pytest.raises(Exception, match="status 3"):
+        host.one.doStep(0.0, 0.1)
+    with pytest.raises(Exception, match="status 3"):
+        host.one.getInt64([0])
+    with pytest.raises(Exception, match="status 3"):
+        host.one.getClock([0])
+    said = capfd.readouterr().out
+    assert "fmi3UpdateDiscreteStates cannot be called in step mode" in said
+    assert "fmi3DoStep cannot be called in event mode" in said
+
+
+def test_output_derivatives(native_fmu: Packer, tmp_path: Path) -> None:
+    host = Awake(native_fmu("QuarterCar", fmi=3), tmp_path)
+    host.run(0.1, 0.01)
+    names = [
+        v.name for v in variables("QuarterCar") if v.name in ("body_displacement", "wheel_velocity")
+    ]
+    rates = host.one.getOutputDerivatives([host.reference[name] for name in names], [1, 1])
+    assert rates[0] == host.value("body_velocity")
+    assert np.isclose(rates[1], host.value("wheel_acceleration"), rtol=1e-12)
