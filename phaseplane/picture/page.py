@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil, floor
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -98,6 +98,7 @@ class Text:
 
 
 Item = Lines | Dots | Arrow | Text
+Kindred = TypeVar("Kindred", Lines, Dots, Arrow, Text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +201,7 @@ class Page:
         self.motions = self.motions or motions_of(self.drawing)
         self._segments = [np.zeros((0, 2), complex)]
         self._ways: list[Points] = []
+        self._layers: dict[int, tuple[Frame, list[Layer]]] = {}  # of the steps drawn, by identity
 
     @property
     def ways(self) -> list[Points]:
@@ -211,19 +213,24 @@ class Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
         page = Page(self.drawing, self.view, self.em, self.motions, taken=list(self.taken))
         page._segments, page._ways = [self.segments], self._ways
+        page._layers = self._layers
         return page
 
     # What is on the page.
 
+    def of(self, kind: type[Kindred]) -> list[Kindred]:
+        """Return all items of one kind, in the order of drawing."""
+        return [item for item in self.items if isinstance(item, kind)]
+
     @property
     def texts(self) -> list[Text]:
         """All texts."""
-        return [item for item in self.items if isinstance(item, Text)]
+        return self.of(Text)
 
     @property
     def roles(self) -> list[str]:
         """The roles of all lines, each once, in the order of drawing."""
-        return list(dict.fromkeys(i.role for i in self.items if isinstance(i, Lines)))
+        return list(dict.fromkeys(lines.role for lines in self.of(Lines)))
 
     @property
     def segments(self) -> Points:
@@ -465,7 +472,11 @@ class Page:
         turn : include the arcs of the turn angles
         thin : factor of all widths and opacities
         """
-        layers = layers_at(self.drawing, frame)
+        if (
+            id(frame) not in self._layers
+        ):  # the frame is kept, too, so that its identity stays its own
+            self._layers[id(frame)] = frame, layers_at(self.drawing, frame)
+        _, layers = self._layers[id(frame)]
         if stage is not None:
             layers = [layer for layer in layers if layer.stage <= stage]
         for layer in layers:

@@ -230,13 +230,13 @@ def _tick(
     for letter in lettered.texts:
         if letter.text.split(" ")[0] in kept:
             page.put(letter)
-    page.items += [item for item in lettered.items if isinstance(item, Arrow)]
+    page.items += lettered.of(Arrow)
     new = [m for m in scheme.marks if m.stage == stage and typeset(m.label) not in kept]
     fresh = lettered.following()
     fresh.letters(frame, new)
     for letter in fresh.texts:
         page.put(letter)
-    page.items += [item for item in fresh.items if isinstance(item, Arrow)]
+    page.items += fresh.of(Arrow)
     turning = [arc for arc in scheme.arcs if arc.stage == stage and arc.start.startswith("N")]
     if turning:
         for plane in drawing.planes:

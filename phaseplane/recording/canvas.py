@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.canvas import Canvas
-from phaseplane.picture.page import Arrow, Dots, Lines, Page, Text
+from phaseplane.picture.page import Arrow, Dots, Lines, Page
 from phaseplane.picture.paper import Points, Strip
 from phaseplane.picture.styles import style_of
 
@@ -22,6 +23,7 @@ from .columns import (
     legible,
     line_style,
     radii,
+    ragged,
     rgba,
     strips,
     xy,
@@ -54,20 +56,18 @@ class Viewer(Canvas):
         self.recording = recording
         self.root = root
         self.columns = columns
-        self.ticks = 0
+        self._ticks: list[Page] = []
         self._begun: set[str] = set()
         self._held: dict[str, tuple[int, Points]] = {}  # the block under way of each curve
 
     def begin(self, page: Page) -> None:
         """Log what stays."""
         self.recording.log(self.root, UPRIGHT, static=True)
-        self._page(page, "paper", static=True)
+        self._send("paper", [page], [])
 
     def frame(self, page: Page) -> None:
-        """Log the next tick of the timeline `stage`."""
-        self.recording.set_time("stage", sequence=self.ticks)
-        self._page(page, "story", static=False)
-        self.ticks += 1
+        """Take the next tick of the timeline `stage`; `end` logs them, which is faster by far at once."""
+        self._ticks.append(page)
 
     def curve(self, name: str, role: str, ways: Points, first: int) -> None:
         """Log the ways of some steps, each as a row, and finished blocks of steps as one row each."""
@@ -97,54 +97,61 @@ class Viewer(Canvas):
         self._held[path] = start + whole * BLOCK, held[whole * BLOCK :]
 
     def end(self) -> None:
-        """Leave the last tick."""
-        self.recording.reset_time()
+        """Log the ticks."""
+        if self._ticks:
+            stage = rr.TimeColumn("stage", sequence=np.arange(len(self._ticks)))
+            self._send("story", self._ticks, [stage])
 
-    def _page(self, page: Page, name: str, *, static: bool) -> None:
-        lines = [item for item in page.items if isinstance(item, Lines)]
-        flat = [(strip, line) for line in lines for strip in line.strips]
-        arrows = [item for item in page.items if isinstance(item, Arrow)]
-        drawn = [xy(strip) for strip, _ in flat] + [
-            xy(strip) for arrow in arrows for strip in _arrow(arrow, page.em)
-        ]
-        looks = [(line.role, line.weight, line.strength) for _, line in flat] + [
-            (arrow.role, 1.0, 1.0) for arrow in arrows for _ in _arrow(arrow, page.em)
-        ]
-        self._log(
-            f"{name}/lines",
-            rr.LineStrips2D(
-                drawn,
-                colors=colours([rgba(style_of(r).hue, s) for r, _, s in looks]),
-                radii=radii([style_of(r).width * w for r, w, _ in looks]),
-            ),
-            static=static,
-        )
-        dots = [(z, item) for item in page.items if isinstance(item, Dots) for z in item.points]
-        self._log(
-            f"{name}/points",
-            rr.Points2D(
-                xy([z for z, _ in dots]).reshape(-1, 2),
-                colors=colours([rgba(style_of(d.role).hue, d.strength) for _, d in dots]),
-                radii=radii([style_of(d.role).size * d.weight for _, d in dots]),
-            ),
-            static=static,
-        )
-        self._log(f"{name}/letters", letters(page.texts, page.em), static=static)
-
-    def _log(self, name: str, what: Any, *, static: bool) -> None:
-        self.recording.log(f"{self.root}/{name}", what, static=static)
+    def _send(self, name: str, pages: Sequence[Page], times: Sequence[rr.TimeColumn]) -> None:
+        """Log pages, each at one of these times; without times it stays."""
+        for part, columns in (
+            ("lines", _lines(pages)), ("points", _points(pages)), ("letters", _letters(pages)),
+        ):  # fmt: skip
+            self.recording.send_columns(f"{self.root}/{name}/{part}", times, columns)
 
 
-def letters(texts: Sequence[Text], em: float) -> rr.Points2D:
-    """Return texts as points without size; the viewer centres a text just below its anchor."""
-    places = [text.centre + LINE_UP * 1j * em for text in texts]
-    return rr.Points2D(
-        xy(places).reshape(-1, 2),
-        colors=colours([rgba(style_of(text.role).hue) for text in texts]),
-        radii=0.0,
-        labels=[legible(text.text) for text in texts],
-        show_labels=True,
-    )
+def _lines(pages: Sequence[Page]) -> rr.ComponentColumnList:
+    """Return the lines of pages, a row for each, the arrows behind all others."""
+    rows = [
+        [(strip, i.role, i.weight, i.strength) for i in page.of(Lines) for strip in i.strips]
+        + [(strip, i.role, 1.0, 1.0) for i in page.of(Arrow) for strip in _arrow(i, page.em)]
+        for page in pages
+    ]
+    every = list(chain.from_iterable(rows))
+    return rr.LineStrips2D.columns(
+        strips=ragged([strip for strip, *_ in every]),
+        colors=colours([rgba(style_of(role).hue, strength) for _, role, _, strength in every]),
+        radii=radii([style_of(role).width * weight for _, role, weight, _ in every]),
+    ).partition([len(row) for row in rows])
+
+
+def _points(pages: Sequence[Page]) -> rr.ComponentColumnList:
+    """Return the points of pages, a row for each."""
+    rows = [[(z, dots) for dots in page.of(Dots) for z in dots.points] for page in pages]
+    every = list(chain.from_iterable(rows))
+    return rr.Points2D.columns(
+        positions=xy([z for z, _ in every]).reshape(-1, 2),
+        colors=colours([rgba(style_of(dots.role).hue, dots.strength) for _, dots in every]),
+        radii=radii([style_of(dots.role).size * dots.weight for _, dots in every]),
+    ).partition([len(row) for row in rows])
+
+
+def _letters(pages: Sequence[Page]) -> list[Any]:
+    """Return the texts of pages, a row for each, as points without size.
+
+    The viewer centres a text just below its anchor.
+    """
+    rows = [page.texts for page in pages]
+    places = [t.centre + LINE_UP * 1j * page.em for page in pages for t in page.texts]
+    every = list(chain.from_iterable(rows))
+    return [
+        *rr.Points2D.columns(
+            positions=xy(places).reshape(-1, 2),
+            colors=colours([rgba(style_of(text.role).hue) for text in every]),
+            labels=[legible(text.text) for text in every],
+        ).partition([len(row) for row in rows]),
+        *rr.Points2D.columns(radii=[0.0] * len(rows), show_labels=[True] * len(rows)),
+    ]
 
 
 def placed_letters(

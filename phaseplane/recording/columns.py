@@ -17,7 +17,7 @@ import pyarrow as pa
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.picture.paper import Points
+from phaseplane.picture.paper import Points, Strip
 from phaseplane.picture.styles import Hue, style_of
 
 Integers = npt.NDArray[np.int64]
@@ -154,9 +154,18 @@ def xy(points: npt.ArrayLike) -> npt.NDArray[np.float32]:
 
 def strips(z: Points) -> pa.Array:
     """Return polylines with equal numbers of vertices, shape (n, vertices), as one arrow array."""
-    vertices = rr.encodings.Vec2DBatch(xy(z).reshape(-1, 2)).as_arrow_array()
-    offsets = np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32)
-    return pa.ListArray.from_arrays(offsets, vertices, type=_STRIPS)
+    return _strips(z, np.arange(0, z.size + 1, z.shape[-1], dtype=np.int32))
+
+
+def ragged(polylines: Sequence[Strip]) -> pa.Array:
+    """Return polylines as one arrow array."""
+    offsets = np.cumsum([0, *map(len, polylines)], dtype=np.int32)
+    return _strips(np.concatenate([np.zeros(0, complex), *polylines]), offsets)
+
+
+def _strips(vertices: Points, offsets: Integers) -> pa.Array:
+    batch = rr.encodings.Vec2DBatch(xy(vertices).reshape(-1, 2))
+    return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
 
 def flat(x: npt.ArrayLike, y: npt.ArrayLike, z: float = 0.0) -> npt.NDArray[np.float32]:

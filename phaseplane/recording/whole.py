@@ -218,7 +218,8 @@ class Recorder:
             self.arms.frame(tick.arms)
             if self.chart is not None:
                 self.over_time.frame(self.chart.upto(tick.step))
-        self.sheet.end()
+        for canvas in (self.sheet, self.arms, self.over_time):
+            canvas.end()
         if self.words:
             style_only = rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN)
             self.recording.log(WORDS, style_only, static=True)

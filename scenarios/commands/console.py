@@ -14,6 +14,7 @@ from importlib import import_module
 from math import isfinite
 from pathlib import Path
 from time import monotonic
+from types import FrameType
 from typing import Any, NamedTuple
 
 import click
@@ -42,6 +43,27 @@ class Entry(NamedTuple):
 
     place: str
     help: str
+
+
+class _PandasForOthers:
+    """A finder that keeps pandas from being imported where nothing here uses it.
+
+    At its first array, pyarrow imports pandas wherever it is installed, which takes as long as a run
+    with its pictures. What imports pandas by itself, as a controller may, still gets it.
+    """
+
+    _WITHOUT = ("phaseplane", "rerun", "pyarrow")
+
+    @classmethod
+    def find_spec(cls, name: str, _path: object = None, _target: object = None) -> None:
+        """Refuse pandas if it is asked for on behalf of these packages."""
+        if name != "pandas":
+            return
+        asking: FrameType | None = sys._getframe(1)
+        while asking is not None and asking.f_globals["__name__"].startswith("importlib"):
+            asking = asking.f_back
+        if asking is not None and asking.f_globals["__name__"].partition(".")[0] in cls._WITHOUT:
+            raise ModuleNotFoundError("pandas is not used by this command", name=name)
 
 
 class _Imported(Mapping[str, click.Command]):
@@ -98,6 +120,7 @@ class Commands(click.Group):
 
         if not standalone_mode:
             return run()
+        sys.meta_path.insert(0, _PandasForOthers)
         gc.set_threshold(_GARBAGE)
         atexit.register(gc.freeze)  # the interpreter would look for cycles in all that is left
         for stream in (sys.stdout, sys.stderr):
