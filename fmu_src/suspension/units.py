@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from math import pi
 
 KGF = 9.80665  # N, standard gravity times 1 kg: the force unit of AP57
@@ -89,5 +88,7 @@ def to_si(quantity: str, unit: str) -> float:
 
 def nearest(name: str, names: object) -> str:
     """Return a hint with the closest known name to end a message with, or an empty text."""
+    from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)
+
     close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]
     return f"; did you mean {close[0]!r}?" if close else ""

@@ -157,12 +157,16 @@ def new_figure(width: float, height: float, palette: Palette) -> Figure:
 
 def printed(figure: Figure, look: Look) -> Figure:
     """Return a figure with the type and without the heading, if the look asks for it."""
-    for text in figure.findobj(Text):
-        if look.font:
-            text.set_fontfamily(look.font)
-        if not look.headed and text.get_gid() == HEADING:
-            text.set_visible(False)
+    for text in figure.findobj(Text) if look.font else ():
+        text.set_fontfamily(look.font)
+    for text in headings(figure) if not look.headed else ():
+        text.set_visible(False)
     return figure
+
+
+def headings(figure: Figure) -> list[Text]:
+    """Return the texts above a figure. Looking into its axes would make all ticks that there may be."""
+    return [text for text in figure.texts if text.get_gid() == HEADING]
 
 
 # Without dates and random names, equal figures give equal files.
@@ -194,10 +198,10 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     suffix = target.suffix.lower()
     if suffix not in _OPTIONS:
         raise ValueError(f"{target.name}: figures are written as {', '.join(_OPTIONS)}")
-    headings = [t for t in figure.findobj(Text) if t.get_gid() == HEADING and t.get_text()]
-    words = "; ".join(" ".join(text.get_text().split()) for text in headings)
+    above = [text for text in headings(figure) if text.get_text()]
+    words = "; ".join(" ".join(text.get_text().split()) for text in above)
     metadata = {**_OPTIONS[suffix].get("metadata", {}), **({"Title": words} if words else {})}
-    hidden = bool(headings) and not any(text.get_visible() for text in headings)
+    hidden = bool(above) and not any(text.get_visible() for text in above)
     plated = _with_plates(figure) if suffix != ".png" else nullcontext()
     with written_whole(target) as temporary, rc_context(_TYPE), plated:
         figure.savefig(

@@ -23,9 +23,8 @@ from ..errors import InputError, RunError, one_line
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
-_GARBAGE = (
-    50_000  # new objects before cycles are looked for: imports make many, and all of them stay
-)
+# new objects before cycles are looked for: imports make many, and all of them stay
+_GARBAGE = 200_000
 
 
 class _PipeClosedError(Exception):
@@ -121,6 +120,8 @@ class Commands(click.Group):
         if not standalone_mode:
             return run()
         sys.meta_path.insert(0, _PandasForOthers)
+        # matrices here are small, and a thread that waits for large ones spins for 50 ms first
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         gc.set_threshold(_GARBAGE)
         atexit.register(gc.freeze)  # the interpreter would look for cycles in all that is left
         for stream in (sys.stdout, sys.stderr):

@@ -10,14 +10,11 @@ from functools import partial
 from pathlib import Path
 from signal import SIGTERM
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..draw.constructions import constructed, drifting, told_of
-from ..draw.live import shown_live
-from ..draw.pictures import pictures_of
-from ..draw.planes import CONSTRUCTED
+from .. import draw
 from ..errors import DrawingError, InputError, RunError, check_recording, one_line
 from ..results.folder import (
     OUTPUT,
@@ -47,6 +44,11 @@ from .console import (
     warn,
 )
 from .viewing import page, save_option, until_interrupted, viewer_options
+
+if TYPE_CHECKING:
+    from phaseplane.constructions.primitives import Drawing
+
+    from ..scene.schema import Scene
 
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 
@@ -160,12 +162,13 @@ def run_scene(
     problems: list[str] = []
     told: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None
-    known = scene.fmu.model in CONSTRUCTED
-    if scene.show.figures_construction or (known and scene.show.records_construction):
+    if scene.show.figures_construction or (
+        scene.show.records_construction and scene.fmu.model in draw.planes.CONSTRUCTED
+    ):
         started = perf_counter()
         try:
             with progress(f"construction of {scene.name}"):
-                drawing = constructed(
+                drawing = draw.constructions.constructed(
                     scene.fmu.model,
                     scene.all_parameters,
                     asdict(scene.construction),
@@ -178,22 +181,23 @@ def run_scene(
             if scene.show.figures_construction:
                 raise
             # a recording is complete without it, as for models that have no construction
-    with shown_live(scene, drawing, viewer, save) as live:
+    with (
+        draw.live.shown_live(scene, drawing, viewer, save) if viewer or save else nullcontext()
+    ) as live:
         watch = live.watch if live is not None else None
         try:
             with progress(scene.name) as part:
                 results = runner.run(scene, progress=part, watch=watch, realtime=realtime)
         except runner.Interrupted as interrupted:
-            _written(
-                interrupted.results, pictures_of(scene, interrupted.results, drawing), told, place
-            )
+            undrawn = _pictures(scene, interrupted.results, drawing)
+            _written(interrupted.results, undrawn, told, place)
             if interrupted.number == SIGTERM:
                 sys.exit(TERMINATED)
             raise KeyboardInterrupt(_kept_words(interrupted.results, place)) from None
         if drawing is not None:
-            drawing = drifting(drawing, results.columns, partial(read_at, scene))
-            told["drawn"] = told_of(drawing, drawing_time)
-        pictures = pictures_of(scene, results, drawing)
+            drawing = draw.constructions.drifting(drawing, results.columns, partial(read_at, scene))
+            told["drawn"] = draw.constructions.told_of(drawing, drawing_time)
+        pictures = _pictures(scene, results, drawing)
         standing = _written(results, pictures, told, place)
         if live is not None:
             with progress(f"showing {scene.name}"):
@@ -205,6 +209,15 @@ def run_scene(
     problems += _drawn(pictures, standing, progress)
     standing.tell(**told)
     return read_summary(place.folder) or {}, place.folder
+
+
+def _pictures(
+    scene: Scene, results: Results, drawing: Drawing | None
+) -> dict[str, Callable[[Path], None]]:
+    """Return what writes each picture and recording of a scene; see `pictures_of`."""
+    if not (scene.show.figures or scene.show.recording):
+        return {}
+    return draw.pictures.pictures_of(scene, results, drawing)
 
 
 def _written(
@@ -221,10 +234,10 @@ def _drawn(
     pictures: Mapping[str, Callable[[Path], None]], standing: Standing, progress: Progress
 ) -> Iterator[str]:
     """Add the pictures to the results; yield a line for each that could not be drawn."""
-    for name, draw in pictures.items():
+    for name, write in pictures.items():
         try:
             with progress(f"drawing {name}"), standing.added(name) as path:
-                draw(path)
+                write(path)
         except RunError:
             raise
         except Exception as error:  # a picture that fails must not cost the others

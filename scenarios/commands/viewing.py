@@ -12,8 +12,7 @@ from typing import Any
 
 import click
 
-from ..draw import live
-from ..draw.live import recordings_in
+from .. import draw
 from ..errors import InputError, one_line
 
 _LOOPBACK = "127.0.0.1"
@@ -87,7 +86,7 @@ def serve(folder: Path, address: str) -> None:
 
     The page is served until Ctrl-C.
     """
-    files = recordings_in(folder)
+    files = draw.live.recordings_in(folder)
     with page(True, address, files) as shown:
         for path in files:
             click.echo(f"  {path.relative_to(folder)}", err=True)
@@ -100,11 +99,11 @@ def page(wanted: bool, address: str, files: Sequence[Path] = ()) -> Iterator[Any
     if not wanted:
         yield None
         return
-    if not live.is_loopback(address):
+    if not draw.live.is_loopback(address):
         click.echo(f"phaseplane: warning: {address} lets other machines see the page", err=True)
     before = signal(SIGTERM, default_int_handler)
     try:
-        with live.page(files, address) as server:
+        with draw.live.page(files, address) as server:
             click.echo(f"{server.page}\n(press Ctrl-C to stop)", err=True)
             yield server
     finally:

@@ -1,1 +1,5 @@
+from . import constructions as constructions
 from . import energies as energies
+from . import live as live
+from . import pictures as pictures
+from . import planes as planes

@@ -59,17 +59,13 @@ class LiveRun:
 @contextmanager
 def shown_live(
     scene: Scene, drawing: Drawing | None, viewer: str, path: Path | None = None
-) -> Iterator[LiveRun | None]:
-    """Show a run in the viewer at this address, in a file, or both; yield None without either.
+) -> Iterator[LiveRun]:
+    """Show a run in the viewer at this address (unless it is empty), in a file, or both.
 
     Raises
     ------
     InputError : if this is not the address of a viewer.
     """
-    if not viewer and path is None:
-        yield None
-        return
-
     outputs = scene.fmu.outputs()
     before = content(
         title=scene.title or scene.name,

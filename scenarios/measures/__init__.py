@@ -3,17 +3,6 @@
 Only the measures that a scene shows or bounds are taken, and only the outputs they need are read.
 """
 
-from .catalogue import at_end, catalogue, default_measures, outputs_needed, take
-from .reading import COUNT, Measure, Reading, Run
+import lazy_loader
 
-__all__ = [
-    "COUNT",
-    "Measure",
-    "Reading",
-    "Run",
-    "at_end",
-    "catalogue",
-    "default_measures",
-    "outputs_needed",
-    "take",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

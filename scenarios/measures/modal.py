@@ -8,7 +8,7 @@ from functools import partial
 from phaseplane.suspension.models import build
 from phaseplane.suspension.variables import Variable
 
-from .linearised import linearised
+from .. import measures
 from .reading import Measure, Reading, Run
 
 
@@ -27,5 +27,5 @@ def _of_run(what: str, run: Run) -> Reading:
     if not run.model:
         return Reading(None)
     level = {"road.shape": "flat"} if "road.shape" in run.parameters else {}
-    modes = linearised(build(run.model, {**run.parameters, **level})).modes()
+    modes = measures.linearised.linearised(build(run.model, {**run.parameters, **level})).modes()
     return Reading(tuple(getattr(mode, what) for mode in modes))

@@ -9,7 +9,7 @@ from typing import Any
 
 from phaseplane.suspension.profiles import fade_length
 
-from .comparison import extent_words
+from .. import results
 from .quantities import reading
 
 _WIDTH = 17
@@ -187,7 +187,10 @@ def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
         for expectation in expectations:
             if "compared" in expectation:
                 name = expectation["measure"].rpartition(" from ")[2]
-                yield _line("compared", f"with {name}: {extent_words(expectation['compared'])}")
+                yield _line(
+                    "compared",
+                    f"with {name}: {results.comparison.extent_words(expectation['compared'])}",
+                )
     elif summary["unchecked"]:
         yield _line("expected", f"not checked: {', '.join(summary['unchecked'])}")
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane.suspension.units import nearest
 
-from phaseplane.equations import Formula
+from phaseplane import equations
 
 from ..errors import shown
 from .fields import FLAG, SECONDS, Kind, RefusedError
@@ -54,7 +54,9 @@ class Controller:
         """Return the function of each input, of the time and the outputs named."""
         found = {}
         for name, (text, outputs) in self.formulas.items():
-            formula = Formula(text, {**self.constants, **dict.fromkeys(outputs, 0.0)}, ("t",))
+            formula = equations.Formula(
+                text, {**self.constants, **dict.fromkeys(outputs, 0.0)}, ("t",)
+            )
             found[name] = (formula.of("t", *outputs), outputs)
         return found
 
@@ -125,7 +127,7 @@ def _outputs_in(key: str, text: str, fmu: Fmu, constants: Mapping[str, float]) -
     """Return the outputs that a formula names."""
     outputs = fmu.outputs()
     try:
-        formula = Formula(
+        formula = equations.Formula(
             text, {**dict.fromkeys(outputs, 0.0), **constants}, ("t",), "controller.constants"
         )
     except ValueError as error:

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from phaseplane.suspension.units import UNITS, UnitError, to_si
 from phaseplane.suspension.variables import Value, Variable
 
-from phaseplane.equations import Formula, check_name
+from phaseplane import equations
 
 EQUATION = "Equation"
 """The name a scene gives in place of an FMU."""
@@ -68,7 +68,7 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
 
 def _may_name(name: str) -> bool:
     try:
-        check_name(name)
+        equations.check_name(name)
     except ValueError:
         return False
     return True
@@ -85,7 +85,7 @@ def _unit_of(value: object) -> str:
     return "1"
 
 
-def formula_of(parameters: Mapping[str, Value]) -> Formula:
+def formula_of(parameters: Mapping[str, Value]) -> equations.Formula:
     """Return the formula of an equation with the values of its parameters.
 
     Raises
@@ -97,7 +97,7 @@ def formula_of(parameters: Mapping[str, Value]) -> Formula:
         for name, value in parameters.items()
         if name not in _OWN and isinstance(value, int | float)
     }
-    return Formula(str(parameters["equation"]), named)
+    return equations.Formula(str(parameters["equation"]), named)
 
 
 def check_equation(parameters: Mapping[str, Value]) -> None:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from phaseplane.suspension.units import nearest, to_si
 from phaseplane.suspension.variables import Variable
 
+from .. import results
 from ..errors import shown
 from ..measures import COUNT, Reading
-from ..results.comparison import compared
 from .fields import (
     FACTOR,
     FLAG,
@@ -152,7 +152,7 @@ class Reference:
         """
         told = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
         try:
-            found = compared(columns, reference, self.columns)
+            found = results.comparison.compared(columns, reference, self.columns)
         except ValueError as error:
             return {"measure": f"difference from {file}", **told, "reason": str(error)}
         worst = found.differences[0]

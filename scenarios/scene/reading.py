@@ -10,9 +10,9 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
 
+from .. import results
 from ..errors import InputError, shown
 from ..measures import catalogue
-from ..results.comparison import check_comparable
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
@@ -241,7 +241,7 @@ def _check_reference(fmu: Fmu, reference: Reference, path: Path, columns: Column
             f"{fmu.model}",
         )
     try:
-        check_comparable(columns, reference.columns or known)
+        results.comparison.check_comparable(columns, reference.columns or known)
     except ValueError as error:
         raise RefusedError(REFERENCE, f"{REFERENCE}.file: {path}: {error}") from None
 

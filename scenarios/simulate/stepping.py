@@ -40,12 +40,16 @@ _TYPES: Mapping[str, tuple[str, Any, type]] = {
 
 @dataclass(frozen=True, slots=True)
 class _Outputs:
-    """The outputs of one type, read together: FMI's function, value references, and values as read."""
+    """The outputs of one type, read together: FMI's function, value references, and values as read.
+
+    `row` is the memory of `values` as numpy sees it, which copies it in a fraction of the time.
+    """
 
     names: list[str]
     get: Callable[..., int]
     references: Array[Any]
     values: Array[Any]
+    row: npt.NDArray[Any]
     column_type: type
 
 
@@ -90,8 +94,8 @@ class Rows:
         row[0], at = time, 1
         for one in self._outputs:
             one.get(self._slave.component, one.references, len(one.values), one.values)
-            row[at : at + len(one.values)] = one.values
-            at += len(one.values)
+            row[at : at + len(one.row)] = one.row
+            at += len(one.row)
         self._count += 1
 
     def columns(self) -> dict[str, npt.NDArray[Any]]:
@@ -112,11 +116,13 @@ def _outputs(
 ) -> _Outputs:
     read = [v for v in description.modelVariables if v.name in outputs and _type_of(v) == kind]
     getter, c_type, column_type = _TYPES[kind]
+    values = (c_type * len(read))()
     return _Outputs(
         [v.name for v in read],
         getattr(slave, getter),
         (fmi2ValueReference * len(read))(*(v.valueReference for v in read)),
-        (c_type * len(read))(),
+        values,
+        np.frombuffer(values, c_type),
         column_type,
     )
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -18,9 +17,8 @@ HEAVY = (
     "phaseplane.constructions.marching", "phaseplane.figures.canvas", "phaseplane.figures.histories",
     "phaseplane.figures.animation", "phaseplane.recording.sinks", "phaseplane.recording.server",
     "phaseplane.portrait.system", "phaseplane.scenarios.studies", "phaseplane.scenarios.sweeps.plan",
+    "pandas",
 )  # fmt: skip
-# rerun imports pandas wherever it is installed, and pandas imports these
-OF_PANDAS = {"pyarrow.compute", "concurrent.futures.thread"} if find_spec("pandas") else set()
 CODE = """
 import sys
 from phaseplane.scenarios.cli import main
@@ -107,7 +105,40 @@ def test_nothing_is_imported_that_a_command_does_not_use(
         cwd=where, check=False, capture_output=True, encoding="utf-8",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert set(HEAVY) & set(done.stderr.split()) <= USED[arguments] | OF_PANDAS
+    assert set(HEAVY) & set(done.stderr.split()) <= USED[arguments]
+
+
+def test_a_run_without_pictures_imports_nothing_that_draws_compares_or_solves_equations(
+    results: Path,
+) -> None:
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", CODE, "run", "ap57", *BARE],
+        cwd=results.parent, check=True, capture_output=True, encoding="utf-8",
+    )  # fmt: skip
+    left_out = {
+        "difflib", "fractions", "phaseplane.equations.formula", "phaseplane.constructions",
+        "phaseplane.scenarios.draw.live", "phaseplane.scenarios.draw.pictures",
+        "phaseplane.scenarios.results.comparison",
+    }  # fmt: skip
+    assert left_out & set(done.stderr.split()) == set()
+
+
+def test_code_of_others_gets_pandas_in_a_command(tmp_path: Path) -> None:
+    """Only rerun and pyarrow are kept from importing it, which they do wherever it is installed."""
+    pytest.importorskip("pandas")
+    code = """
+import sys
+from phaseplane.scenarios.cli import main
+try:
+    main(["--version"])
+except SystemExit:
+    pass
+import pyarrow
+pyarrow.array([1.0])
+import pandas
+assert pyarrow.table({"x": [1.0]}).to_pandas().x[0] == 1.0
+"""
+    subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, check=True)
 
 
 @pytest.mark.parametrize("name", COMMANDS)
