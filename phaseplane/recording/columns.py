@@ -163,7 +163,7 @@ def ragged(polylines: Sequence[Strip]) -> pa.Array:
     return _strips(np.concatenate([np.zeros(0, complex), *polylines]), offsets)
 
 
-def _strips(vertices: Points, offsets: Integers) -> pa.Array:
+def _strips(vertices: Points, offsets: npt.NDArray[np.int32]) -> pa.Array:
     batch = rr.encodings.Vec2DBatch(xy(vertices).reshape(-1, 2))
     return pa.ListArray.from_arrays(offsets, batch.as_arrow_array(), type=_STRIPS)
 
