@@ -47,7 +47,7 @@ _ROOTS = [
         "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
         "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
     )),
-    *(("Network", name) for name in ("signal_at", "next_corner")),
+    *(("Network", name) for name in ("signal_at", "next_corner", "set_datum")),
 ]  # fmt: skip
 _Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name
 _KIND = {float: "REAL", int: "INTEGER", bool: "BOOLEAN", str: "STRING"}

@@ -17,7 +17,7 @@ Packer = Callable[..., Path]
 GETTERS = {float: "getReal", int: "getInteger", bool: "getBoolean"}
 KEPT = ("solver.theta", "initial.displacement", "initial.permanent_set", "pitch_radius_of_gyration")
 QUICK = (
-    "QuarterCar", "with stops, friction and a sampled road", "Elastoplastic", "Road", "trailer",
+    "OneDof", "with stops, friction and a sampled road", "Elastoplastic", "Road", "trailer",
 )  # fmt: skip
 EACH = 20  # sets of parameters for one structure: 240 in all
 
