@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from importlib.metadata import metadata
 from importlib.metadata import version as version_of
 from typing import Any
 
@@ -38,6 +39,7 @@ CONTENTS = {
         "python",
         "constructions",
         "figures",
+        "recordings",
     ),
     "How it works": ("how_it_works", "kernel"),
     "How well it works": ("validation", "accuracy"),
@@ -49,6 +51,17 @@ html_theme = "furo"
 html_title = "phaseplane"
 html_additional_pages = {"index": "index.html"}  # leads to the front page
 html_copy_source = False
+html_static_path = ["_static"]
+_URLS = dict(url.split(", ", 1) for url in metadata("phaseplane").get_all("Project-URL", []))
+html_js_files = [
+    (
+        "recordings.js",
+        {
+            "data-viewer": f"https://app.rerun.io/version/{version_of('rerun-sdk')}/",
+            "data-site": _URLS.get("Documentation", ""),
+        },
+    )
+]
 html_show_sphinx = False
 html_show_copyright = False
 

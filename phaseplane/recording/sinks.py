@@ -33,8 +33,12 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
     """
     digest = content.digest()
     # A viewer has one layout per application, so each scene is its own application.
+    # Rows are sent when the recorder says so, not by the clock: equal recordings have equal chunks.
     recording = rr.RecordingStream(
-        _entry(content.title), recording_id=recording_id or digest, send_properties=False
+        _entry(content.title),
+        recording_id=recording_id or digest,
+        send_properties=False,
+        batcher_config=rr.ChunkBatcherConfig.NEVER(),
     )
     if not rr.is_enabled(recording):
         raise ValueError("rerun is switched off by the environment variable RERUN: unset it")

@@ -91,15 +91,16 @@ def content(
 
 
 def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
-    """Return the readings of a construction as columns, except those of its phase planes."""
+    """Return the readings of a construction up to its end, except those of its phase planes."""
     names = [
         name
         for name in drawing.frames[0].readings
         if name.endswith(_READ_OFF) and not name.startswith("control_")
     ]
+    instants = drawing.instants
     return {
-        "time": np.array([frame.time for frame in drawing.frames]),
-        **{n: np.array([frame.readings[n] for frame in drawing.frames]) for n in names},
+        "time": np.array([frame.time for frame in instants]),
+        **{n: np.array([frame.readings[n] for frame in instants]) for n in names},
     }
 
 

@@ -1,0 +1,61 @@
+"""The notebook that shows a construction, run by Jupyter, and the recordings of the page."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from html import unescape
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+
+from phaseplane.recording.server import viewer_program
+
+DOCS = Path(__file__).parents[2] / "docs"
+MADE = re.findall(
+    r"^    phaseplane (replay \w+ --save (\w+\.rrd))$",
+    (DOCS / "recordings.md").read_text(encoding="utf-8"),
+    re.MULTILINE,
+)
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of Jupyter itself
+def test_each_of_its_calls_shows_something(tmp_path: Path) -> None:
+    nbclient = pytest.importorskip("nbclient")
+    nbformat = pytest.importorskip("nbformat")
+    notebook = nbformat.read(DOCS / "recordings" / "showing.ipynb", as_version=4)
+    client = nbclient.NotebookClient(
+        notebook, timeout=None, resources={"metadata": {"path": str(tmp_path)}}
+    )
+    client.create_kernel_manager()
+    client.km.kernel_spec.argv[0] = sys.executable
+    with client.setup_kernel():
+        shown = []
+        for number, cell in enumerate(notebook.cells):
+            client.execute_cell(cell, number)
+            shown += [output["data"] for output in cell.get("outputs", []) if "data" in output]
+        figure, animation, recording = shown
+        assert "image/png" in figure
+        assert "data:image/gif;base64,R0lGOD" in animation["text/html"]
+        page = re.search(r'<iframe src="([^"]+)"', recording["text/html"])
+        assert page is not None
+        assert b"rerun" in urlopen(unescape(page[1]).partition("?")[0]).read().lower()
+
+
+@pytest.mark.parametrize(("command", "name"), MADE)
+def test_recordings_are_what_the_command_makes(command: str, name: str, tmp_path: Path) -> None:
+    program = Path(sys.executable).with_name("phaseplane")
+    subprocess.run([program, *command.split()], cwd=tmp_path, check=True)
+    compared = [viewer_program(), "rrd", "compare", "--unordered"]
+    kept, made = DOCS / "recordings" / name, tmp_path / name
+    done = subprocess.run([*compared, kept, made], check=False, capture_output=True, text=True)
+    assert done.returncode == 0, f"make it anew: phaseplane {command}\n{done.stderr[:2000]}"
+
+
+def test_every_recording_is_on_the_page() -> None:
+    kept = sorted(path.name for path in (DOCS / "recordings").glob("*.rrd"))
+    assert sorted(name for _, name in MADE) == kept
