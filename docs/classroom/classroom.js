@@ -4,11 +4,14 @@ const fields = ["equation", "settings", "rule", "step", "duration"];
 const tell = (words, wrong = false) => { state.textContent = words; state.className = wrong ? "wrong" : ""; };
 
 // the first sheet comes with the page, so that it is there before Python is
-fill(phaseplaneFirst.fields);
-choose(phaseplaneFirst.catalogue, phaseplaneFirst.scene);
-form.rule.value = phaseplaneFirst.fields.rule;
-phaseplanePlayer(document.getElementById("player"), { mode: "protocol", ...phaseplaneFirst.sheet });
+const ready = start();
+const first = await (await fetch("first.json")).json();
+fill(first.fields);
+choose(first.catalogue, first.scene);
+form.rule.value = first.fields.rule;
+show(first.sheet);
 document.documentElement.dataset.first = Math.round(performance.now());
+ready.then(drawAnew, error => tell(`Python could not be loaded: ${error.message}`, true));
 
 function fill(values) { for (const name of fields) if (name in values) form[name].value = values[name]; }
 function choose(catalogue, scene) {
@@ -17,20 +20,35 @@ function choose(catalogue, scene) {
   form.scene.value = scene;
 }
 
-const ready = start();
+function show(sheet) {
+  phaseplanePlayer(document.getElementById("player"), { mode: "protocol", ...sheet });
+  document.documentElement.dataset.shown = sheet.title;
+}
+
+// Python goes on from the snapshot of its memory that was taken when the page was made.
 async function start() {
-  const { loadPyodide } = await import("./pyodide/pyodide.mjs");
-  const [python, wheel] = await Promise.all([
-    loadPyodide({ indexURL: new URL("pyodide/", location.href).href }),
-    fetch("phaseplane.zip").then(answer => answer.arrayBuffer()),
+  const memory = async () => {
+    const packed = await fetch("python.gz.bin");
+    const stream = packed.body.pipeThrough(new DecompressionStream("gzip"));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  };
+  const [{ loadPyodide }, snapshot, archive] = await Promise.all([
+    import("./pyodide/pyodide.mjs"), memory(), fetch("phaseplane.zip").then(answer => answer.arrayBuffer()),
   ]);
-  python.unpackArchive(wheel, "zip");
-  const answered = python.runPython("from phaseplane.scenarios.draw.classroom import answered\nanswered");
-  tell("Ready. Arrow keys go from stage to stage.");
-  document.documentElement.dataset.ready = Math.round(performance.now());
+  const python = await loadPyodide({ indexURL: new URL("pyodide/", location.href).href, _loadSnapshot: snapshot });
+  python.unpackArchive(archive, "zip"); // files are no part of the memory
+  const answered = python.globals.get("answered");
   return request => JSON.parse(answered(JSON.stringify(request)));
 }
-ready.catch(error => tell(`Python could not be loaded: ${error.message}`, true));
+
+// The sheet that came with the page, drawn by this Python.
+function drawAnew(answered) {
+  const sheet = answered({ what: "sheet", scene: first.scene, ...first.fields });
+  const same = JSON.stringify(sheet) === JSON.stringify(first.sheet);
+  if (!same && form.scene.value === first.scene) show(sheet);
+  document.documentElement.dataset.ready = Math.round(performance.now());
+  tell("Ready. Arrow keys go from stage to stage.");
+}
 
 async function ask(what) {
   const request = { what, scene: form.scene.value };
@@ -48,8 +66,7 @@ form.onsubmit = async event => {
   event.preventDefault();
   const sheet = await ask("sheet");
   if (!sheet) return;
-  phaseplanePlayer(document.getElementById("player"), { mode: "protocol", ...sheet });
-  document.documentElement.dataset.shown = sheet.title;
+  show(sheet);
 };
 
 form.scene.onchange = async () => {
