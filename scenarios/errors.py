@@ -17,6 +17,10 @@ class SceneError(InputError):
     """A scene that cannot be read; the message names file, key, value and what is allowed."""
 
 
+class SystemFileError(InputError):
+    """The file of a system of one's own that cannot be used; the message begins with its path."""
+
+
 class DrawingError(InputError):
     """A construction that cannot be drawn with its settings."""
 

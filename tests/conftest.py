@@ -8,7 +8,7 @@ from collections.abc import Generator
 
 import pytest
 from hypothesis import HealthCheck, settings
-from phaseplane.suspension import models, own
+from phaseplane.suspension import models
 
 # no test counts on seconds: other programs may have the machine
 settings.register_profile("busy", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -27,7 +27,6 @@ def _models_of_the_package() -> Generator[None, None, None]:
     yield
     for name in models.ALL.keys() - models.FILES.keys():
         del models.MODELS[name], models.ALL[name]
-        own._OWN.pop(name, None)
 
 
 def refuse(report: pytest.TestReport | pytest.CollectReport) -> None:

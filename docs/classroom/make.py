@@ -40,7 +40,7 @@ def main() -> None:
 
 
 def make(folder: Path, pyodide: Path, wheel: Path) -> None:
-    """Write the page into a folder; a memory snapshot of Python, by Node.js, lets it start in a moment."""
+    """Write the page into a folder, with a snapshot of Python's memory, which Node.js takes."""
     (folder / "pyodide").mkdir(parents=True, exist_ok=True)
     for name in RUNTIME:
         if (pyodide / name).is_file():

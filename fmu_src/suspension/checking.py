@@ -55,6 +55,18 @@ def check_system(system: System) -> list[str]:
     return findings
 
 
+def check_numbers(system: System) -> list[str]:
+    """Return the errors that other numbers can bring into a system of a sound form.
+
+    A small part of `check_system`, cheap enough for every set of parameters: shapes and finite numbers,
+    the mass matrix, dampers that add energy, and the stability of rest.
+    """
+    findings = [*_shapes(system), *_mass(system.mass)]
+    for element in system.elements:
+        findings += _adds_energy(element)
+    return findings or [*_tangent_at_rest(system)]
+
+
 def check_characteristic(
     law: Characteristic, name: str = "characteristic", reach: float | None = None
 ) -> list[str]:
@@ -268,6 +280,10 @@ def _element(element: Element) -> Iterator[str]:
     laws = (("spring", element.spring), ("damper", element.damper))
     for kind, law in (*laws, ("modulation", element.modulation)):
         yield from check_characteristic(law, f"{element.name}.{kind}")
+    yield from _adds_energy(element)
+
+
+def _adds_energy(element: Element) -> Iterator[str]:
     for v in (-3.0, -0.3, -1e-3, 1e-3, 0.3, 3.0):
         if element.damper.force(v) * v < 0.0:
             yield f"{element.name}.damper: adds energy at {v:g} m/s; it must oppose the motion"

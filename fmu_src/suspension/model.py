@@ -24,12 +24,14 @@ class Model:
     picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
     signals : of a source of signals: makes them by name, from all parameters, checked
+    check : raises a ParameterError for a system whose parameters do not go together; None for none
     """
 
     summary: str
     variables: tuple[Variable, ...]
     system: Callable[[Mapping[str, Value]], System] | None
-    rank: int
-    page: str
-    picture: str
+    rank: int = 100
+    page: str = ""
+    picture: str = ""
     signals: Callable[[Mapping[str, Value]], Mapping[str, Signal]] | None = None
+    check: Callable[[System], None] | None = None

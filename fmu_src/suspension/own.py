@@ -32,7 +32,7 @@ from typing import Any
 
 from . import characteristics, roads
 from .characteristics import Characteristic
-from .checking import check_system
+from .checking import check_numbers, check_system
 from .declared import (
     CONTACT_RULE,
     GRAVITY,
@@ -45,7 +45,8 @@ from .declared import (
     initial,
     road,
 )
-from .models import register
+from .model import Model
+from .models import outputs, register
 from .outputs import (
     CONTACT,
     ENERGIES,
@@ -55,15 +56,18 @@ from .outputs import (
     TYRE_DEFLECTION,
     force_of,
     motion,
+    reading_of,
     rotation,
     suspension_deflection,
 )
+from .own_module import model_in, model_name
+from .own_units import check_units
 from .parts import force_course, points, road_from, suspension_elements, tyre_element
 from .signals import Segment, Signal
 from .systems import Axle, Element, Load, System
 from .units import UNITS, UnitError, nearest, to_si
 from .variable import ParameterError, Value, Variable, number, parameter
-from .variables import MODELS, checked_parameters
+from .variables import checked_parameters
 
 _SECTIONS = (
     "name", "about", "source", "parameters", "coordinates", "couplings", "wheels", "elements", "loads",
@@ -248,20 +252,61 @@ class Definition:
         return road_from(p).delayed(delay) if delay else road_from(p)
 
 
-def load(text: str, key: str = "", *, checked: bool = True) -> Definition:
-    """Read a system and make it a model.
+def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> str:
+    """Read a system, make it a model, and return the name of the model.
+
+    Every set of parameters is checked for what numbers alone can break, see `check_numbers`.
 
     Parameters
     ----------
-    text : the content of its file, in TOML
-    key : name of the model; that in the file if empty
-    checked : whether to check the system with its defaults
+    text : the content of its file
+    file : its name; that of a Python module ends in .py, see `own_module`
+    key : name of the model; that of the file if empty
+    checked : whether to check the whole system with its defaults
 
     Raises
     ------
     ParameterError : if it is not valid; the message says what is wrong, what is allowed, and what
         `check_system` has found.
     """
+    stem, _, kind = file.rpartition(".")
+    if kind == "py":
+        name, model = model_name(stem), model_in(text)
+    else:
+        definition = _definition(text)
+        name = definition.name
+        model = Model(definition.about or name, definition.variables(), definition.system)
+    name = key or name
+    register(name, replace(model, check=lambda system: _raise_first(check_numbers(system))))
+    if checked:
+        assert model.system is not None
+        system = model.system(checked_parameters(name, {}))
+        _raise_first(check_system(system))
+        _raise_unread(name, system)
+    return name
+
+
+def _raise_unread(name: str, system: System) -> None:
+    """Reject an output that the system does not give."""
+    for output in outputs(name).values():
+        try:
+            reading_of(output, system)
+        except Exception:  # a reading may fail in any way
+            known = ", ".join(f"{c}_displacement".lstrip("_") for c in system.coordinates)
+            raise ParameterError(
+                f"MODEL.variables: the system has nothing for the output {output.name}; coordinates "
+                f"give {known} and their rates"
+            ) from None
+
+
+def _raise_first(findings: Sequence[str]) -> None:
+    more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
+    if findings:
+        raise ParameterError(f"system: {findings[0]}{more}")
+
+
+def _definition(text: str) -> Definition:
+    """Return the definition in a TOML file."""
     try:
         content = tomllib.loads(text).get("system")
     except (ValueError, RecursionError) as error:
@@ -269,27 +314,8 @@ def load(text: str, key: str = "", *, checked: bool = True) -> Definition:
     if not isinstance(content, dict):
         raise ParameterError("there is no table [system]")
     definition = _read(content)
-    if key:
-        definition = replace(definition, name=key)
-    if definition.name in MODELS and not _is_own(definition.name):
-        raise ParameterError(f"system.name = {definition.name!r}: is a model of this package")
-    _OWN[definition.name] = definition
-    about = definition.about or definition.name
-    register(definition.name, definition.variables(), definition.system, about)
-    if not checked:
-        return definition
-    findings = check_system(definition.system(checked_parameters(definition.name, {})))
-    if findings:
-        more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
-        raise ParameterError(f"system: {findings[0]}{more}")
+    check_units(definition)
     return definition
-
-
-_OWN: dict[str, Definition] = {}
-
-
-def _is_own(name: str) -> bool:
-    return name in _OWN
 
 
 def _read(content: Mapping[str, Any]) -> Definition:

@@ -18,7 +18,6 @@ from uuid import UUID
 from xml.etree import ElementTree
 
 from phaseplane.suspension.models import ALL, FILES
-from phaseplane.suspension.own import load
 from phaseplane.suspension.variables import Value, refuse_unknown
 
 from . import systems
@@ -40,7 +39,7 @@ def build(
     folder: Path,
     *,
     parameters: Mapping[str, Mapping[str, object]] | None = None,
-    own: Mapping[str, str] | None = None,
+    own: Mapping[str, Path] | None = None,
     references: bool = False,
     ssp: bool = False,
 ) -> list[Path]:
@@ -53,7 +52,7 @@ def build(
     models : keys of `suspension.models.FILES` or of `own`
     folder : output folder; created if it is missing
     parameters : start values for each model that replace the defaults, as accepted by `Session`
-    own : for each system of one's own that has been loaded, the content of its file
+    own : for each system of one's own that has been loaded, its file
     references : whether to write a reference result beside each FMU
     ssp : whether to write a system `<model>.ssp` for each vehicle, in which the FMU `Road` provides
         its road
@@ -77,7 +76,7 @@ def build(
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start, own.get(model, ""))
+        files[f"{model}.fmu"] = _packed(model, start, own.get(model))
         if references:
             files |= reference_files(model, start)
         if ssp and systems.connections(model):
@@ -135,26 +134,26 @@ from phaseplane.suspension import __name__ as package, __path__ as places
 places.append(f"{{sys.path[0]}}/{{package}}")
 from phaseplane.suspension.own import load
 
-load({text!r}, {key!r}, checked=False)
+load({text!r}, {file!r}, {key!r}, checked=False)
 """
 
 
-def _script(model: str, own: str) -> tuple[str, str]:
+def _script(model: str, own: Path | None) -> tuple[str, str]:
     """Return name and content of the script that pythonfmu makes an FMU from.
 
     The model of a system of one's own has a hash of the file in its name, as FMUs share their modules.
     """
-    if not own:
-        about = ALL[model].summary
+    about = ALL[model].summary
+    if own is None:
         return FILES[model], _SCRIPT.format(name=model, key=model, about=about, before="")
-    about = load(own, checked=False).about or model
-    key = hashed(model, own.encode())
-    before = _LOADING.format(text=own, key=key)
+    text = own.read_text(encoding="utf-8")
+    key = hashed(model, text.encode())
+    before = _LOADING.format(text=text, file=own.name, key=key)
     return model.lower(), _SCRIPT.format(name=model, key=key, about=about, before=before)
 
 
 def _staged(
-    model: str, start: Mapping[str, Value], stage: Path, own: str
+    model: str, start: Mapping[str, Value], stage: Path, own: Path | None
 ) -> tuple[Path, list[Path]]:
     """Write the FMU's contents to the stage; return its script, and the paths packed beside it."""
     package = suspension_sources()
@@ -188,7 +187,7 @@ def _run_pythonfmu(script: Path, beside: Sequence[Path], target: Path) -> None:
         raise RuntimeError(f"pythonfmu could not build {target.name}:\n{done.stderr.strip()}")
 
 
-def _packed(model: str, start: dict[str, Value], own: str = "") -> bytes:
+def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> bytes:
     """Return the archive of one FMU."""
     with TemporaryDirectory() as work:
         stage, raw = Path(work, "stage"), Path(work, f"{model}.fmu")

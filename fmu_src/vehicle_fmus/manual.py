@@ -29,7 +29,12 @@ _HEADINGS: dict[str, Callable[[Variable], bool]] = {
 
 
 def page(
-    model: str, start: dict[str, Value], colophon: str, own: str = "", *, native: int = 0
+    model: str,
+    start: dict[str, Value],
+    colophon: str,
+    own: Path | None = None,
+    *,
+    native: int = 0,
 ) -> str:
     """Return documentation/index.html of a model.
 
@@ -38,18 +43,24 @@ def page(
     model : `QuarterCar`
     start : parameters whose start values are not the defaults
     colophon : the tools that made the FMU
-    own : the file of a system of one's own, which stands in place of equations
+    own : the file of a system of one's own, which stands in place of equations that it does not give
     native : 2 or 3 for a native FMU of that version of FMI, which needs nothing from its host
     """
     return Template(_part("index")).substitute(
         model=model,
-        picture="" if own else picture(model),
-        equations=_OWN.substitute(file=escape(own)) if own else f"{ALL[model].page}\n",
+        picture=picture(model) if ALL[model].picture else "",
+        equations=_equations(model, own),
         stepping="" if model in SOURCES else _part("stepping"),
         needs=_part("native" if native else "needs") + (_part("events") if native == 3 else ""),
         variables=variable_table(variables(model), start),
         colophon=escape(colophon),
     )
+
+
+def _equations(model: str, own: Path | None) -> str:
+    if own is None or ALL[model].page:
+        return f"{ALL[model].page}\n"
+    return _OWN.substitute(file=escape(own.read_text(encoding="utf-8")))
 
 
 def _part(name: str) -> str:

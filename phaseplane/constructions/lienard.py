@@ -131,7 +131,8 @@ class Lienard:
 
         Returns
         -------
-        a labelled curve per level, or one without a label if epsilon does not depend on y
+        a labelled curve per level, those that coincide as one with the labels of all; a single curve
+        without a label if epsilon does not depend on y
         """
         plane = self.plane
         points = trail(plane, frames)
@@ -148,13 +149,21 @@ class Lienard:
         values = self.levels or _round_values(*reach(plane.displacement, points))
         family = [curve(y) for y in values]
         size = abs(family[0][-1] - family[0][0])
-        if all(_same(family[0], other, 1e-9 * size) for other in family):
-            return (Curve("auxiliary", family[0]),)
         axis = plane.displacement
         factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, f" {axis.unit}".rstrip())
+        found: list[tuple[tuple[complex, ...], list[str]]] = []
+        for vertices, y in zip(family, values, strict=True):
+            known = (labels for other, labels in found if _same(vertices, other, 1e-9 * size))
+            label = f"{axis.label} = {factor * y:g}{unit}"
+            here = next(known, None)
+            if here is None:
+                found.append((vertices, [label]))
+            else:
+                here.append(label)
+        if len(found) == 1:
+            return (Curve("auxiliary", family[0]),)
         return tuple(
-            Curve("auxiliary", vertices, f"{axis.label} = {factor * y:g}{unit}")
-            for vertices, y in zip(family, values, strict=True)
+            Curve("auxiliary", vertices, " and ".join(labels)) for vertices, labels in found
         )
 
 

@@ -8,7 +8,7 @@ _INDEX = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _WORDS = {
     "dtau": "Δτ", "xi''": "ξ̈", "Omega^2": "Ω²", "Omega": "Ω", "y-bar": "ȳ", "x-bar": "x̄",
 }  # fmt: skip
-_NUMBERED = re.compile(r"\b(P|Q|A|B|C|D|H|S|E|M|Dm|Hm|x|y|Ω)(\d+)")
+_NUMBERED = re.compile(r"\b(P|Q|A|B|C|D|H|S|E|M|Dm|Hm|x|y|Ω|Δτ)(\d+)")
 _BAR = re.compile(r"\b([xy])(\d*)_bar")
 _SCALED = re.compile(r"\b([xy])(\d*)'/Ω\d*")
 

@@ -18,6 +18,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
+from phaseplane.picture.words import bracketed, in_words
 
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other
@@ -145,9 +146,7 @@ def plane_of_columns(
         axes.plot(x, y, color=colour, linewidth=1.3, label=label)
         axes.plot(*(np.asarray(v)[:1] for v in (x, y)), "o", color=colour, markersize=4.0)
     axes.set(**{
-        f"{axis}label": f"{name.replace('_', ' ')} [{units[name]}]"
-        if units.get(name, "") not in ("", "1")
-        else name.replace("_", " ")
+        f"{axis}label": in_words(name) + bracketed(units.get(name, ""))
         for axis, name in zip("xy", names, strict=True)
     })  # fmt: skip
     for axis in (axes.xaxis, axes.yaxis):
@@ -175,9 +174,9 @@ def _panels(
     grid = figure.subplots(down, across, sharex=True, squeeze=False)
     panels = list(grid.T.ravel())
     for axes, name in zip(panels, names, strict=False):
-        unit = units.get(name, "")
-        words = name.replace("_", " ").replace(" ", "\n", 1)
-        axes.set_ylabel(f"{words}\n[{unit}]" if unit not in ("", "1") else words, fontsize=8.5)
+        words = in_words(name).replace(" ", "\n", 1)
+        unit = bracketed(units.get(name, "")).replace(" ", "\n", 1)
+        axes.set_ylabel(words + unit, fontsize=8.5)
         dress(axes, palette, 8.0)
         axes.yaxis.label.set_color(palette.ink)
     for axes in panels[len(names) :]:

@@ -6,7 +6,8 @@ fill in; its solution has the construction and the filled table as well.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from phaseplane.figures.style import BLUE, GREEN, OCHRE, ORANGE, RED, TEAL, new_figure, palette_for
+from phaseplane.picture.letters import text_box
+from phaseplane.picture.paper import Box
+from phaseplane.picture.words import MINUS
 
 PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}
 """Width and height of a sheet, cm."""
@@ -24,6 +28,43 @@ _MOST_ROWS = 13  # of one table; longer ones are put in two columns
 _GRID = 0.5  # cm
 _ROLES = {"auxiliary": OCHRE, "line": TEAL, "trail": BLUE}
 _TURN = ("axis", "construction")  # the curves of the turn angle, which may lie anywhere
+_INK, _GREY = "#1b1f24", "#57606a"
+_POINT = 2.54 / 72.0  # cm
+_AROUND = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # where a text may be beside a point
+
+
+@dataclass
+class _Texts:
+    """Texts of a sheet, none of which covers another.
+
+    Parameters
+    ----------
+    axes : what they are written on, in cm of paper
+    room : what they stay within
+    taken : the boxes of those that are there
+    """
+
+    axes: Axes
+    room: Box
+    taken: list[Box] = field(default_factory=list)
+
+    def write(self, text: str, places: Iterable[complex], size: float, colour: str) -> None:
+        """Write a text at the first of these centres that is free; nowhere if none is."""
+        for centre in places:
+            box = text_box(centre, text, size * _POINT)
+            if self.room.contains(box) and not any(box.overlap(other) for other in self.taken):
+                self.taken.append(box)
+                self.axes.text(
+                    centre.real, centre.imag, text, fontsize=size, color=colour, ha="center",
+                    va="center", zorder=5.0,
+                )  # fmt: skip
+                return
+
+    def beside(self, text: str, points: Iterable[np.ndarray], size: float, colour: str) -> None:
+        """Write a text beside the first of these points that has room."""
+        half = text_box(0j, text, size * _POINT).half + 0.05 * (1 + 1j)
+        ways = [complex(x * half.real, y * half.imag) for x, y in _AROUND]
+        self.write(text, (complex(*at) + way for at in points for way in ways), size, colour)
 
 
 class Filled(NamedTuple):
@@ -115,9 +156,16 @@ def exercise_sheet(
     )
     _grid(axes, np.array([left, bottom]) + moved, np.array([right, top]) + moved)
     clip = (left + moved[0], right + moved[0], bottom + moved[1], top + moved[1])
-    _fixed(axes, sheet, moved, clip)
+    middle, half = (
+        0.5 * np.array([left + right, bottom + top]) + moved,
+        (right - left, top - bottom),
+    )
+    texts = _Texts(axes, Box(complex(*middle), 0.5 * complex(*half)).grown(0.3))
+    _axes(texts, sheet, moved)
+    _curves(axes, sheet, moved, clip)
     _turn(axes, sheet, np.array([left + 0.6, bottom + 0.6]) + moved)
-    _solution(axes, filled, moved)
+    _solution(texts, filled, moved)
+    _labels(texts, sheet, moved, clip)
     _table(axes, head, filled.rows, width)
     _ruler(axes, width)
     return figure
@@ -135,51 +183,64 @@ def _grid(axes: Axes, low: np.ndarray, high: np.ndarray) -> None:
             axes.plot(x, y, color="#dfe5ea", linewidth=0.35, zorder=0.5)
 
 
-def _fixed(
+def _curves(
     axes: Axes, sheet: Mapping[str, Any], moved: np.ndarray, clip: tuple[float, ...]
 ) -> None:
-    """Draw the curves and axes that stay."""
+    """Draw the curves that stay."""
     left, right, bottom, top = clip
     frame = Rectangle((left, bottom), right - left, top - bottom, transform=axes.transData)
-    for number, curve in enumerate(sheet["curves"]):
+    for curve in sheet["curves"]:
         if curve["role"] in _TURN:
             continue
         at = np.array(curve["points"]) + moved
-        colour = _ROLES.get(curve["role"], "#6b7280")
         (drawn,) = axes.plot(
-            *at.T, color=colour, linewidth=0.9, gid=curve["role"],
+            *at.T, color=_ROLES.get(curve["role"], _GREY), linewidth=0.9, gid=curve["role"],
             linestyle="--" if curve["role"] == "line" else "-", zorder=2.0,
         )  # fmt: skip
         drawn.set_clip_path(frame)
-        inside = at[
-            (at[:, 0] > left) & (at[:, 0] < right - 0.8) & (at[:, 1] > bottom) & (at[:, 1] < top)
-        ]
-        if curve["label"] and len(inside):
-            place = inside[-1 if number % 2 else 0]  # neighbours at different ends
-            axes.text(*_xy(place + 0.08), curve["label"], color=colour, fontsize=6.5)
+
+
+def _labels(
+    texts: _Texts, sheet: Mapping[str, Any], moved: np.ndarray, clip: tuple[float, ...]
+) -> None:
+    """Write the labels of the curves, each near one of its ends."""
+    left, right, bottom, top = clip
+    for number, curve in enumerate(sheet["curves"]):
+        if not curve["label"] or curve["role"] in _TURN:
+            continue
+        at = np.array(curve["points"]) + moved
+        x, y = at.T
+        seen = at[(x > left) & (x < right) & (y > bottom) & (y < top)]
+        ordered = seen if number % 2 else seen[::-1]  # neighbours at different ends
+        words = curve["label"].replace("-", MINUS)
+        texts.beside(words, ordered, 6.5, _ROLES.get(curve["role"], _GREY))
+
+
+def _axes(texts: _Texts, sheet: Mapping[str, Any], moved: np.ndarray) -> None:
+    """Draw the axes with their names and values."""
+    axes, values = texts.axes, []
     for plane in sheet["axes"]:
         for key, axis in plane.items():
             start, end = np.array(axis["ends"]) + moved
             axes.annotate(
                 "", end, start, zorder=1.8,
-                arrowprops={"arrowstyle": "-|>", "linewidth": 0.8, "color": "#1b1f24",
+                arrowprops={"arrowstyle": "-|>", "linewidth": 0.8, "color": _INK,
                             "shrinkA": 0.0, "shrinkB": 0.0},
             )  # fmt: skip
-            beside = (-0.1, 0.15) if key == "x" else (0.15, 0.0)
-            axes.text(
-                *_xy(end + beside), axis["label"], fontsize=8.0,
-                ha="right" if key == "x" and end[0] > start[0] else "left", va="bottom",
-            )  # fmt: skip
+            half = text_box(0j, axis["label"], 8.0 * _POINT).half
+            inwards = -half.real if end[0] > start[0] else half.real
+            beside = complex(inwards if key == "x" else 0.15 + half.real, half.imag + 0.1)
+            texts.write(axis["label"], [complex(*end) + beside], 8.0, _INK)
             for x, y, value in axis["ticks"]:
                 at = np.array([x, y]) + moved
                 across = np.array([0.0, 0.1] if key == "x" else [0.1, 0.0])
-                axes.plot(*np.array([at - across, at + across]).T, color="#1b1f24", linewidth=0.6)
+                axes.plot(*np.array([at - across, at + across]).T, color=_INK, linewidth=0.6)
                 if float(value) != 0.0:
-                    place = at - (0.0, 0.16) if key == "x" else at - (0.16, 0.0)
-                    axes.text(
-                        *_xy(place), value, fontsize=6.0, color="#57606a",
-                        ha="center" if key == "x" else "right", va="top" if key == "x" else "center",
-                    )  # fmt: skip
+                    half = text_box(0j, value, 6.0 * _POINT).half
+                    below = -1j * (half.imag + 0.12) if key == "x" else -half.real - 0.12 + 0j
+                    values.append((value.replace("-", MINUS), complex(*at) + below))
+    for value, place in values:
+        texts.write(value, [place], 6.0, _GREY)
 
 
 def _turn_points(sheet: Mapping[str, Any]) -> np.ndarray:
@@ -198,21 +259,22 @@ def _turn(axes: Axes, sheet: Mapping[str, Any], corner: np.ndarray) -> None:
     for curve in sheet["curves"]:
         if curve["role"] in _TURN:
             at = np.array(curve["points"]) - low + corner
-            axes.plot(*at.T, color="#6b7280", linewidth=0.7, zorder=2.0)
+            axes.plot(*at.T, color=_GREY, linewidth=0.7, zorder=2.0)
             if curve["label"]:
                 below = (0.0, -0.32) if curve["role"] == "axis" else (0.1, -0.1)
                 axes.text(
-                    *_xy(at[-1] + below), curve["label"], fontsize=6.5, color="#57606a", ha="center"
+                    *_xy(at[-1] + below), curve["label"], fontsize=6.5, color=_GREY, ha="center"
                 )
 
 
-def _solution(axes: Axes, filled: Filled, moved: np.ndarray) -> None:
+def _solution(texts: _Texts, filled: Filled, moved: np.ndarray) -> None:
+    axes = texts.axes
     for points in filled.right:
         at = np.array(points) + moved
         axes.plot(*at.T, color=BLUE, linewidth=0.9, marker="o", markersize=2.6, zorder=4.0)
         names = range(len(at)) if len(at) > 1 else ["P₀"]
         for name, place in zip(names, at, strict=True):
-            axes.text(*_xy(place + 0.1), str(name), fontsize=6.5, color=BLUE, zorder=5.0)
+            texts.beside(str(name), [place], 6.5, BLUE)
     for points, feet in zip(filled.right, filled.feet, strict=False):
         for p, d in zip(points, feet, strict=False):
             at = np.array([p, d]) + moved
@@ -243,9 +305,9 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]], width
         mine = rows[half * per : (half + 1) * per]
         for i in range(len(mine) + 2):
             y = top - _ROW * i
-            axes.plot([edges[0], edges[-1]], [y, y], color="#6b7280", linewidth=0.5)
+            axes.plot([edges[0], edges[-1]], [y, y], color=_GREY, linewidth=0.5)
         for x in edges:
-            axes.plot([x, x], [top, top - _ROW * (len(mine) + 1)], color="#6b7280", linewidth=0.5)
+            axes.plot([x, x], [top, top - _ROW * (len(mine) + 1)], color=_GREY, linewidth=0.5)
         for i, row in enumerate([head, *mine]):
             for j, text in enumerate(row):
                 axes.text(
@@ -257,7 +319,7 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]], width
 def _ruler(axes: Axes, width: float) -> None:
     """Draw a ruler of 10 cm by which the scale of a print can be checked."""
     y = 0.85
-    axes.plot([_EDGE, _EDGE + 10.0], [y, y], color="#1b1f24", linewidth=0.7, gid="ruler")
+    axes.plot([_EDGE, _EDGE + 10.0], [y, y], color=_INK, linewidth=0.7, gid="ruler")
     for i in range(11):
-        axes.plot([_EDGE + i] * 2, [y, y + 0.15], color="#1b1f24", linewidth=0.7)
+        axes.plot([_EDGE + i] * 2, [y, y + 0.15], color=_INK, linewidth=0.7)
     axes.text(_EDGE + 10.2, y, "10 cm if printed at 100 %", fontsize=7.0, va="center")

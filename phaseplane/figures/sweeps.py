@@ -23,7 +23,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
-from phaseplane.picture.quantities import unit_text
+from phaseplane.picture.words import bracketed
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
@@ -214,7 +214,7 @@ def _words(name: str, unit: str, *, broken: bool = True) -> str:
         middle = min((i for i, c in enumerate(words) if c == " "), default=0,
                      key=lambda i: abs(i - len(words) // 2))  # fmt: skip
         words = f"{words[: middle + 1].rstrip()}\n{words[middle + 1 :]}"
-    return f"{words} [{unit_text(unit)}]" if unit not in ("", "1", "count") else words
+    return words + bracketed("" if unit == "count" else unit)
 
 
 def _short(text: str) -> str:

@@ -21,7 +21,7 @@ from .letters import place, text_box
 from .paper import Box, Points, Strip, arcs, columns, table
 from .quantities import display_unit
 from .styles import style_of
-from .words import LETTER_OF_EVENT, bracketed, level_text, number, typeset
+from .words import LETTER_OF_EVENT, MINUS, bracketed, level_text, number, typeset
 
 TYPE = 9.0
 """Size of the type, points: 1 em of a page."""
@@ -417,11 +417,15 @@ class Page:
             elif curve.role not in ("auxiliary", "shortcut", "trail"):
                 words = typeset(curve.label)
                 self.write_if_free(Text(curve.role, words, end + 1.2 * self.em))
-        for curve in _distinct([c for c in chosen if c.role == "auxiliary" and c.label]):
-            self._along(curve)
         for curve in chosen:
-            if curve.role in ("shortcut", "trail") and self.view.holds(curve.vertices[-1]):
-                self.letter([(curve.vertices[-1], typeset(curve.label), curve.role)], _VALUE)
+            if curve.role == "auxiliary" and curve.label:
+                self._along(curve)
+            # further integral curves are named where they begin, since many of them end together
+            place = {"shortcut": -1, "trail": 0}.get(curve.role)
+            if place is not None and self.view.holds(curve.vertices[place]):
+                words = typeset(curve.label).replace("-", MINUS)
+                self.dots(curve.role, [curve.vertices[place]])
+                self.letter([(curve.vertices[place], words, curve.role)], _VALUE)
 
     def _along(self, curve: Curve) -> None:
         """Write the label of a curve on it, as near to its end as possible, if there is room."""
@@ -565,27 +569,16 @@ def _value(centre: complex, text: str) -> Text:
     return Text("value", text, centre, _VALUE, "value")
 
 
-def _distinct(curves: Sequence[Curve]) -> list[Curve]:
-    """Return labelled curves, those that coincide as one with both labels."""
-    found: list[Curve] = []
-    for curve in curves:
-        for i, other in enumerate(found):
-            if len(other.vertices) == len(curve.vertices) and np.allclose(
-                other.vertices, curve.vertices, rtol=0.0, atol=1e-9
-            ):
-                found[i] = replace(other, label=f"{other.label} and {curve.label}")
-                break
-        else:
-            found.append(curve)
-    return found
-
-
 def _legend_words(drawing: Drawing, role: str) -> str:
     """Return the words of a role in the legend of a drawing; empty for none."""
     words = style_of(role).words
     if role == "line":
         labels = [curve.label for curve in drawing.curves if curve.role == "line"]
         return f"lines {labels[0]} to {labels[-1]}" if len(labels) > 2 else words
+    if role == "auxiliary":
+        valued = any(curve.role == role and curve.label for curve in drawing.curves)
+        of = drawing.planes[0].displacement.label.rstrip("0123456789")
+        return f"{words} (of {of})" if valued else words
     if role != "excitation":
         return words
     if any(name.endswith("road_elevation") for f in drawing.frames[:1] for name in f.readings):

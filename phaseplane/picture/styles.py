@@ -70,7 +70,7 @@ ROLES = {
     "here": Style(INK, size=12.0),
     "axis": Style(INK, 0.9),
     "value": Style(),
-    "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve (of y)"),
+    "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve"),
     "line": Style(TEAL, 1.0, "--", words="lines I, II"),
     "shortcut": Style(RED, 1.0, "--", words="flight to x2 = x2st"),
     "foot": Style(width=0.7, dash=":"),

@@ -15,7 +15,7 @@ from unicodedata import normalize
 from phaseplane.constructions.primitives import Drawing, Frame, Plane, Scheme
 from phaseplane.constructions.sheet import Event, events_of
 
-from .quantities import Quantity
+from .quantities import Quantity, unit_text
 
 MINUS = "\N{MINUS SIGN}"
 _HEAD = "| read off the sheet | |\n|---|---|\n"
@@ -102,8 +102,8 @@ def in_words(name: str) -> str:
 
 
 def bracketed(unit: str) -> str:
-    """Return a unit to follow a name; empty for a plain number."""
-    return f" [{unit}]" if unit not in ("", "1") else ""
+    """Return a unit to follow a name, as it is printed; empty for a plain number."""
+    return f" [{unit_text(unit)}]" if unit not in ("", "1") else ""
 
 
 def time_words(time: float) -> str:

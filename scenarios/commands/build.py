@@ -23,7 +23,7 @@ from phaseplane import vehicle_fmus
 from ..errors import InputError, RunError, one_line, shown
 from ..results.plain import as_json
 from ..scene.loading import load_scene
-from ..scene.names import case_names
+from ..scene.names import SCENE_FILES, case_names
 from .console import json_option
 
 if TYPE_CHECKING:
@@ -109,11 +109,11 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     """
     known = (*FILES, *case_names())
     for name in models:
-        if name not in known and Path(name).suffix != ".toml":
+        if name not in known and Path(name).suffix not in SCENE_FILES:
             raise InputError(
                 one_line(
                     f"no model or scene {shown(name)}{nearest(name, known)}; models are "
-                    f"{', '.join(FILES)}; or give the path of a .toml file"
+                    f"{', '.join(FILES)}; or give the path of a .toml or .py file"
                 )
             )
     scenes = [load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in FILES]
@@ -143,8 +143,8 @@ def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
         return _renamed(made, model, scene, folder)
 
 
-def _own_system(scene: Scene) -> dict[str, str]:
-    """Return the content of the file of a scene's system, by the name of the system, if it has one.
+def _own_system(scene: Scene) -> dict[str, Path]:
+    """Return the file of a scene's system, by the name of the system, if it has one.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def _own_system(scene: Scene) -> dict[str, str]:
         raise InputError(
             f"{scene.name}: an FMU is made of models of this package, not of {fmu.model}"
         )
-    return {} if fmu.system is None else {fmu.model: fmu.system.read_text(encoding="utf-8")}
+    return {} if fmu.system is None else {fmu.model: fmu.system}
 
 
 def _renamed(made: Sequence[Path], model: str, scene: Scene, folder: Path) -> list[Path]:

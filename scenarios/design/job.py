@@ -12,6 +12,7 @@ import numpy as np
 from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
+from phaseplane.picture.words import bracketed, in_words
 
 from ..errors import InputError, one_line
 from ..measures import catalogue
@@ -19,6 +20,7 @@ from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, w
 from ..results.quantities import quantity, shown_in
 from ..results.report import aligned
 from ..results.tables import write_table
+from ..scene.names import SCENE_FILES
 from .fit import Fit, fit, read_task
 from .optimum import Optimum, read_problem, solve
 from .space import Space
@@ -146,7 +148,7 @@ def _written(
 def _scene(space: Space, values: Mapping[str, float], folder: Path) -> str:
     """Return a scene file with the parameters found."""
     base = space.plan.reference
-    if base.endswith(".toml") and Path(base).is_file():
+    if base.endswith(SCENE_FILES) and Path(base).is_file():
         base = Path(os.path.relpath(Path(base).resolve(), folder.resolve())).as_posix()
     lines = [f'extends = "{base}"', "", "[parameters]"]
     return "\n".join([*lines, *(f"{key} = {value!r}" for key, value in values.items()), ""])
@@ -231,10 +233,7 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
         return
     pair = (problem.objective, others[0])
     shown = [shown_in(known[name].unit) for name in pair]
-    labels = [
-        f"{name.replace('_', ' ')} [{unit}]" if unit else name.replace("_", " ")
-        for name, (unit, _) in zip(pair, shown, strict=True)
-    ]
+    labels = [in_words(name) + bracketed(unit) for name, (unit, _) in zip(pair, shown, strict=True)]
     places = [measures.index(name) for name in pair]
 
     def scaled(numbers: Any) -> Any:

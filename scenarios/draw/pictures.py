@@ -17,6 +17,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures, recording
 
 from ..errors import MOVING, PICTURES, InputError, shown
+from ..scene.equation import start_of
 from ..scene.sections import FIGURES
 from .recording_content import of_results
 
@@ -125,11 +126,8 @@ def figure_of(
             return figures.axle_histories(axles, title=title, look=printed)
         columns = histories(results)
         if not figures.has_histories(columns):  # an FMU of others, or an equation
-            drawn = {name: column for name, column in results.columns.items() if name != "time"}
             units = results.summary.get("units", {})
-            return figures.columns(
-                drawn, results.columns["time"], units, title=title, dark=printed.dark
-            )
+            return figures.runs(_by_starts(results), units, title=title, dark=printed.dark)
         return figures.time_histories(columns, title=title, look=printed)
     draws = getattr(figures, name)
     if step is not None and "frame" not in signature(draws).parameters:
@@ -137,6 +135,17 @@ def figure_of(
     chosen = {} if step is None else {"frame": step}
     figure: Figure = draws(drawing, **chosen, title=title, look=printed)
     return figure
+
+
+def _by_starts(results: Results) -> dict[str, dict[str, tuple[Any, Any]]]:
+    """Return the columns over time, those of the same name from several starts together."""
+    found: dict[str, dict[str, tuple[Any, Any]]] = {}
+    time = results.columns["time"]
+    for name, column in results.columns.items():
+        start, own = start_of(name)
+        if name != "time":
+            found.setdefault(own, {})[f"start {start}"] = time, column
+    return found
 
 
 def record(shown: Content, path: Path) -> None:

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from phaseplane.suspension.variables import Variable
 
+from ..scene.equation import start_of
 from .axle import of_axles
 from .modal import of_modes
 from .motion import last, of_motion
@@ -52,7 +53,7 @@ def default_measures(known: Mapping[str, Measure], shown: Iterable[str]) -> tupl
     If none of these motions is shown, peaks of all outputs shown.
     """
     shown = list(shown)
-    motions = [name for name in shown if name.endswith(_DEFAULT_PEAKS)]
+    motions = [name for name in shown if start_of(name)[1].endswith(_DEFAULT_PEAKS)]
     peaks = {f"peak.{name}" for name in motions or shown}
     return tuple(name for name in known if name in peaks or name.endswith(_DEFAULT))
 

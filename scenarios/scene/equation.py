@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from phaseplane.suspension.units import UNITS, UnitError, to_si
 from phaseplane.suspension.variables import Value, Variable
@@ -23,6 +24,7 @@ _UNITS = {  # of x, x' and x''
     "m": ("m", "m/s", "m/s2"),
     "rad": ("rad", "rad/s", "rad/s2"),
 }
+_STARTED = re.compile(r"start(\d+)_(\w+)")
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
@@ -64,6 +66,30 @@ def equation_variables(given: object = None) -> tuple[Variable, ...]:
         if name in words and name not in _OWN and _may_name(name)
     ]
     return (*_variables(unit if unit in _UNITS else "1"), *named)
+
+
+def outputs_of_starts(variables: Iterable[Variable], count: int) -> tuple[Variable, ...]:
+    """Return the outputs of the motions from further starts, numbered from 2.
+
+    Parameters
+    ----------
+    variables : those of the equation
+    count : number of further starts
+    """
+    outputs = [v for v in variables if v.causality == "output"]
+    return tuple(
+        replace(
+            v, name=f"start{number}_{v.name}", description=f"{v.description}, from start {number}"
+        )
+        for number in range(2, count + 2)
+        for v in outputs
+    )
+
+
+def start_of(output: str) -> tuple[int, str]:
+    """Return the number of the start that an output belongs to, and its name for the first start."""
+    found = _STARTED.fullmatch(output)
+    return (int(found[1]), found[2]) if found else (1, output)
 
 
 def _may_name(name: str) -> bool:

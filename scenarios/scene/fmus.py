@@ -14,9 +14,9 @@ from phaseplane.suspension.variable import Checked
 from phaseplane.suspension.variables import MODELS, ParameterError, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, SystemFileError, one_line, shown
 from .equation import EQUATION, equation_variables
-from .names import meant
+from .names import SCENE_FILES, meant
 
 if TYPE_CHECKING:
     from fmpy.model_description import ScalarVariable
@@ -137,7 +137,7 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
         return Fmu(reference, None, MODELS[reference])
     if reference == EQUATION:
         return Fmu(EQUATION, None, equation_variables(parameters))
-    if reference.endswith(".toml"):
+    if reference.endswith(SCENE_FILES):
         return _of_system((folder or Path()) / reference)
     if not reference.endswith(".fmu"):
         known = (*MODELS, EQUATION)
@@ -153,16 +153,21 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
 
 
 def _of_system(path: Path) -> Fmu:
-    """Return the model of a system of one's own."""
+    """Return the model of a system of one's own.
+
+    Raises
+    ------
+    SystemFileError : if the file cannot be read, or describes no valid system.
+    """
     from phaseplane.suspension.own import load  # noqa: PLC0415  (rarely needed)
 
     try:
-        definition = load(path.read_text(encoding="utf-8"))
+        name = load(path.read_text(encoding="utf-8"), path.name)
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+        raise SystemFileError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:
-        raise InputError(f"{path}: {one_line(error, 300)}") from None
-    return Fmu(definition.name, None, MODELS[definition.name], path.resolve())
+        raise SystemFileError(f"{path}: {one_line(error, 300)}") from None
+    return Fmu(name, None, MODELS[name], path.resolve())
 
 
 def fmu_named(model: str) -> Fmu:

@@ -13,11 +13,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from phaseplane.suspension.own_module import scene_in
 from phaseplane.suspension.units import nearest
+from phaseplane.suspension.variable import ParameterError
 
 from ..errors import SceneError, one_line, shown
 from .fmus import default_duration
-from .names import CASES, case_names, meant
+from .names import CASES, SCENE_FILES, case_names, meant
 
 SECTIONS = ("parameters", "controller", "show", "construction", "expect")
 KEYS = ("title", "source", "fmu", "duration", *SECTIONS, "extends")
@@ -187,7 +189,7 @@ def find_scene(reference: str, folder: Path | None = None) -> Path:
         is_folder = False  # a text that cannot be a path
     if is_folder:
         raise SceneError(one_line(f"{reference or '.'} is a folder, not a scene file"))
-    if reference.endswith(".toml") or "/" in reference:
+    if reference.endswith(SCENE_FILES) or "/" in reference:
         raise SceneError(one_line(f"no scene file {reference}; give the path of a .toml file"))
     hint = meant(reference, "scene") or (
         "; 'phaseplane list' shows them all; or give the path of a .toml file"
@@ -324,12 +326,19 @@ def _read(path: Path, name: str) -> dict[str, Any]:
             raise SceneError(
                 one_line(f"{name}: larger than {_LARGEST_FILE} bytes; not a scene file")
             )
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".py":
+            content = scene_in(text)
+            content.setdefault("fmu", path.name)
+            return dict(flattened(content, name))
+        content = tomllib.loads(text)
         if isinstance(content.pop("system", None), dict):
             content.setdefault("fmu", path.name)  # the scene of the system that it describes
         return dict(flattened(content, name))
     except SceneError:
         raise
+    except ParameterError as error:
+        raise SceneError(one_line(f"{name}: {error}")) from None
     except OSError as error:
         raise SceneError(one_line(f"cannot read {name}: {error.strerror or error}")) from None
     except UnicodeDecodeError as error:

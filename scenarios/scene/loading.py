@@ -120,6 +120,7 @@ def _told(refused: RefusedError, layers: Layers, reference: str) -> str:
     where = layers.origin(refused.key, reference)
     briefly = where.startswith("--") and where != SET  # whose user need not know the key
     said = f"{where}{refused.briefly}" if briefly else f"{where}: {refused}"
+    said = said.removeprefix(f"{where}: ") if said.startswith(f"{where}: {where}: ") else said
     return one_line(f"{said}{_unexpected(refused.key, where, layers)}")
 
 

@@ -10,6 +10,8 @@ from phaseplane.suspension.variables import MODELS
 
 CASES = Path(__file__).parents[1] / "cases"
 SWEEPS = CASES / "sweeps"
+SCENE_FILES = (".toml", ".py")
+"""The ends of the names of files that are scenes; a Python module is the scene of its model."""
 
 Kind = Literal["scene", "sweep", "model", "results"]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,13 +12,13 @@ from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variables import ParameterError, Value, refuse_unknown
 
 from .. import results
-from ..errors import InputError, shown
+from ..errors import InputError, SystemFileError, shown
 from ..measures import catalogue
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..results.tables import read_table as read_columns
 from .controller import read_controller
-from .equation import EQUATION, check_equation
+from .equation import EQUATION, check_equation, outputs_of_starts
 from .expectations import Bounds, During, Reference, bounds_from
 from .fields import SECONDS, TEXT, Kind, RefusedError, read_table
 from .fmus import Fmu, find_fmu
@@ -57,6 +58,9 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     fmu = _required("fmu", content, Kind(fmu_of, {}))
     duration = _required("duration", content, SECONDS)
     expect = _table("expect", content)
+    construction = read_table(Construction, content.get("construction", {}), "construction")
+    if construction.starts:
+        fmu = _with_starts(fmu, construction.starts)
     scene = Scene(
         name=name,
         fmu=fmu,
@@ -66,7 +70,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
         parameters=_parameters(fmu, duration, _table("parameters", content), folders),
         controller=read_controller(_table("controller", content), fmu),
         show=read_table(Show, content.get("show", {}), "show"),
-        construction=read_table(Construction, content.get("construction", {}), "construction"),
+        construction=construction,
         expect=_bounds(fmu, expect),
         during=_during(fmu, expect.get("during", ())),
         **_reference(fmu, expect, folders),
@@ -81,6 +85,17 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
     return scene
 
 
+def _with_starts(fmu: Fmu, starts: Collection[object]) -> Fmu:
+    """Return an equation with the motions from further starts among its outputs."""
+    if fmu.model != EQUATION:
+        raise RefusedError(
+            "construction.starts",
+            f"construction.starts: {fmu.model} has one start, by its parameters initial.…; only an "
+            "equation has several",
+        )
+    return replace(fmu, variables=(*fmu.variables, *outputs_of_starts(fmu.variables, len(starts))))
+
+
 def _required(key: str, content: Mapping[str, Any], kind: Kind) -> Any:
     if key not in content:
         raise RefusedError(key, f"{shown(key)} is missing; a scene needs fmu and duration")
@@ -92,6 +107,8 @@ def _value(key: str, content: Mapping[str, Any], kind: Kind, default: Any = None
         return default
     try:
         return kind.read(content[key])
+    except SystemFileError as error:  # tells the file itself
+        raise RefusedError(key, str(error)) from None
     except ValueError as error:
         raise RefusedError.value(key, content[key], str(error)) from None
 

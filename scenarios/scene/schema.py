@@ -130,7 +130,7 @@ class Scene:
         """A hash of everything that decides the motion and the columns; equal for equal runs."""
         said = (
             self.fmu.model, self.fmu.path and self.fmu.content, self.duration, self.show.output_interval,
-            sorted(self.all_parameters.items()), self.columns, self.controller,
+            sorted(self.all_parameters.items()), self.columns, self.controller, self.construction.starts,
         )  # fmt: skip
         return sha256(repr(said).encode()).hexdigest()[:16]
 

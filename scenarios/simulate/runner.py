@@ -151,10 +151,10 @@ def _solved(scene: Scene, progress: Progress | None = None) -> Results:
     time = instants(scene.duration, interval, parts)
     with deferred_interrupt() as interrupted:
         columns, seconds, complaint = simulate.solving.solve(
-            scene.all_parameters, time, progress=progress, interrupted=interrupted
+            scene, time, progress=progress, interrupted=interrupted
         )
     own = solved_by(
-        lambda places: simulate.solving.solve(scene.all_parameters, places)[0],
+        lambda places: simulate.solving.solve(scene, places)[0],
         columns, measures, {one.output for one in scene.during},
     )  # fmt: skip
     at = own.rows(parts)

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from functools import partial
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-from phaseplane.suspension.variables import Value
 
 from phaseplane.equations import motion
 
 from ..scene.equation import formula_of
 from .drive import INTERRUPTED, Progress
 
+if TYPE_CHECKING:
+    from ..scene.schema import Scene
+
 
 def solve(
-    parameters: Mapping[str, Value],
+    scene: Scene,
     times: npt.NDArray[np.float64],
     *,
     progress: Progress | None = None,
@@ -26,32 +30,43 @@ def solve(
 
     Parameters
     ----------
-    parameters : of the equation
+    scene : a scene of an equation; motions from further starts follow in columns of their own
     times : s, ascending
     progress : called after every step with the fraction done, 0 to 1
     interrupted : asked after every step whether to stop there
 
     Returns
     -------
-    The columns up to where the solution ends, the run time in s, and why it ended early ("" if not).
+    The columns up to where the first of the motions ends, the run time in s, and why it ended early (""
+    if not).
     """
-    start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    started = perf_counter()
+    parameters, started = scene.all_parameters, perf_counter()
+    switching = formula_of(parameters).switching
+    first = float(parameters["displacement_start"]), float(parameters["velocity_start"])
+    starts = (first, *scene.construction.starts)
 
-    def going_on(time: float) -> bool:
+    def going_on(number: int, time: float) -> bool:
         if progress is not None:
-            progress((time - times[0]) / (times[-1] - times[0]))
-        return not interrupted()
+            part = (time - times[0]) / (times[-1] - times[0])
+            progress((number + part) / len(starts))
+        return number > 0 or not interrupted()
 
-    found = motion(formula_of(parameters).switching, start, times.tolist(), going_on)
-    columns = {
-        "time": np.array(found.times),
-        "displacement": np.array(found.displacements),
-        "velocity": np.array(found.velocities),
-        "acceleration": np.array(found.accelerations),
-    }
+    columns: dict[str, npt.NDArray[np.float64]] = {}
+    rows, complaint = len(times), ""
+    for number, start in enumerate(starts):
+        # after an interrupt, the others still follow up to where the first has come
+        found = motion(switching, start, times[:rows].tolist(), partial(going_on, number))
+        if len(found.times) < rows:
+            rows, complaint = len(found.times), found.complaint
+        prefix = f"start{number + 1}_" if number else ""
+        columns |= {
+            f"{prefix}displacement": np.array(found.displacements),
+            f"{prefix}velocity": np.array(found.velocities),
+            f"{prefix}acceleration": np.array(found.accelerations),
+        }
+    made = {"time": times, **columns}
     return (
-        columns,
+        {name: column[:rows] for name, column in made.items()},
         perf_counter() - started,
-        found.complaint or (INTERRUPTED if interrupted() else ""),
+        complaint or (INTERRUPTED if interrupted() else ""),
     )

@@ -18,7 +18,7 @@ from phaseplane.suspension.variables import Value
 
 from ..errors import InputError, one_line, shown
 from ..scene.loading import load_scene
-from ..scene.names import case_names
+from ..scene.names import SCENE_FILES, case_names
 
 if TYPE_CHECKING:
     import numpy as np
@@ -305,7 +305,7 @@ def find_problem(name: str) -> Problem:
     """
     if name in PROBLEMS:
         return PROBLEMS[name]()
-    if not name.endswith(".toml") and "/" not in name and name not in case_names():
+    if not name.endswith(SCENE_FILES) and "/" not in name and name not in case_names():
         raise InputError(
             one_line(
                 f"no problem or scene {shown(name)}; problems are {', '.join(PROBLEMS)}; 'phaseplane "

@@ -34,7 +34,7 @@ from ..scene.fields import (
 )
 from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
-from ..scene.names import SWEEPS, meant
+from ..scene.names import SCENE_FILES, SWEEPS, meant
 from ..scene.schema import Scene
 from .shipped import sweep_titles
 
@@ -381,7 +381,7 @@ def _flattened(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def _base(path: Path, reference: str) -> str | Path:
     """Return the scene that the sweep file names: a case, or a path relative to the file."""
     beside = path.parent / reference
-    return beside if reference.endswith(".toml") and beside.is_file() else reference
+    return beside if reference.endswith(SCENE_FILES) and beside.is_file() else reference
 
 
 def _scene(path: Path, reference: str) -> Scene:

@@ -19,6 +19,10 @@ from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
 
+from phaseplane import figures
+from phaseplane.constructions.sheet import state_point
+from phaseplane.picture.words import MINUS
+
 PENDULUM = """
 fmu = "Equation"
 duration = "3 s"
@@ -94,11 +98,56 @@ def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -
         assert plane.displacement.read(curve.vertices[0]) == pytest.approx(start[0])
 
 
-def test_starts_are_refused_where_there_is_no_equation(tmp_path: Path) -> None:
-    summary, _ = run_scene(
-        "ap57", ["construction.starts=[[0, 1]]", "duration=10 ms"], tmp_path / "out", expect=False
+def test_motions_from_several_starts_are_columns_of_one_table(
+    pendulum: str, tmp_path: Path
+) -> None:
+    run_scene(pendulum, [], tmp_path / "all")
+    together = read_results(tmp_path / "all")
+    for number, (x, v) in enumerate(load_scene(pendulum).construction.starts, start=2):
+        states = [f"displacement_start={x}", f"velocity_start={v}", "construction.starts=[]"]
+        run_scene(pendulum, states, tmp_path / f"start{number}")
+        alone = read_results(tmp_path / f"start{number}").columns
+        for name in ("displacement", "velocity", "acceleration"):
+            assert together.columns[f"start{number}_{name}"].tolist() == alone[name].tolist()
+    assert together.summary["units"]["start3_velocity"] == "rad/s"
+    peaks = together.summary["measures"]
+    assert peaks["peak.start2_displacement"]["value"] != peaks["peak.displacement"]["value"]
+    assert load_scene(pendulum).hash != load_scene(pendulum, ["construction.starts=[]"]).hash
+
+
+def test_a_motion_that_ends_early_ends_the_rows_of_all(tmp_path: Path) -> None:
+    path = tmp_path / "blown_up.toml"
+    path.write_text(
+        'fmu = "Equation"\nduration = "3 s"\n[parameters]\nequation = "-v^2"\n'
+        "velocity_start = -1.0\n[construction]\nstarts = [[0.0, 0.5]]\n"
     )
-    assert any("starts are for equations only" in problem for problem in summary["problems"])
+    summary, _ = run_scene(str(path), [], tmp_path / "out", expect=False)
+    # x'' = x'^2 from x' = 1/2 is infinite at t = 2
+    assert summary["stopped"]["time"] == pytest.approx(2.0, abs=2e-3)
+    lengths = {len(column) for column in read_results(tmp_path / "out").columns.values()}
+    assert lengths == {summary["rows"]}
+
+
+def test_starts_are_refused_where_there_is_no_equation() -> None:
+    with pytest.raises(SceneError, match=r"construction\.starts: QuarterCar has one start"):
+        load_scene("ap57", ["construction.starts=[[0, 1]]"])
+
+
+def test_curves_are_lettered_at_their_starts_and_named_after_their_coordinate(
+    pendulum: str,
+) -> None:
+    scene = load_scene(pendulum)
+    drawing = constructed(
+        "Equation", scene.all_parameters, asdict(scene.construction), scene.duration
+    )
+    figure = figures.phase_planes(drawing)
+    (axes,) = figure.axes[:1]
+    letters = {text.get_text(): text for text in axes.texts}
+    for (x, v), name in zip(scene.construction.starts, ("(1, 6)", f"({MINUS}2, 0)"), strict=True):
+        beside = complex(*letters[name].get_position()) - state_point(drawing.planes[0], x, v)
+        assert abs(beside) < 5e-3  # m of paper
+    legend = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "auxiliary curve (of x)" in legend
 
 
 def test_a_sweep_varies_a_named_parameter(pendulum: str, tmp_path: Path) -> None:

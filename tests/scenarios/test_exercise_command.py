@@ -5,11 +5,14 @@ from __future__ import annotations
 import csv
 import json
 import re
+from itertools import combinations
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.draw import exercises
+from phaseplane.scenarios.scene.loading import load_scene
 
 SETTINGS = ["--steps", "8", "--set", "construction.step=0.3 s"]
 FILES = {
@@ -49,6 +52,23 @@ def answers(folder: Path, change: int | None = None) -> Path:
     path = folder.parent / "answers.csv"
     path.write_text("\n".join(found) + "\n")
     return path
+
+
+@pytest.mark.parametrize("scene", ["van_der_pol", "h83_example23", "ap57"])
+def test_no_text_of_a_sheet_covers_another(scene: str) -> None:
+    loaded = load_scene(scene, ["construction.step=0.1 s"] if scene != "ap57" else [])
+    made = exercises.exercise(loaded, 8, "A4")
+    for solved in (False, True):
+        figure = exercises._sheet(made, solved=solved)
+        figure.canvas.draw()
+        boxes = [
+            text.get_window_extent() for text in figure.axes[0].texts if text.get_text().strip()
+        ]
+        assert len(boxes) > 20
+        for one, other in combinations(boxes, 2):
+            across = min(one.x1, other.x1) - max(one.x0, other.x0)
+            up = min(one.y1, other.y1) - max(one.y0, other.y0)
+            assert min(across, up) < 2.0, (one, other)  # pixels
 
 
 def test_an_exercise_is_a_folder_of_sheets_in_true_scale(folder: Path) -> None:

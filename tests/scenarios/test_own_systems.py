@@ -129,3 +129,44 @@ def test_an_fmu_of_others_is_not_packed_again(folder):
     )
     with pytest.raises(InputError, match="models of this package"):
         build_models(["pendulum.toml"], folder / "fmus")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("x = 2", 'x = "stiffness"', r"coordinates.x = 'stiffness': is in N/m; it must be in kg"),
+        ("x = 2", 'x = "stiffness * wide^2"', "is in J; it must be in kg"),
+        ("x = 2", 'x = "heavy + wide"', "kg and m cannot be added"),
+        (
+            'rate = "stiffness"',
+            'rate = "heavy"',
+            "rate = 'heavy': is in kg; it must be in N/m or J",
+        ),
+    ],
+)
+def test_a_unit_that_cannot_be_right_is_refused(folder, before, after, words):
+    more = 'stiffness = "800 N/m"\nheavy = "2 kg"\nwide = "1 m"'
+    text = SYSTEM.replace('stiffness = "800 N/m"', more).replace(before, after)
+    Path("mass.toml").write_text(text)
+    with pytest.raises(InputError, match=words):
+        find_fmu("mass.toml")
+
+
+@pytest.mark.parametrize("mass", ["heavy", "2 * heavy", "rate * late^2", "number", "4 + wide"])
+def test_a_unit_that_may_be_right_is_not(folder, mass):
+    more = (
+        'stiffness = "800 N/m"\nheavy = "2 kg"\nlate = "0.1 s"\nnumber = 2\nwide = "1 m"\n'
+        'rate = "200 N/m"'
+    )
+    text = SYSTEM.replace('stiffness = "800 N/m"', more).replace("x = 2", f'x = "{mass}"')
+    Path("mass.toml").write_text(text)
+    assert find_fmu("mass.toml").model == "OneMass"
+
+
+def test_changed_parameters_are_checked_too(folder):
+    with pytest.raises(InputError, match="rest is unstable"):
+        phaseplane.run("mass.toml", stiffness=-3)
+    Path("mass.toml").write_text(SYSTEM.replace("x = 2", "x = -2"))
+    with pytest.raises(InputError) as refused:
+        phaseplane.run("mass.toml")
+    assert str(refused.value).count("mass.toml") == 1

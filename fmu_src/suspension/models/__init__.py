@@ -7,7 +7,7 @@ are defined in `systems`, can be imported from here too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache, lru_cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -110,23 +110,16 @@ def _defaults(model: str) -> dict[str, Value]:
     return {name: variable.start for name, variable in _parameters(model).items()}
 
 
-def register(
-    name: str,
-    declared: tuple[Variable, ...],
-    make: Callable[[Mapping[str, Value]], System],
-    summary: str = "",
-) -> None:
+def register(name: str, model: Model) -> None:
     """Add a model that is in no file of this folder, or replace one that was added before.
 
-    Parameters
-    ----------
-    name : of the model
-    declared : its public variables
-    make : returns its system, given all of its parameters
-    summary : what it is, in one line
+    Raises
+    ------
+    ParameterError : if a model of this package has the name.
     """
-    ALL[name] = Model(summary, declared, make, rank=len(ALL), page="", picture="")
-    MODELS[name] = declared
+    if name in FILES:
+        raise ParameterError(f"{name} is a model of this package")
+    ALL[name], MODELS[name] = model, model.variables
     for known in (outputs, _parameters, _defaults, _built):
         known.cache_clear()
 
@@ -145,10 +138,13 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 @lru_cache(maxsize=16)
 def _built(model: str, parameters: tuple[tuple[str, Value], ...]) -> System:
     """Return a system, made once for all that a run wants of it: checks, steps, drawings, measures."""
-    made = ALL[model].system if model in ALL else None
-    if made is None:
+    make = ALL[model].system if model in ALL else None
+    if make is None:
         raise ParameterError(
             f"{model} is not a system that can be run; systems are {', '.join(SYSTEMS)}"
             + nearest(model, SYSTEMS)
         )
-    return made(dict(parameters))
+    made, check = make(dict(parameters)), ALL[model].check
+    if check is not None:
+        check(made)
+    return made

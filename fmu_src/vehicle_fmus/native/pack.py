@@ -44,7 +44,7 @@ def build(
     fmi: int = 2,
     platforms: Sequence[str] = (),
     parameters: Mapping[str, Mapping[str, object]] | None = None,
-    own: Mapping[str, str] | None = None,
+    own: Mapping[str, Path] | None = None,
     references: bool = False,
 ) -> list[Path]:
     """Pack models as native co-simulation FMUs, `<model>.fmu` each.
@@ -59,7 +59,7 @@ def build(
     platforms : names in `compilers.PLATFORMS`; by default the one at hand, or all if zig is installed
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
-    own : for each system of one's own that has been loaded, the content of its file
+    own : for each system of one's own that has been loaded, its file
     references : whether to write a reference result beside each FMU
 
     Returns
@@ -83,7 +83,7 @@ def build(
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start, fmi, targets, own.get(model, ""))
+        files[f"{model}.fmu"] = _packed(model, start, fmi, targets, own.get(model))
         if references:
             files |= reference_files(model, start)
     Path(folder).mkdir(parents=True, exist_ok=True)
@@ -93,7 +93,7 @@ def build(
 
 
 def _packed(
-    model: str, start: Mapping[str, Value], fmi: int, targets: Sequence[Platform], own: str
+    model: str, start: Mapping[str, Value], fmi: int, targets: Sequence[Platform], own: Path | None
 ) -> bytes:
     """Return the archive of one FMU."""
     in_c = model_in_c(model, start)

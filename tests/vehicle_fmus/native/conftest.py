@@ -57,10 +57,12 @@ def _packed(
     text: str,
     folder: Path,
 ) -> Path:
+    file = folder / "own.toml"
     if text:
+        file.write_text(text, encoding="utf-8")
         own.load(text, checked=False)
     (path,) = pack(
-        [model], folder, parameters={model: dict(settings)}, own={model: text} if text else {}
+        [model], folder, parameters={model: dict(settings)}, own={model: file} if text else {}
     )
     return path
 

@@ -1,0 +1,120 @@
+"""A system of one's own as a Python module, of the same form as the modules of `models`.
+
+from ..declared import SOLVER_PARAMETERS, initial
+from ..model import Model
+...
+
+MODEL = Model(summary="...", variables=(...), system=system)
+SCENE = {"duration": "2 s"}                # what the file is as a scene
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import lru_cache, partial
+from traceback import extract_tb
+from types import ModuleType
+from typing import Any
+
+from . import models
+from .declared import SOLVER_PARAMETERS
+from .model import Model
+from .outputs import SOLVER_OUTPUTS
+from .systems import System
+from .variable import ParameterError, Value
+
+_PACKAGE = __name__.rpartition(".")[0]
+# in an FMU the package has another name
+_IMPORTED = re.compile(r"^(\s*from\s+)phaseplane\.suspension\b", re.MULTILINE)
+_FILE = "<a module of one's own>"
+_STEM = re.compile(r"[a-z]\w*")
+
+
+def model_name(stem: str) -> str:
+    """Return the name of the model in a file: `my_car` is `MyCar`.
+
+    Raises
+    ------
+    ParameterError : if the file cannot be a module.
+    """
+    if not _STEM.fullmatch(stem):
+        raise ParameterError(f"{stem}.py: name the file in small letters, such as my_car.py")
+    return stem.title().replace("_", "")
+
+
+def model_in(source: str) -> Model:
+    """Return the model of a module.
+
+    Raises
+    ------
+    ParameterError : if the module cannot be executed, or has no `MODEL` of the right form.
+    """
+    model = _executed(source).get("MODEL")
+    if not isinstance(model, Model) or model.system is None:
+        raise ParameterError(
+            "there is no MODEL = Model(summary=..., variables=..., system=...), from "
+            "phaseplane.suspension.model"
+        )
+    names = [v.name for v in model.variables]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise ParameterError(f"MODEL.variables: {twice[0]} is there twice")
+    for words, needed in (
+        ("*SOLVER_PARAMETERS of phaseplane.suspension.declared", SOLVER_PARAMETERS),
+        ("*SOLVER_OUTPUTS of phaseplane.suspension.outputs", SOLVER_OUTPUTS),
+    ):
+        if not {v.name for v in needed} <= {*names}:
+            raise ParameterError(f"MODEL.variables: add {words}")
+    return replace(model, system=partial(_system, model.system))
+
+
+def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value]) -> System:
+    """Return the system that a module makes; what it raises becomes one line."""
+    try:
+        made = make(p)
+    except ParameterError:
+        raise
+    except Exception as error:
+        raise _told(error) from None
+    if not isinstance(made, System):
+        raise ParameterError(f"MODEL.system returned {made!r}: it must return a System")
+    return made
+
+
+def _told(error: Exception) -> ParameterError:
+    """Return an error of a module as one with the line where it happened."""
+    lines = [at.lineno for at in extract_tb(error.__traceback__) if at.filename == _FILE]
+    where = f"line {lines[-1]}: " if lines else ""
+    if isinstance(error, KeyError):
+        return ParameterError(f"{where}MODEL.variables has no {error}")
+    return ParameterError(f"{where}{type(error).__name__}: {error}")
+
+
+def scene_in(source: str) -> dict[str, Any]:
+    """Return what a module is as a scene, its `SCENE`; empty if it has none.
+
+    Raises
+    ------
+    ParameterError : if the module cannot be executed, or `SCENE` is no dict.
+    """
+    scene = _executed(source).get("SCENE", {})
+    if not isinstance(scene, dict):
+        raise ParameterError("SCENE: must be a dict, such as {'duration': '2 s'}")
+    return dict(scene)
+
+
+@lru_cache(maxsize=16)
+def _executed(source: str) -> Mapping[str, Any]:
+    """Return the names in a module; its relative imports are those of a module of `models`."""
+    module = ModuleType("own")
+    module.__package__ = models.__name__
+    try:
+        code = compile(_IMPORTED.sub(rf"\g<1>{_PACKAGE}", source), _FILE, "exec")
+        exec(code, module.__dict__)
+    except SyntaxError as error:
+        raise ParameterError(f"line {error.lineno}: {error.msg}") from None
+    except Exception as error:
+        raise _told(error) from None
+    return module.__dict__

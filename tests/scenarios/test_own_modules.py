@@ -1,0 +1,151 @@
+"""Systems of one's own as Python modules, of the same form as the models of the package."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands.build import build_models
+from phaseplane.scenarios.errors import InputError, SceneError
+from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.suspension import models
+
+import phaseplane
+
+MODULE = '''"""Two masses on springs, one above the other."""
+
+from phaseplane.suspension.characteristics import linear
+from phaseplane.suspension.declared import SOLVER_PARAMETERS, initial
+from phaseplane.suspension.model import Model
+from phaseplane.suspension.outputs import SOLVER_OUTPUTS, motion
+from phaseplane.suspension.systems import Element, System
+from phaseplane.suspension.variable import parameter
+
+VARIABLES = (
+    parameter("rate", 800.0, "rate of both springs", "N/m"),
+    *initial({"lower": "the lower mass", "upper": "the upper mass"}),
+    *SOLVER_PARAMETERS,
+    *motion("lower", "the lower mass"),
+    *motion("upper", "the upper mass"),
+    *SOLVER_OUTPUTS,
+)
+
+
+def system(p):
+    spring, none = linear(p["rate"]), linear(0.0)
+    return System(
+        coordinates=("lower", "upper"),
+        mass=((2.0, 0.0), (0.0, 2.0)),
+        elements=(
+            Element("first", (1.0, 0.0), spring, none),
+            Element("second", (-1.0, 1.0), spring, none),
+        ),
+        signals={},
+        scales=(1e-2, 1e-2),
+    )
+
+
+MODEL = Model(summary="Two masses on springs", variables=VARIABLES, system=system)
+SCENE = {"duration": "0.5 s", "parameters": {"initial.upper_displacement": "1 cm"}}
+'''
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("two_masses.py").write_text(MODULE)
+    return tmp_path
+
+
+def test_a_module_is_a_scene_and_a_base_of_scenes(folder):
+    run = phaseplane.run("two_masses.py", solver={"tolerance": 1e-10})
+    golden = np.sqrt(5.0)
+    fast, slow = 20.0 * (golden + 1.0) / 2.0, 20.0 * (golden - 1.0) / 2.0
+    # the upper mass moves in both modes, whose shapes are (1, +-golden) ratios
+    share = 0.5 * (1.0 + 1.0 / golden)
+    exact = 0.01 * (share * np.cos(slow * run.time) + (1.0 - share) * np.cos(fast * run.time))
+    np.testing.assert_allclose(run["upper_displacement"], exact, atol=1e-9)
+    Path("half.toml").write_text('extends = "two_masses.py"\n[parameters]\nrate = "200 N/m"\n')
+    Path("named.toml").write_text(
+        'fmu = "two_masses.py"\nduration = 0.5\n[parameters]\nrate = 200\n'
+        "initial.upper_displacement = 0.01\n"
+    )
+    runs = [phaseplane.run(name)["upper_displacement"] for name in ("half.toml", "named.toml")]
+    np.testing.assert_array_equal(*runs)
+
+
+def test_a_model_of_the_package_is_a_module_as_it_stands(folder):
+    source = Path(models.__file__).with_name("quarter_car.py").read_text(encoding="utf-8")
+    Path("my_car.py").write_text(source)
+    given = {"duration": 0.2, "road": {"shape": "bump"}}
+    own, theirs = phaseplane.run("my_car.py", **given), phaseplane.run("QuarterCar", **given)
+    for name, column in theirs.items():
+        np.testing.assert_array_equal(column, own[name])
+
+
+def test_its_fmu_gives_the_same_bits(folder):
+    (path, *_) = build_models(["two_masses.py"], folder / "fmus")
+    ours, theirs = phaseplane.run("two_masses.py"), phaseplane.run(path, duration=0.5)
+    for name, column in ours.items():
+        np.testing.assert_array_equal(column, theirs[name])
+
+
+def test_commands_take_it(folder):
+    fmu = find_fmu("two_masses.py")
+    assert pickle.loads(pickle.dumps(fmu)) == fmu
+    Path("sweep.toml").write_text(
+        'scene = "two_masses.py"\nmeasures = ["natural_frequencies"]\n[vary]\nrate = [200, 800]\n'
+    )
+    for words in (
+        ["sweep", "sweep.toml", "--workers", "2"],
+        ["portrait", "two_masses.py"],
+        ["modes", "two_masses.py"],
+        ["schema", "two_masses.py"],
+    ):
+        told = CliRunner().invoke(main, words)
+        assert told.exit_code == 0, told.output
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "words"),
+    [
+        ("MODEL =", "OTHER =", "there is no MODEL"),
+        ("def system(p):", "def system(p:", r"line 20: '\(' was never closed"),
+        ("import linear", "import linaer", "line 3: ImportError"),
+        ('p["rate"]', 'p["raet"]', "line 21: MODEL.variables has no 'raet'"),
+        ("return System(", "return dict(", "MODEL.system returned"),
+        ("    *SOLVER_OUTPUTS,\n", "", r"add \*SOLVER_OUTPUTS of phaseplane"),
+        ('*motion("upper"', '*motion("middle"', "nothing for the output middle_displacement"),
+        ('*motion("upper"', '*motion("lower"', "lower_displacement is there twice"),
+        ("((2.0, 0.0)", "((2.0, 3.0)", "mass: not symmetric"),
+        ('SCENE = {"duration": "0.5 s"', 'SCENE = {"duraton": "0.5 s"', "unknown key 'duraton'"),
+    ],
+)
+def test_what_is_wrong_is_said_once_with_the_file_and_the_line(folder, before, after, words):
+    Path("two_masses.py").write_text(MODULE.replace(before, after))
+    with pytest.raises(SceneError, match=words) as refused:
+        load_scene("two_masses.py")
+    assert str(refused.value).count("two_masses.py") == 1
+
+
+def test_a_module_needs_the_name_of_a_model(folder):
+    Path("My-Masses.py").write_text(MODULE)
+    with pytest.raises(InputError, match=r"in small letters, such as my_car\.py"):
+        load_scene("My-Masses.py")
+    Path("half_car.py").write_text(MODULE)
+    with pytest.raises(InputError, match="HalfCar is a model of this package"):
+        load_scene("half_car.py")
+
+
+def test_parameters_that_make_rest_unstable_are_refused_wherever_they_come_from(folder):
+    with pytest.raises(SceneError, match="rest is unstable"):
+        load_scene("two_masses.py", ["rate=-3"])
+    Path("sweep.toml").write_text(
+        'scene = "two_masses.py"\nmeasures = ["peak.upper_displacement"]\n[vary]\nrate = [-3, 800]\n'
+    )
+    told = CliRunner().invoke(main, ["sweep", "sweep.toml"])
+    assert told.exit_code
+    assert "rest is unstable" in told.output
