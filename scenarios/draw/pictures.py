@@ -17,7 +17,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures, recording
 
 from ..errors import MOVING, PICTURES, InputError, shown
-from ..scene.equation import start_of
+from ..measures.motion import start_of
 from ..scene.sections import FIGURES
 from .recording_content import of_results
 

@@ -8,10 +8,9 @@ from types import MappingProxyType
 
 from phaseplane.suspension.variables import Variable
 
-from ..scene.equation import start_of
 from .axle import of_axles
 from .modal import of_modes
-from .motion import last, of_motion
+from .motion import last, of_motion, start_of
 from .motion import peak as largest
 from .reading import COUNT, Measure, Reading, Run
 from .ride import of_ride

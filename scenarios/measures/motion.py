@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from math import sqrt
@@ -15,9 +16,16 @@ from .reading import Measure, Reading, Run, late
 if TYPE_CHECKING:
     from .reading import Column
 
+_STARTED = re.compile(r"start(\d+)_(\w+)")  # of an equation with several starts
 _NOT_MOTION = (
     "airborne_time", "last_lift_off", "last_touchdown", "energy_residual", "stable_step",
 )  # fmt: skip
+
+
+def start_of(output: str) -> tuple[int, str]:
+    """Return the number of the start that an output belongs to, and its name for the first start."""
+    found = _STARTED.fullmatch(output)
+    return (int(found[1]), found[2]) if found else (1, output)
 
 
 def of_motion(outputs: Mapping[str, Variable]) -> Iterator[Measure]:

@@ -24,7 +24,6 @@ _UNITS = {  # of x, x' and x''
     "m": ("m", "m/s", "m/s2"),
     "rad": ("rad", "rad/s", "rad/s2"),
 }
-_STARTED = re.compile(r"start(\d+)_(\w+)")
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
@@ -84,12 +83,6 @@ def outputs_of_starts(variables: Iterable[Variable], count: int) -> tuple[Variab
         for number in range(2, count + 2)
         for v in outputs
     )
-
-
-def start_of(output: str) -> tuple[int, str]:
-    """Return the number of the start that an output belongs to, and its name for the first start."""
-    found = _STARTED.fullmatch(output)
-    return (int(found[1]), found[2]) if found else (1, output)
 
 
 def _may_name(name: str) -> bool:
