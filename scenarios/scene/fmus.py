@@ -24,8 +24,11 @@ if TYPE_CHECKING:
 _TYPES: dict[str, Callable[[str], Value]] = {
     "Real": float,
     "Integer": int,
-    "Boolean": lambda text: text == "true",
+    "Boolean": lambda text: text in ("true", "1"),
     "String": str,
+    "Float64": float,
+    "Float32": float,
+    **{f"{sign}Int{bits}": int for sign in ("", "U") for bits in (8, 16, 32, 64)},
 }
 _DESCRIPTION = "modelDescription.xml"
 _KINDS = {
@@ -131,7 +134,7 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
 
     Raises
     ------
-    InputError : if there is no such model or file, or the file is no FMI 2.0 co-simulation FMU.
+    InputError : if there is no such model or file, or the file is no FMU that can be run.
     """
     if reference in MODELS:
         return Fmu(reference, None, MODELS[reference])
@@ -196,13 +199,16 @@ def _described(path: Path) -> Fmu:
     try:
         description = read_model_description(str(path), validate=False)
     except Exception as error:  # any error that a damaged description causes
-        raise InputError(f"not an FMU of FMI 2.0: {one_line(error, 160)}") from None
+        raise InputError(f"not an FMU of FMI 2.0 or 3.0: {one_line(error, 160)}") from None
     variables = tuple(
         _variable(scalar)
         for scalar in description.modelVariables
-        if scalar.causality in ("parameter", "input", "output") and scalar.type in _TYPES
+        if scalar.causality in ("parameter", "input", "output")
+        and scalar.type in _TYPES
+        and not scalar.shape
     )
-    fmu = Fmu(description.coSimulation.modelIdentifier, path, variables)
+    kind = description.coSimulation or description.modelExchange
+    fmu = Fmu(kind.modelIdentifier, path, variables)
     if not fmu.is_ours:
         return fmu
     return Fmu(fmu.model, path, tuple(map(_started, MODELS[fmu.model], variables)))
@@ -223,7 +229,8 @@ def _refuse_other_kinds(path: Path) -> None:
 
     Raises
     ------
-    InputError : if it is not an FMI 2.0 co-simulation FMU; the message says what it is.
+    InputError : if it is not an FMU of FMI 2.0 or 3.0 for co-simulation or model exchange; the message
+        says what it is.
     """
     from xml.etree import ElementTree  # noqa: PLC0415  (rarely needed)
     from zipfile import BadZipFile, ZipFile  # noqa: PLC0415
@@ -245,10 +252,12 @@ def _refuse_other_kinds(path: Path) -> None:
             f"not an FMU: {_DESCRIPTION} is not a model description of any FMI version"
         )
     kinds = [words for tag, words in _KINDS.items() if root.find(tag) is not None]
-    if version != "2.0" or _KINDS["CoSimulation"] not in kinds:
+    runs = any(root.find(kind) is not None for kind in ("CoSimulation", "ModelExchange"))
+    if not (version == "2.0" or version.startswith("3.")) or not runs:
         purpose = f" for {' and '.join(kinds)}" if kinds else ""
         raise InputError(
-            f"an FMI {version} FMU{purpose}; only FMI 2.0 FMUs for co-simulation can be run"
+            f"an FMI {version} FMU{purpose}; only FMUs of FMI 2.0 and 3.0 for co-simulation or model "
+            "exchange can be run"
         )
 
 
@@ -257,7 +266,7 @@ def _variable(scalar: ScalarVariable) -> Variable:
     declared = scalar.unit or (scalar.declaredType.unit if scalar.declaredType else "")
     unit = declared if declared in UNITS else ""
     try:
-        start = read(scalar.start or {"Real": "0", "Integer": "0"}.get(scalar.type, ""))
+        start = read(scalar.start or ("" if scalar.type in ("Boolean", "String") else "0"))
     except ValueError:
         start_text = shown(scalar.start)
         raise InputError(

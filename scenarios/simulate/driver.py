@@ -24,7 +24,7 @@ from ..scene.fmus import Fmu
 from .drive import INTERRUPTED, Columns, Drive, Progress, Watch
 from .fmu_cache import is_plain, kept
 from .sharing import share_modules
-from .stepping import Rows, initialise, most_rows, step_through
+from .stepping import Rows, initialise, integrate, is_fmi3, most_rows, step_through
 
 if TYPE_CHECKING:
     from fmpy.model_description import ModelDescription
@@ -56,6 +56,10 @@ class _Log:
             return
         texts = (str(part or b"", "utf-8", "replace") for part in (category, message))
         self.lines.append((status, *texts))  # type: ignore[arg-type]
+
+    def take_newer(self, environment: object, status: int, category: bytes, message: bytes) -> None:
+        """Store a message of FMI 3.0."""
+        self.take(environment, b"", status, category, message)
 
     def complaint(self) -> str:
         """Return the FMU's last error message, or "".
@@ -100,16 +104,22 @@ class OpenFmu:
                 self.close()
             else:
                 return self._instance
+        newer, slave = is_fmi3(self._description), self._description.coSimulation
         try:
             self._instance = instantiate_fmu(
-                self._unpacked, self._description, "CoSimulation",
-                debug_logging=True, logger=self._log.take,
+                self._unpacked, self._description,
+                "ModelExchange" if slave is None else "CoSimulation",
+                debug_logging=True, logger=self._log.take_newer if newer else self._log.take,
+                event_mode_used=newer and slave is not None and slave.hasEventMode,
+                early_return_allowed=newer and slave is not None
+                and slave.mightReturnEarlyFromDoStep,
             )  # fmt: skip
         except Exception as error:
             reason = self._log.complaint() or one_line(error)
             raise RunError(f"cannot load {self.fmu.model}: {reason}") from error
         self._log.open = True
-        _given[:] = [self._instance.callbacks]  # may not be freed before there are others
+        if not newer:
+            _given[:] = [self._instance.callbacks]  # may not be freed before there are others
         return self._instance
 
     def close(self, usable: bool = True) -> None:
@@ -152,14 +162,17 @@ class OpenFmu:
             return not interrupted()
 
         try:
-            initialise(instance, self._description, scene.start_values, duration)
-            step_through(
-                instance, rows,
-                duration=duration,
-                interval=interval,
-                last_step_shorter=self._description.coSimulation.canHandleVariableCommunicationStepSize,
-                going_on=going_on,
-            )  # fmt: skip
+            of_run: dict[str, Any] = {
+                "duration": duration,
+                "interval": interval,
+                "going_on": going_on,
+            }
+            description, start = self._description, scene.start_values
+            if description.coSimulation is None:
+                integrate(instance, rows, description, self._unpacked, start, **of_run)
+            else:
+                initialise(instance, description, start, duration)
+                step_through(instance, rows, description, **of_run)
         except Exception as error:
             failure = self._log.complaint() or one_line(error)
             usable = getattr(error, "status", 0) != _FATAL

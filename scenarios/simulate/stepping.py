@@ -1,15 +1,32 @@
-"""An FMI 2.0 slave stepped from start to end, its outputs read into one table."""
+"""An FMU stepped from start to end, its outputs read into one table.
+
+Slaves of FMI 2.0 step from one communication point to the next. Slaves of FMI 3.0 may return early, at
+events, which are handled before they go on. Models for model exchange are integrated by FMPy.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
-from ctypes import Array
+from collections.abc import Callable, Collection, Iterator, Mapping
+from ctypes import (
+    c_bool,
+    c_double,
+    c_float,
+    c_int8,
+    c_int16,
+    c_int32,
+    c_int64,
+    c_uint8,
+    c_uint16,
+    c_uint32,
+    c_uint64,
+)
 from dataclasses import dataclass
 from math import ceil, isclose
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
+from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     fmi2Boolean,
@@ -18,7 +35,6 @@ from fmpy.fmi2 import (
     fmi2LastSuccessfulTime,
     fmi2Real,
     fmi2Terminated,
-    fmi2ValueReference,
 )
 from fmpy.simulation import (
     apply_start_values,
@@ -26,39 +42,54 @@ from fmpy.simulation import (
     settable_in_instantiated,
 )
 
+from ..errors import RunError
+
 if TYPE_CHECKING:
-    from fmpy.fmi2 import FMU2Slave
     from fmpy.model_description import ModelDescription
 
-# FMI's type -> the getter, the C type and the type of a column; an enumeration is read as an integer
-_TYPES: Mapping[str, tuple[str, Any, type]] = {
+Instance = Any  # of FMPy: FMU2Slave, FMU3Slave, FMU2Model or FMU3Model
+GoingOn = Callable[[float], bool]
+
+# FMI's type -> the getter, the C type and the type of a column
+_TYPES: Mapping[str, tuple[str, Any, Any]] = {
     "Real": ("fmi2GetReal", fmi2Real, np.float64),
     "Integer": ("fmi2GetInteger", fmi2Integer, np.int32),
     "Boolean": ("fmi2GetBoolean", fmi2Boolean, np.bool_),
 }
+_TYPES_3: Mapping[str, tuple[str, Any, Any]] = {
+    name: (f"fmi3Get{name}", c_type, column)
+    for name, c_type, column in (
+        ("Float64", c_double, np.float64), ("Float32", c_float, np.float32),
+        ("Int64", c_int64, np.int64), ("UInt64", c_uint64, np.uint64),
+        ("Int32", c_int32, np.int32), ("UInt32", c_uint32, np.uint32),
+        ("Int16", c_int16, np.int16), ("UInt16", c_uint16, np.uint16),
+        ("Int8", c_int8, np.int8), ("UInt8", c_uint8, np.uint8), ("Boolean", c_bool, np.bool_),
+    )
+}  # fmt: skip
+_MOST_RETURNS = 1000  # early returns at one instant
+_TOLERANCE = 1e-6  # of the solver for model exchange, if the FMU names none
 
 
 @dataclass(frozen=True, slots=True)
 class _Outputs:
-    """The outputs of one type, read together: FMI's function, value references, and values as read.
+    """The outputs of one type, read together: FMI's function, its arguments, and values as read.
 
-    `row` is the memory of `values` as numpy sees it, which copies it in a fraction of the time.
+    `row` is the memory of the values as numpy sees it, which copies it in a fraction of the time.
     """
 
     names: list[str]
     get: Callable[..., int]
-    references: Array[Any]
-    values: Array[Any]
+    arguments: tuple[Any, ...]
     row: npt.NDArray[Any]
     column_type: type
 
 
 class Rows:
-    """The rows read from a slave so far: `time` and outputs. Another thread may read them.
+    """The rows read from an instance so far: `time` and outputs. Another thread may read them.
 
     Parameters
     ----------
-    slave : the slave
+    instance : the slave or model
     description : its model description
     outputs : names of the outputs to read
     most : most rows that there can be
@@ -66,17 +97,13 @@ class Rows:
 
     def __init__(
         self,
-        slave: FMU2Slave,
+        instance: Instance,
         description: ModelDescription,
         outputs: Collection[str],
         most: int,
     ) -> None:
-        self._slave = slave
-        self._outputs = [
-            _outputs(slave, description, outputs, kind)
-            for kind in _TYPES
-            if any(v.name in outputs and _type_of(v) == kind for v in description.modelVariables)
-        ]
+        self._instance = instance
+        self._outputs = list(_outputs(instance, description, outputs))
         self.names = ["time", *(name for one in self._outputs for name in one.names)]
         self._table = np.empty((most, len(self.names)))
         self._count = 0
@@ -93,9 +120,14 @@ class Rows:
         row = self._table[self._count]
         row[0], at = time, 1
         for one in self._outputs:
-            one.get(self._slave.component, one.references, len(one.values), one.values)
+            one.get(self._instance.component, *one.arguments)
             row[at : at + len(one.row)] = one.row
             at += len(one.row)
+        self._count += 1
+
+    def take(self, row: Mapping[str, Any]) -> None:
+        """Let values by name be the next row."""
+        self._table[self._count] = [row[name] for name in self.names]
         self._count += 1
 
     def columns(self) -> dict[str, npt.NDArray[Any]]:
@@ -107,28 +139,34 @@ class Rows:
         }
 
 
-def _type_of(variable: Any) -> str:
-    return "Integer" if variable.type == "Enumeration" else str(variable.type)
+def is_fmi3(description: ModelDescription) -> bool:
+    """Return whether an FMU is one of FMI 3.0."""
+    return str(description.fmiVersion).startswith("3.")
 
 
 def _outputs(
-    slave: FMU2Slave, description: ModelDescription, outputs: Collection[str], kind: str
-) -> _Outputs:
-    read = [v for v in description.modelVariables if v.name in outputs and _type_of(v) == kind]
-    getter, c_type, column_type = _TYPES[kind]
-    values = (c_type * len(read))()
-    return _Outputs(
-        [v.name for v in read],
-        getattr(slave, getter),
-        (fmi2ValueReference * len(read))(*(v.valueReference for v in read)),
-        values,
-        np.frombuffer(values, c_type),
-        column_type,
-    )
+    instance: Instance, description: ModelDescription, outputs: Collection[str]
+) -> Iterator[_Outputs]:
+    """Yield the outputs of each type."""
+    newer = is_fmi3(description)
+    types, enumeration = (_TYPES_3, "Int64") if newer else (_TYPES, "Integer")
+    for kind, (getter, c_type, column_type) in types.items():
+        read = [
+            v
+            for v in description.modelVariables
+            if v.name in outputs and kind == (enumeration if v.type == "Enumeration" else v.type)
+        ]
+        if read:
+            count, values = len(read), (c_type * len(read))()
+            references = (c_uint32 * count)(*(v.valueReference for v in read))
+            arguments = (references, count, values, *((count,) if newer else ()))
+            names = [v.name for v in read]
+            row = np.frombuffer(values, c_type)
+            yield _Outputs(names, getattr(instance, getter), arguments, row, column_type)
 
 
 def initialise(
-    slave: FMU2Slave,
+    slave: Instance,
     description: ModelDescription,
     start_values: Mapping[str, Any],
     stop_time: float,
@@ -139,49 +177,53 @@ def initialise(
     ------
     Exception : if the slave refuses a call.
     """
-    slave.setupExperiment(startTime=0.0, stopTime=stop_time)
+    newer = is_fmi3(description)
+    if not newer:
+        slave.setupExperiment(startTime=0.0, stopTime=stop_time)
     left = apply_start_values(slave, description, dict(start_values), settable_in_instantiated)
-    slave.enterInitializationMode()
+    if newer:
+        slave.enterInitializationMode(startTime=0.0, stopTime=stop_time)
+    else:
+        slave.enterInitializationMode()
     apply_start_values(slave, description, left, settable_in_initialization_mode)
     slave.exitInitializationMode()
+    if newer and description.coSimulation.hasEventMode:
+        _handle_events(slave)
 
 
 def step_through(
-    slave: FMU2Slave,
+    slave: Instance,
     rows: Rows,
+    description: ModelDescription,
     *,
     duration: float,
     interval: float,
-    last_step_shorter: bool,
-    going_on: Callable[[float], bool],
+    going_on: GoingOn,
 ) -> None:
     """Step an initialised slave from 0 to the end, and read a row at the start and after each step.
 
     Parameters
     ----------
     rows : where the outputs go
+    description : of the slave
     duration, interval : of the run, and of a step, s
-    last_step_shorter : whether the last step may be shorter than the others, to end with the run
     going_on : called after each step with the time reached; whether to go on
 
     Raises
     ------
-    FMICallException : if a call fails with a status other than fmi2Discard.
+    FMICallException : if a call fails, in FMI 2.0 with a status other than fmi2Discard.
+    RunError : a slave that returns early for ever.
     """
+    step = _step_with_events if is_fmi3(description) else _step
     time, count = 0.0, 0
     rows.read(time)
     while not (time > duration or isclose(time, duration)):
         end = (count + 1) * interval
         if end > duration and not isclose(end, duration):
-            if not last_step_shorter:
+            if not description.coSimulation.canHandleVariableCommunicationStepSize:
                 return
             end = duration
-        try:
-            slave.doStep(currentCommunicationPoint=time, communicationStepSize=end - time)
-        except FMICallException as refusal:
-            if refusal.status != fmi2Discard:
-                raise
-            _read_last(slave, rows, time)
+        if not step(slave, rows, time, end):
             return
         time, count = end, count + 1
         rows.read(time)
@@ -189,12 +231,98 @@ def step_through(
             return
 
 
-def _read_last(slave: FMU2Slave, rows: Rows, time: float) -> None:
-    """Read the row of the time up to which a slave that ended the run within a step has got."""
-    if slave.getBooleanStatus(fmi2Terminated):
-        reached = slave.getRealStatus(fmi2LastSuccessfulTime)
-        if reached > time:
-            rows.read(reached)
+def _step(slave: Instance, rows: Rows, time: float, end: float) -> bool:
+    """Make one step in FMI 2.0; return whether the run goes on.
+
+    A slave that ends the run within a step has its last row read.
+    """
+    try:
+        slave.doStep(currentCommunicationPoint=time, communicationStepSize=end - time)
+    except FMICallException as refusal:
+        if refusal.status != fmi2Discard:
+            raise
+        if slave.getBooleanStatus(fmi2Terminated):
+            reached = slave.getRealStatus(fmi2LastSuccessfulTime)
+            if reached > time:
+                rows.read(reached)
+        return False
+    return True
+
+
+def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> bool:
+    """Make one step in FMI 3.0, from event to event; return whether the run goes on."""
+    before, returns = time, 0
+    while True:
+        event, over, early, reached = slave.doStep(time, end - time)
+        if event and not over:
+            slave.enterEventMode()
+            over = _handle_events(slave)
+        if over:
+            if reached > before:
+                rows.read(reached)
+            return False
+        if not early or reached >= end or isclose(reached, end, rel_tol=1e-14):
+            return True
+        returns = 0 if reached > time else returns + 1
+        if returns > _MOST_RETURNS:
+            raise RunError(f"the FMU returns from its steps at {time:.9g} s and does not go on")
+        time = reached
+
+
+def _handle_events(slave: Instance) -> bool:
+    """Bring event mode to its end; return whether the slave ends the run."""
+    again = True
+    while again:
+        again, over, *_ = slave.updateDiscreteStates()
+        if over:
+            return True
+    slave.enterStepMode()
+    return False
+
+
+def integrate(
+    model: Instance,
+    rows: Rows,
+    description: ModelDescription,
+    unpacked: str,
+    start_values: Mapping[str, Any],
+    *,
+    duration: float,
+    interval: float,
+    going_on: GoingOn,
+) -> None:
+    """Integrate a model for model exchange from 0 to the end by FMPy's CVode, and read the rows.
+
+    Parameters
+    ----------
+    unpacked : the folder of the FMU
+    start_values : by name
+    rows, description, duration, interval, going_on : as of `step_through`
+
+    Raises
+    ------
+    Exception : if a call or the solver fails.
+    """
+    experiment = description.defaultExperiment
+    named = experiment.tolerance if experiment is not None else None
+
+    def stepped(time: float, recorder: Any) -> bool:
+        if not len(rows):
+            names = (name for name, *_ in recorder.cols)
+            rows.take(dict(zip(names, recorder.rows[0], strict=True)))
+        due = len(rows) * interval
+        if not (isclose(time, due) or isclose(time, duration)):
+            return True  # an event between two rows
+        rows.read(time)
+        return going_on(time)
+
+    simulate_fmu(
+        unpacked, validate=False, start_time=0.0, stop_time=duration, solver="CVode",
+        relative_tolerance=float(named or _TOLERANCE), output_interval=interval,
+        record_events=False, fmi_type="ModelExchange", start_values=dict(start_values),
+        output=rows.names[1:], step_finished=stepped, model_description=description,
+        fmu_instance=model,
+    )  # fmt: skip
 
 
 def most_rows(duration: float, interval: float) -> int:

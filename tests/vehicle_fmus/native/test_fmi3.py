@@ -18,6 +18,9 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 from lxml import etree
+from phaseplane.scenarios.errors import InputError, RunError
+from phaseplane.scenarios.scene.loading import load_scene
+from phaseplane.scenarios.simulate.runner import run
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import variables
 from structures import STRUCTURES
@@ -287,6 +290,22 @@ def test_fmpy_runs_it_with_and_without_events(
     for row in wanted:
         for name in wanted.dtype.names:
             assert last[float(row["time"])][name] == row[name], (row["time"], name)
+
+
+def test_a_scene_drives_it_from_event_to_event(native_fmu: Packer) -> None:
+    """Rows, measures and instants are those of the model itself; a run that fails says why."""
+    settings = ["duration=0.5 s", "parameters.sprung_mass=350"]
+    found = run(load_scene(str(native_fmu("QuarterCar", fmi=3)), settings))
+    wanted = run(load_scene(str(native_fmu("QuarterCar")), settings))
+    assert found.columns.keys() == wanted.columns.keys()
+    for name, column in wanted.columns.items():
+        assert np.array_equal(found.columns[name], column), name
+    session = Session("QuarterCar", {"sprung_mass": 350.0})
+    session.advance(0.5)
+    assert found.columns["last_lift_off"][-1] == session.value("last_lift_off")
+    settings[1] = "parameters.sprung_mass=-5"
+    with pytest.raises((RunError, InputError), match="sprung_mass"):
+        run(load_scene(str(native_fmu("QuarterCar", fmi=3)), settings))
 
 
 def test_calls_out_of_place_are_refused(native_fmu: Packer, tmp_path: Path, capfd: Any) -> None:
