@@ -25,6 +25,8 @@ columns, which suits vector instructions.
 
 from __future__ import annotations
 
+from functools import cache
+
 import cython
 
 if not cython.compiled:
@@ -44,6 +46,7 @@ _DEPENDENT = 1e-12  # share of a condition that those before it leave, if it fol
 _AHEAD = 10.0  # times the correction expected next
 
 
+@cache
 def extrapolation_weights(sequence):
     """Return the weights w of macro steps with n substeps: sum w = 1, sum w / n^(2k) = 0."""
     weights = []

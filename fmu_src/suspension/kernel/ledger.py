@@ -8,6 +8,8 @@ f times the integral of w plus c times that of w^2, for all elements of a row fr
 
 from __future__ import annotations
 
+from functools import cache
+
 import cython
 
 if not cython.compiled:
@@ -275,6 +277,7 @@ class Ledger:
         self.residual_start = self.residual_end = residual
 
 
+@cache
 def _readings(cubic, to_end):
     """Return displacement and rate over h at the points for each of the numbers at the ends alone, 1.
 

@@ -9,6 +9,8 @@ the last column had 4.
 
 from __future__ import annotations
 
+from functools import cache
+
 import cython
 
 from .balance import MOST_COORDINATES, MOST_ROWS, Balance
@@ -99,12 +101,8 @@ class Stepper:
         n, memory = self.n, self.net.memory
         self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
         self.softest, self.velocity_scale = memory.doubles([1e300] * n), memory.zeros(n)
-        # the times of all substeps of a macro step, each with its loads once
         sequence = SEQUENCES[self.columns]
-        fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
-        index = [
-            fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_MOST)
-        ]
+        fractions, index = _instants(sequence)
         if self.method == _WILSON:
             fractions = [self.theta]
         self.balance = Balance(self.net, fractions)
@@ -408,3 +406,12 @@ class Stepper:
         error = size / self.allowed
         if not error <= self.error:
             self.error = error
+
+
+@cache
+def _instants(sequence):
+    """Return the instants of all substeps of a macro step, as fractions of it, and which is whose."""
+    fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
+    return fractions, [
+        fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_MOST)
+    ]
