@@ -66,8 +66,8 @@ DIRECTIVES = {
 # in the order in which they need each other
 MODULES = (
     "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
-    "increments", "balance", "columns", "stepper", "switches", "ledger", "watch", "march", "integrator",
-    "rest", "run",
+    "increments", "balance", "columns", "stepper", "switches", "ledger", "watch", "march", "handover",
+    "integrator", "rest", "run",
 )  # fmt: skip
 
 

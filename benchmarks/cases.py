@@ -45,7 +45,7 @@ _DRAWN = {
 }  # fmt: skip
 RACERS = ("extrapolated", *PACKAGED, "rk4, numba")
 ANEW, LANDING = "extrapolated, begun anew", "hard-coded dop853, numba"
-RESTORES = 1000  # in one call
+RESTORES, TUNINGS = 1000, 300  # in one call
 
 
 def uncompiled_integrator() -> Any:
@@ -177,6 +177,19 @@ def session_steps() -> Callable[[], int]:
 def new_session() -> Callable[[], object]:
     """Return the making of a session of the quarter car from a few parameters."""
     return lambda: Session("QuarterCar", {"sprung_mass": 310.0, "speed": 15.0})
+
+
+def tunings(road: str) -> Callable[[], int]:
+    """Return a run on a road in which a parameter changes every millisecond, and how often it does."""
+    sessions: list[Session] = []
+
+    def go() -> int:
+        for k in range(TUNINGS):
+            sessions[-1].set_parameter("damper.rebound_rate", 1000.0 + k)
+            sessions[-1].advance(1e-3 * (k + 1))
+        return TUNINGS
+
+    return Prepared(lambda: sessions.append(Session("QuarterCar", {"road.shape": road})), go)
 
 
 def restores() -> Callable[[], object]:

@@ -131,6 +131,7 @@ def parts(rounds: int) -> Iterator[Ratio]:
     runs["session"], runs["restores"] = cases.new_session(), cases.restores()
     steps = {
         "session step": cases.session_steps(),
+        **{f"tuned on a {road}": cases.tunings(road) for road in ("bump", "random")},
         **{f"{n} masses": cases.fixed_steps(Integrator, "extrapolated", cases.chain(n))
            for n in (8, 10)},
         **{name: cases.fixed_steps(Integrator, "extrapolated", cases.on_leaf_springs(friction))
@@ -161,6 +162,14 @@ def parts(rounds: int) -> Iterator[Ratio]:
         "beginning anew, quarter car / 1 us", times["restores"] / cases.RESTORES, 1e-6, 2.0, 1.0
     )
     yield Ratio("session from parameters / 1 ms", times["session"], 1e-3, 0.25, 0.1)
+    for road in ("bump", "random"):
+        yield Ratio(
+            f"parameter changed and 1 ms stepped, {road} road / 1 ms",
+            times[f"tuned on a {road}"],
+            1e-3,
+            0.15,
+            0.05,
+        )
     yield Ratio("step of 10 masses / of 8", times["10 masses"], times["8 masses"], 2.0, 1.6)
     yield Ratio(
         "step with stuck friction / without friction", times["stuck"], times["free"], 2.0, 1.3

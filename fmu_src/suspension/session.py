@@ -19,7 +19,7 @@ from typing import Any
 
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
-from .models import build
+from .models import build, inputs
 from .reading import Contacts, Energies, Readers, State
 from .signals import Segment, Signal
 from .systems import Axle, System
@@ -96,13 +96,12 @@ class Session:
         self._warned = self._passed_over = self._drifts = False
         self._look_at = _FIRST_LOOK
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
-        declared = variables(model)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
         self._energies: Energies | None = None  # at the present time, once asked for
         # the integrator before and after the last step, once asked for
         self._around: tuple[bytes, bytes] | None = None
-        self._inputs = [v.name for v in declared if v.causality == "input"]
+        self._inputs = inputs(model)
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
         integrator = self._new_integrator(system, start_time)
@@ -144,9 +143,9 @@ class Session:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
         p = self.parameters
         wanted = p["solver.tolerance"]
-        default = next(v.start for v in variables(self.model) if v.name == "solver.tolerance")
-        if self._tolerance is not None and self._tolerance > 0.0 and wanted == default:
-            wanted = self._tolerance
+        if self._tolerance is not None and self._tolerance > 0.0:
+            declared = next(v for v in variables(self.model) if v.name == "solver.tolerance")
+            wanted = self._tolerance if wanted == declared.start else wanted
         method = str(p["solver.method"])
         try:
             return Integrator(
@@ -304,7 +303,10 @@ class Session:
             )
 
     def _take_parameters(self) -> None:
-        """Rebuild the system with the parameters set, and continue from the present state."""
+        """Continue from the present state with the parameters set.
+
+        Laws of elements are replaced where they are. What changes more needs another integrator.
+        """
         tuned, self._tuned = self._tuned, {}
         parameters = Checked(self.model, {**self.parameters, **tuned})
         if parameters == self.parameters:
@@ -314,15 +316,23 @@ class Session:
         self._energies = None
         before = self.energies()
         self.parameters = parameters
+        if _has_other_laws_alone(system, self._system) and self._integrator.fits(system):
+            self._integrator.retune(system)
+            self._system = system
+            self._behind = self._integrator.snapshot()
+        else:
+            self._replace_integrator(system)
+        self._run.compare_contacts()
+        # what is stored otherwise is no work
+        self._open_account(before.dissipated, before.supplied)
+
+    def _replace_integrator(self, system: System) -> None:
+        """Let a new integrator of another system go on from the present state."""
         integrator = self._new_integrator(system, self.time)
         there = [self._system.element(element.name) for element in system.elements]
         self._run.hand_on(integrator, array("i", [-1 if e is None else e for e in there]))
         self._run.integrator = integrator
-        self._run.compare_contacts()
         self._attach(system, integrator)
-        self._open_account(
-            before.dissipated, before.supplied
-        )  # what is stored otherwise is no work
 
     def _stop_here(self) -> None:
         """Return to the present: repeat the steps up to now if the integrator has gone ahead."""
@@ -515,6 +525,16 @@ def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int,
         elif name in inputs:
             lines.append((signal, inputs.index(name), -1))
     return lines
+
+
+def _has_other_laws_alone(system: System, other: System) -> bool:
+    """Return whether masses, loads and what outputs are read from are the same in two systems."""
+    return (
+        system.mass == other.mass
+        and system.loads == other.loads
+        and system.axles == other.axles
+        and system.motions == other.motions
+    )
 
 
 def _wheel(axle: Axle) -> str:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from math import cos, pi, sin, sqrt
 
 import pytest
+from phaseplane.suspension import session as session_module
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import MODELS, ParameterError
+from phaseplane.suspension.variables import outputs as session_outputs
 
 MOTION = ("body_displacement", "body_velocity", "energy_residual")
 
@@ -154,3 +156,66 @@ def test_a_run_that_failed_stays_failed() -> None:
     session.set_parameter("spring.cubic", 0.0)
     with pytest.raises(SimulationError, match="has already failed"):
         session.advance(1.1)
+
+
+TUNED = {
+    "a bump": ("QuarterCar", {}, {"damper.rebound_rate": 900.0, "tyre.damping": 200.0}),
+    "a random road": ("QuarterCar", {"road.shape": "random"}, {"spring.rate": 2e4}),
+    "friction": ("HalfCar", {"front.friction": 80.0}, {"front.friction": 120.0}),
+    "fixed steps": ("QuarterCar", {"solver.step": 1e-3}, {"damper.bump_rate": 2e3}),
+    "an input": ("QuarterCar", {"road.shape": "input"}, {"damper.rebound_rate": 900.0}),
+}
+
+
+def driven(session: Session, instants: int) -> None:
+    for _ in range(instants):
+        if session.parameters["road.shape"] == "input":
+            session.set_input("road_elevation", 2.0 + 0.02 * sin(40.0 * session.time))
+        session.advance(session.time + 7e-3)
+
+
+@pytest.mark.parametrize("which", TUNED)
+def test_laws_replaced_where_they_are_give_the_bits_of_another_integrator(
+    which: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, parameters, tuned = TUNED[which]
+    ends = []
+    for replaced in (True, False):
+        if not replaced:
+            monkeypatch.setattr(session_module, "_has_other_laws_alone", lambda *_: False)
+        session = Session(model, parameters)
+        driven(session, 9)
+        integrator = session.integrator
+        for factor in (1.0, 0.7):
+            for name, value in tuned.items():
+                session.set_parameter(name, factor * value)
+            driven(session, 4)
+        assert (session.integrator is integrator) == replaced
+        driven(session, 9)
+        # energies of the wheel's and the body's motion, works, counts, contacts: all there is
+        ends.append((session.snapshot(), [session.value(name) for name in session_outputs(model)]))
+    assert ends[0] == ends[1]
+
+
+def test_a_change_of_laws_makes_no_integrator_and_reads_no_road(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = Session("QuarterCar", {"road.shape": "random"})
+    made: list[object] = []
+    monkeypatch.setattr(session_module, "Integrator", made.append)
+    size = len(session.integrator.snapshot())
+    for k in range(20):
+        session.set_parameter("damper.rebound_rate", 1000.0 + k)
+        session.advance(1e-3 * k)
+    assert made == []
+    # a road that is no input is in no snapshot: it would be some 80 bytes for each of its segments
+    assert size == len(session.integrator.snapshot()) < 80 * len(session._signals["road"].segments)
+
+
+def test_what_is_not_a_law_is_changed_by_another_integrator() -> None:
+    session = Session("QuarterCar", {})
+    session.advance(0.02)
+    integrator = session.integrator
+    session.set_parameter("bump_stop.stiffness", 1e5)  # there was none
+    session.advance(0.04)
+    assert session.integrator is not integrator

@@ -2,6 +2,7 @@ cimport cython
 from cpython.exc cimport PyErr_CheckSignals
 from libc.math cimport fabs, sqrt
 from .arrays cimport Memory
+from .handover cimport Handover
 from .march cimport March
 
 cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
@@ -11,6 +12,7 @@ cdef class Integrator(March):
     # arrays that a run fills
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
+    cdef Handover handover
     cdef double *given  # the coefficients of a signal
     cdef double[::1] instants, out_q, out_v, out_a, out_f
     # the record of the whole state, as bytes
@@ -20,8 +22,12 @@ cdef class Integrator(March):
     cdef long long begun
     cdef double started
 
-    @cython.locals(i=int, here=int, there=int)
+    @cython.locals(e=int)
     cdef void take_over(self, Integrator earlier, int[::1] counterpart) noexcept nogil
+    @cython.locals(e=int)
+    cdef void take_laws(self, double[::1] x, int at) noexcept nogil
+    @cython.locals(i=int, e=int)
+    cdef void _go_on(self) noexcept nogil
     @cython.locals(before=double, jump=double, change=double)
     cdef void replace_signal(self, int signal, double *coefficients, bint jumps) noexcept nogil
     @cython.locals(status=int)

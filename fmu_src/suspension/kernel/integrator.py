@@ -8,13 +8,14 @@ import cython
 
 from .arrays import Memory
 from .elements import KINDS
+from .handover import Handover
 from .march import March
-from .network import Network
+from .network import Network, laws_of
 from .rest import Rest
 from .run import Run
 
 if not cython.compiled:
-    from math import fabs, sqrt
+    from math import sqrt
 
 __all__ = ["FAILURES", "KINDS", "Integrator", "Network", "Rest", "Rows", "Run"]
 
@@ -105,27 +106,55 @@ class Integrator(March):
         earlier : the previous integrator
         counterpart : for each element here the number of the same one there, or -1
         """
-        self._stand_still(self.time, earlier.scale)  # whatever was before
-        self.net.set_datum(earlier.net.datum)
+        self.handover.take_run(
+            earlier.stepper, earlier.ledger, earlier.net, earlier.scale, earlier.step_count
+        )
+        for e in range(self.net.elements):
+            self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited_time)
+        self._go_on()
+
+    def take_laws(self, x, at):
+        """Continue with other laws of the elements, from x[at:].
+
+        The state is then that after `take_over` by a new integrator, but nothing else is read again.
+        """
+        self.handover.take_run(self.stepper, self.ledger, self.net, self.scale, self.step_count)
+        for e in range(self.net.elements):
+            self.handover.take_element(e, e, self.ledger.work, self.limited_time)
+        self.net.enter_elements(x, at)
+        self._go_on()
+
+    def _go_on(self):
+        """Begin at the present time with what was noted."""
+        self._stand_still(self.time, self.handover.scale)  # whatever was before
+        self.net.set_datum(self.handover.datum)
         for i in range(self.n):
-            self.stepper.q[i] = earlier.stepper.q[i]
-            self.stepper.v[i] = earlier.stepper.v[i]
+            self.stepper.q[i] = self.handover.q[i]
+            self.stepper.v[i] = self.handover.v[i]
         self.stepper.count_from_here()
         self.in_step = True
         self._begin()
-        self.stepper.reach, self.scale = earlier.stepper.reach, earlier.scale
+        self.stepper.reach, self.scale = self.handover.reach, self.handover.scale
         for i in range(self.n):
-            self.stepper.origin[i] = earlier.stepper.origin[i]
-        self.step_count = earlier.step_count
-        self.net.exchange = earlier.net.exchange
-        for here in range(self.net.elements):
-            there = counterpart[here]
-            if there >= 0:
-                self.ledger.work[here] = earlier.ledger.work[there]
-                self.limited_time[here] = earlier.limited_time[there]
-        self.ledger.supplied = earlier.ledger.supplied + fabs(earlier.ledger.initial_energy)
+            self.stepper.origin[i] = self.handover.origin[i]
+        self.step_count = self.handover.steps
+        self.net.exchange = self.handover.exchange
+        for e in range(self.net.elements):
+            self.ledger.work[e] = self.handover.work[e]
+            self.limited_time[e] = self.handover.limited_time[e]
+        self.ledger.supplied = self.handover.supplied
         self.ledger.strike_balance(self.time, self.stepper.q, self.stepper.v)
-        self.ledger.carry_on(earlier.ledger.residual_end)
+        self.ledger.carry_on(self.handover.residual)
+
+    def retune(self, system):
+        """Continue with a system that fits and differs in its laws alone; see `take_laws`.
+
+        Raises
+        ------
+        ValueError : the method cannot integrate the system.
+        """
+        self.refuse(system)
+        self.take_laws(array("d", laws_of(system)), 0)
 
     def set_signal(self, signal, coefficients, jumps=True):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
@@ -484,6 +513,7 @@ class Integrator(March):
         self._size_record()
         memory = self.net.memory
         self.given = memory.zeros(4)
+        self.handover = Handover(self.net)
         self.record, self.record_of_marks = memory.zeros(self.at), memory.marks(self.at_mark)
         self.record_bytes = memory.seen(self.record, self.at).cast("B")
         self.record_of_marks_bytes = memory.seen_marks(self.record_of_marks, self.at_mark).cast("B")

@@ -126,6 +126,11 @@ class March:
         """Return whether a system differs from the present one only in its numbers."""
         return self.net.fits(system) and _columns(system, *self.wanted) == self.stepper.columns
 
+    def refuse(self, system):
+        """Refuse a system that the method cannot integrate."""
+        if self.stepper.method == METHODS["exact"]:
+            _refuse_curved(system)
+
     def row(self, system, displacements, velocities):
         """Return the numbers `begin_row` reads: of a system that fits and its start (m, m/s).
 
@@ -133,8 +138,7 @@ class March:
         ------
         ValueError : if the method cannot integrate the system.
         """
-        if self.stepper.method == METHODS["exact"]:
-            _refuse_curved(system)
+        self.refuse(system)
         return [max(system.scales), *displacements, *velocities, *numbers_of(system)]
 
     def begin_row(self, x, at, start):

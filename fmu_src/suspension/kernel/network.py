@@ -427,6 +427,12 @@ def numbers_of(system):
     for load in system.loads:
         numbers += load.direction
     numbers += signal_numbers(system.signals)
+    return numbers + laws_of(system)
+
+
+def laws_of(system):
+    """Return the numbers of all elements, one after the other."""
+    numbers = []
     for element in system.elements:
         numbers += element_numbers(element)
     return numbers

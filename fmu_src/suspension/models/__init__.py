@@ -33,6 +33,7 @@ __all__ = [
     "axle_masses",
     "build",
     "checked_parameters",
+    "inputs",
     "outputs",
     "register",
     "road_from",
@@ -101,6 +102,17 @@ def outputs(model: str) -> dict[str, Variable]:
 
 
 @cache
+def inputs(model: str) -> tuple[str, ...]:
+    """Return the names of the inputs of a model.
+
+    Raises
+    ------
+    ParameterError : no such model.
+    """
+    return tuple(v.name for v in variables(model) if v.causality == "input")
+
+
+@cache
 def _parameters(model: str) -> dict[str, Variable]:
     return {v.name: v for v in variables(model) if v.causality == "parameter"}
 
@@ -120,7 +132,7 @@ def register(name: str, model: Model) -> None:
     if name in FILES:
         raise ParameterError(f"{name} is a model of this package")
     ALL[name], MODELS[name] = model, model.variables
-    for known in (outputs, _parameters, _defaults, _built):
+    for known in (outputs, inputs, _parameters, _defaults, _built):
         known.cache_clear()
 
 

@@ -1,0 +1,19 @@
+cimport cython
+from libc.math cimport fabs
+from .ledger cimport Ledger
+from .network cimport Network
+from .stepper cimport Stepper
+
+@cython.final
+cdef class Handover:
+    cdef Network net
+    cdef int n, elements
+    cdef double *q, *v, *origin, *work, *limited_time
+    cdef double reach, scale, datum, exchange, supplied, residual
+    cdef long long steps
+
+    @cython.locals(i=int)
+    cdef void take_run(self, Stepper stepper, Ledger ledger, Network net, double scale,
+                       long long steps) noexcept nogil
+    cdef void take_element(self, int here, int there, double *work,
+                           double *limited_time) noexcept nogil

@@ -1,0 +1,42 @@
+"""What a run takes with it when the numbers of its system change: motion, works and counts."""
+
+from __future__ import annotations
+
+import cython
+
+if not cython.compiled:
+    from math import fabs
+
+
+class Handover:
+    """The part of a run's state that outlives a change of its parameters.
+
+    Parameters
+    ----------
+    network : of the system
+    """
+
+    def __init__(self, network):
+        self.net, self.n, self.elements = network, network.n, network.elements
+        memory = self.net.memory
+        self.q, self.v = memory.zeros(self.n), memory.zeros(self.n)
+        self.origin = memory.zeros(self.n)  # from which the motion is measured
+        self.work, self.limited_time = memory.zeros(self.elements), memory.zeros(self.elements)
+        self.reach = self.scale = self.datum = 0.0
+        self.exchange = self.supplied = self.residual = 0.0
+        self.steps = 0
+
+    def take_run(self, stepper, ledger, net, scale, steps):
+        """Note motion, energies and counts at the end of the last step."""
+        for i in range(self.n):
+            self.q[i], self.v[i] = stepper.q[i], stepper.v[i]
+            self.origin[i] = stepper.origin[i]
+        self.reach, self.scale, self.steps = stepper.reach, scale, steps
+        self.datum, self.exchange = net.datum, net.exchange
+        self.supplied = ledger.supplied + fabs(ledger.initial_energy)
+        self.residual = ledger.residual_end
+
+    def take_element(self, here, there, work, limited_time):
+        """Note the works and times of element `there` as those of element `here`; none if -1."""
+        self.work[here] = work[there] if there >= 0 else 0.0
+        self.limited_time[here] = limited_time[there] if there >= 0 else 0.0
