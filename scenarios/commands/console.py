@@ -23,6 +23,7 @@ from ..errors import InputError, RunError, one_line
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED, PIPE_CLOSED, TERMINATED = 0, 1, 2, 130, 141, 143
 _SHOW_BAR_AFTER = 1.0  # s
+_TELL_AFTER = 10.0  # s, where there is no terminal
 # new objects before cycles are looked for: imports make many, and all of them stay
 _GARBAGE = 200_000
 
@@ -221,11 +222,29 @@ def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
 dark_option = click.option("--dark", is_flag=True, help="Use a dark background.")
 
 
+def _tenths(label: str) -> Callable[[float], None]:
+    """Return what prints a line on stderr for each tenth done, once a job has taken long."""
+    started, told = monotonic(), 0
+
+    def show(part: float) -> None:
+        nonlocal told
+        if int(10 * part) > told and monotonic() - started > _TELL_AFTER:
+            told = int(10 * part)
+            click.echo(f"{label}  {10 * told} %", err=True)
+
+    return show
+
+
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[float], None] | None]:
-    """Show a progress bar on a terminal after the first second; until it is called, the time taken."""
+def progress_bar(label: str, *, lines: bool = False) -> Iterator[Callable[[float], None] | None]:
+    """Show a progress bar on a terminal after the first second; until it is called, the time taken.
+
+    Parameters
+    ----------
+    lines : whether to print a line for each tenth where there is no terminal, after ten seconds
+    """
     if not sys.stderr.isatty():
-        yield None
+        yield _tenths(label) if lines else None
         return
     bar: Any = None
     started = monotonic()

@@ -12,6 +12,8 @@ from typing import Any
 import click
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
+from phaseplane import figures
+
 from ..draw.constructions import constructed, laid_over, told_of
 from ..draw.live import show_in
 from ..draw.pictures import RULES_SHOWN, draw, record
@@ -146,6 +148,11 @@ def replay_construction(
         refuse_unknown([kind], CONSTRUCTION_FIGURES, "--kind: there is no figure")
     except ParameterError as error:
         raise InputError(str(error)) from None
+    if figure is not None:
+        try:
+            figures.Look(**look or {})
+        except ValueError as error:
+            raise InputError(f"--font: {error}") from None
     started = perf_counter()
     if figure is not None and kind in RULES_SHOWN:
         overrides = (Setting("construction.rule", RULES_SHOWN[kind], "--kind"), *overrides)
@@ -190,6 +197,9 @@ def replay_construction(
         record(shown(), recording)
     if viewer:
         show_in(shown(), viewer)
+    last = len(drawing.frames) - 1
+    if at_step is not None and not 0 <= at_step <= last:
+        raise InputError(f"--at-step {at_step}: the drawing has steps 0 to {last}")
     if figure is not None:
         try:
             draw(kind, figure, drawing, title=title, look=look, step=at_step)

@@ -15,10 +15,10 @@ from ..errors import InputError, RunError, one_line, shown
 from ..results.signals import KEYS as SIGNAL_KEYS
 from ..results.signals import read_signals
 from ..sweeps.plan import Plan, read_content
-from .space import Points, Runs, Space, journaled
+from .space import Points, Runs, Space, journaled, read_search
 
 KEYS = ("scene", "title", "vary", "measured", "search")
-_SEARCH = {"starts": 16, "seed": 1}
+_SEARCH = {"starts": (16, 1), "seed": (1, 0)}  # default and least value of each
 _LEVEL = 0.95
 _STEPS = 60
 _ALIKE = 0.95  # correlation from which two parameters are hardly told apart
@@ -95,7 +95,7 @@ def read_task(path: Path) -> Task:
     measured = content.get("measured")
     if not isinstance(measured, dict):
         raise InputError(f"{path}: measured is missing; give a table with {', '.join(SIGNAL_KEYS)}")
-    space = Space.read(path, content, ["step_count"])
+    space = Space.read(path, content, {"step_count": "measured"})
     space.given()
     scene = space.plan.scene
     if not scene.fmu.is_ours or scene.fmu.path is not None:
@@ -113,13 +113,7 @@ def read_task(path: Path) -> Task:
             f"{path}: measured: {len(time)} samples within 0 and {scene.duration:g} s of the scene; a "
             "fit needs more samples than parameters; see time_shift"
         )
-    search = {**_SEARCH, **content.get("search", {})}
-    for key, value in search.items():
-        if key not in _SEARCH or type(value) is not int or value < 1:
-            raise InputError(
-                one_line(f"{path}: search.{key} = {shown(value)}: must be a whole number; allowed: "
-                         f"{', '.join(_SEARCH)}")
-            )  # fmt: skip
+    search = read_search(path, content, _SEARCH)
     return Task(space, time, {name: column[during] for name, column in columns.items()}, search)
 
 

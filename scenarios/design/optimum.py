@@ -15,10 +15,11 @@ from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan, read_content
 from ..sweeps.running import run_chunk
-from .space import Points, Runs, Space, journaled
+from .space import Points, Runs, Space, journaled, read_search
 
 KEYS = ("scene", "title", "minimise", "maximise", "against", "vary", "constrain", "search")
-_SEARCH = {"population": 8, "generations": 25, "seed": 1, "trade_offs": 9}
+# default and least value of each
+_SEARCH = {"population": (8, 1), "generations": (25, 0), "seed": (1, 0), "trade_offs": (9, 0)}
 _WORST = 1e30  # for a run that failed
 _CLOSE = 1e-6  # relative violation of a bound that counts as none
 _STEPS = 12  # of the local search
@@ -118,10 +119,15 @@ def read_problem(path: Path) -> Problem:
     if not isinstance(constrained, dict):
         raise InputError(f"{path}: constrain: must be a table of measures and their bounds")
     flat = dict(_bounded(constrained))
-    names = [objective, *([against] if against else []), *flat]
-    if not all(isinstance(name, str) for name in names):
-        raise InputError(f"{path}: {wanted[0]} and against must be names of measures")
-    space = Space.read(path, content, list(dict.fromkeys(names)))
+    for key in (wanted[0], "against"):
+        if not isinstance(content.get(key, ""), str):
+            raise InputError(
+                one_line(f"{path}: {key} = {shown(content[key])}: must be the name of a measure")
+            )
+    keys = {objective: wanted[0]} | ({against: "against"} if against else {})
+    space = Space.read(
+        path, content, keys | {name: "constrain" for name in flat if name not in keys}
+    )
     space.given()  # only parameters can be varied
     known = catalogue(space.plan.scene.fmu.outputs())
     bounds = {}
@@ -130,13 +136,7 @@ def read_problem(path: Path) -> Problem:
             bounds[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:
             raise InputError(one_line(f"{path}: constrain.{name}: {error}")) from None
-    search = {**_SEARCH, **content.get("search", {})}
-    for key, value in search.items():
-        if key not in _SEARCH or type(value) is not int or value < (key == "population"):
-            raise InputError(
-                one_line(f"{path}: search.{key} = {shown(value)}: must be a whole number; allowed: "
-                         f"{', '.join(_SEARCH)}")
-            )  # fmt: skip
+    search = read_search(path, content, _SEARCH)
     sign = 1.0 if wanted == ["minimise"] else -1.0
     return Problem(space, objective, sign, against, bounds, search)
 

@@ -16,6 +16,7 @@ from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
+from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, one_line, shown
 from ..simulate.versions import versions
@@ -23,6 +24,40 @@ from ..sweeps.plan import Plan, plan_of
 
 Points = npt.NDArray[np.float64]
 Make = Callable[[Plan], Iterable[Sequence[float | None]]]
+
+
+def read_search(
+    path: Path, content: Mapping[str, Any], known: Mapping[str, tuple[int, int]]
+) -> dict[str, int]:
+    """Return the settings of a study's search, those left out at their defaults.
+
+    Parameters
+    ----------
+    known : default and least value of each
+
+    Raises
+    ------
+    InputError : a setting that is unknown, or no whole number of at least its least value.
+    """
+    given = content.get("search", {})
+    if not isinstance(given, dict):
+        raise InputError(one_line(f"{path}: search = {shown(given)}: must be a table"))
+    for key, value in given.items():
+        if key not in known:
+            raise InputError(
+                one_line(
+                    f"{path}: search: unknown key {shown(key)}{nearest(key, known)}; allowed: "
+                    f"{', '.join(known)}"
+                )
+            )
+        if type(value) is not int or value < known[key][1]:
+            raise InputError(
+                one_line(
+                    f"{path}: search.{key} = {shown(value)}: must be a whole number from "
+                    f"{known[key][1]} on"
+                )
+            )
+    return {key: given.get(key, default) for key, (default, _) in known.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +72,13 @@ class Space:
     plan: Plan
 
     @classmethod
-    def read(cls, path: Path, content: Mapping[str, Any], measures: Sequence[str]) -> Space:
+    def read(cls, path: Path, content: Mapping[str, Any], measures: Mapping[str, str]) -> Space:
         """Return the space of the keys `scene` and `vary` of a study.
+
+        Parameters
+        ----------
+        path, content : the file of the study, and what is in it
+        measures : the measures that the study needs, each with the key that names it
 
         Raises
         ------
@@ -50,7 +90,8 @@ class Space:
             if not isinstance(ends, dict) or set(ends) != {"from", "to"}:
                 raise InputError(
                     one_line(
-                        f"{path}: vary.{key} = {shown(ends)}: must be {{ from = ..., to = ... }}"
+                        f"{path}: vary.{key} = {shown(ends)}: a study varies parameters within "
+                        "ranges; write { from = ..., to = ... }"
                     )
                 )
         plan = plan_of(
@@ -62,11 +103,14 @@ class Space:
                 "measures": list(measures),
                 "vary": {key: {**ends, "count": 2} for key, ends in plain.items()},
             },
+            measures,
         )
         for key, low, high in zip(plan.keys, *plan.points, strict=True):
             if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
                 raise InputError(
-                    one_line(f"{path}: vary.{key}: must rise from a number to another")
+                    one_line(
+                        f"{path}: vary.{key}: from {shown(low)} to {shown(high)} does not rise"
+                    )
                 )
         return cls(plan)
 

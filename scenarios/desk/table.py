@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -74,7 +75,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         ------
         ImportError : if pandas is not installed (`pip install 'phaseplane[pandas]'`).
         """
-        import pandas as pd  # noqa: PLC0415  (optional)
+        pd = _optional("pandas")
 
         values = {name: column for name, column in self.items() if name != self.index}
         index = pd.Index(self[self.index], name=self.index, copy=False) if self.index else None
@@ -89,7 +90,7 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         ------
         ImportError : if xarray is not installed (`pip install 'phaseplane[xarray]'`).
         """
-        import xarray as xr  # noqa: PLC0415  (optional)
+        xr = _optional("xarray")
 
         along = self.index or "row"
         columns = {
@@ -159,3 +160,16 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         if not instants[0] <= time <= instants[-1]:
             raise InputError(f"{time:g} s is outside {instants[0]:g} to {instants[-1]:g} s")
         return {name: float(np.interp(time, instants, x.astype(float))) for name, x in self.items()}
+
+
+def _optional(name: str) -> Any:
+    """Return a library that is installed by an extra of its name.
+
+    Raises
+    ------
+    ImportError : if it is not installed.
+    """
+    try:
+        return import_module(name)
+    except ModuleNotFoundError as error:
+        raise ImportError(f"{name} is not installed; pip install 'phaseplane[{name}]'") from error

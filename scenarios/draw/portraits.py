@@ -15,6 +15,7 @@ from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import figures
 from phaseplane import portrait as computed
+from phaseplane.picture.words import bracketed
 
 from ..errors import InputError, check_picture, one_line
 from ..scene.equation import EQUATION, formula_of
@@ -41,7 +42,7 @@ class _Subject:
     Parameters
     ----------
     system : the system, with its periodic forcing if there is one
-    labels : labels of the axes
+    words, units : of the axes
     reach : least half-width of the window, in the coordinate's unit
     start : initial displacement and rate of the Poincare section
     least : displacement that must be inside the window
@@ -49,11 +50,18 @@ class _Subject:
     """
 
     system: PhaseSystem
-    labels: tuple[str, str]
+    words: tuple[str, str]
+    units: tuple[str, str]
     reach: float
     start: tuple[float, float] = (0.0, 0.0)
     held: tuple[str, ...] = ()
     least: float = 0.0
+
+    @property
+    def labels(self) -> tuple[str, str]:
+        """The labels of the axes."""
+        x, v = (words + bracketed(unit) for words, unit in zip(self.words, self.units, strict=True))
+        return x, v
 
 
 def portrait(
@@ -123,6 +131,7 @@ def portrait(
     return {
         "title": title,
         "coordinate": subject.labels[0],
+        "units": [unit.removeprefix("1") for unit in subject.units],
         **_told(made),
         "files": [str(figure)] if figure is not None else [],
     }
@@ -157,18 +166,19 @@ def _told(made: Portrait) -> dict[str, Any]:
 def portrait_in_words(told: Mapping[str, Any]) -> str:
     """Return the portrait as text for a terminal."""
     left, right, bottom, top = told["window"]
+    x_unit, v_unit = (f" {unit}".rstrip() for unit in told["units"])
     lines = [
         told["title"],
-        f"window       {left:.4g} to {right:.4g}, {bottom:.4g} to {top:.4g}",
-        *(f"equilibrium  {_place(at)}: {at['kind']}" for at in told["equilibria"]),
+        f"window       {left:.4g} to {right:.4g}{x_unit}, {bottom:.4g} to {top:.4g}{v_unit}",
+        *(f"equilibrium  {_place(at)}{x_unit}: {at['kind']}" for at in told["equilibria"]),
         *(
-            f"limit cycle  crosses the axis at {c['crossing']:.6g}, period {c['period']:.6g} s, "
+            f"limit cycle  crosses the axis at {c['crossing']:.6g}{x_unit}, period {c['period']:.6g} s, "
             f"{c['kind']}"
             for c in told["cycles"]
         ),
     ]
     if told["section"] is not None:
-        lines += _section_in_words(told["section"])
+        lines += _section_in_words(told["section"], x_unit, v_unit)
     return "\n".join([*lines, *(f"file         {name}" for name in told["files"])])
 
 
@@ -176,7 +186,7 @@ def _place(at: Mapping[str, Any]) -> str:
     return f"{at['x']:.6g} to {at['until']:.6g}" if "until" in at else f"{at['x']:.6g}"
 
 
-def _section_in_words(told: Mapping[str, Any]) -> list[str]:
+def _section_in_words(told: Mapping[str, Any], x_unit: str, v_unit: str) -> list[str]:
     """Return the section of a forced system and its periodic attractors, in lines."""
     kept = f"{told['periods']} states of each motion"
     after = f" after {told['transient']} periods" if told["transient"] else ""
@@ -185,7 +195,7 @@ def _section_in_words(told: Mapping[str, Any]) -> list[str]:
         x, v = states[-1]
         m = len(states)
         every = "the forcing period" if m == 1 else f"{m} forcing periods"
-        lines.append(f"attracts     a motion of {every}, at {x:.6g}, {v:.6g}")
+        lines.append(f"attracts     a motion of {every}, at {x:.6g}{x_unit}, {v:.6g}{v_unit}")
     return lines
 
 
@@ -220,9 +230,9 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     )
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
-    labels = ("x", "x'") if unit == "1" else (f"x [{unit}]", f"x' [{unit}/s]")
     least = 1.1 * abs(start[0])
-    return _Subject(system, labels, max(_REACH, least), start, least=least)
+    units = (unit, "1" if unit == "1" else f"{unit}/s")
+    return _Subject(system, ("x", "x'"), units, max(_REACH, least), start, least=least)
 
 
 def _of_model(
@@ -244,9 +254,8 @@ def _of_model(
     what, rate = (f"{words} displacement", f"{words} velocity")
     if len(names) == 1 and system.axles:
         what, rate = "deflection", "deflection rate"
-    labels = (f"{what} [{unit}]", f"{rate} [{unit}/s]")
     held = tuple(other.replace("_", " ") for other in names if other != name)
-    return _Subject(section, labels, _PART, held=held)
+    return _Subject(section, (what, rate), (unit, f"{unit}/s"), _PART, held=held)
 
 
 def _on_waves(still: PhaseSystem, wave: Segment) -> PhaseSystem:

@@ -8,7 +8,7 @@ units = { t = "ms", acc_z = "g" }
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -65,12 +65,14 @@ def read_signals(
         columns = tables["columns"] or {
             name: name for name in headings(path, delimiter) if name in known and name != heading
         }
-        for name in (*columns, *tables["offset"]):
+        for name in columns:
             if name not in known:
                 raise InputError(f"columns: no output {shown(name)}{nearest(name, known)}")
         if not columns:
             raise InputError("columns is missing, and no heading is the name of an output")
         units, offsets = tables["units"], tables["offset"]
+        _refuse_others("units", units, (heading, *columns.values()))
+        _refuse_others("offset", offsets, columns)
         wanted = [
             Wanted(heading, ("s",), str(units.get(heading, "")), _si(said, "time_shift", "s")),
             *(
@@ -103,6 +105,8 @@ def _from_table(
     for column in (heading, *columns.values()):
         if column not in found:
             raise InputError(f"{path} has no column {shown(column)}{nearest(column, found)}")
+    _refuse_others("units", tables["units"], ())
+    _refuse_others("offset", tables["offset"], columns)
     return {
         "time": found[heading].astype(float) + _si(said, "time_shift", "s"),
         **{
@@ -110,6 +114,16 @@ def _from_table(
             for name, column in columns.items()
         },
     }
+
+
+def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -> None:
+    """Reject the unit or offset of something that is not read."""
+    for name in given:
+        if name not in known:
+            allowed = f"there are {', '.join(known)}" if known else "the units of this table are SI"
+            raise InputError(
+                f"{key}.{name}: is not among what is read{nearest(name, known)}; {allowed}"
+            )
 
 
 def _si(given: Mapping[str, Any], key: str, unit: str) -> float:

@@ -329,8 +329,12 @@ def read_content(path: Path) -> dict[str, Any]:
         raise InputError(one_line(f"cannot read {path}: {why}")) from None
 
 
-def plan_of(path: Path, content: Mapping[str, Any]) -> Plan:
+def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | None = None) -> Plan:
     """Return the plan of a sweep with a given content, whose paths are relative to that of the file.
+
+    Parameters
+    ----------
+    keys : for each measure the key of the file that names it, if that is not `measures`
 
     Raises
     ------
@@ -345,7 +349,10 @@ def plan_of(path: Path, content: Mapping[str, Any]) -> Plan:
     for name in said.measures:
         if name not in known:
             raise InputError(
-                one_line(f"{path}: measures: no measure {shown(name)}{nearest(name, known)}")
+                one_line(
+                    f"{path}: {(keys or {}).get(name, 'measures')}: no measure {shown(name)}"
+                    f"{nearest(name, known)}"
+                )
             )
     declared = scene.fmu.parameters()
     columns = [_values(path, key, values, declared) for key, values in said.vary.items()]

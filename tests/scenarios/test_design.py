@@ -8,6 +8,7 @@ from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.design.optimum import undominated
 from phaseplane.scenarios.design.space import Space, journaled
 from phaseplane.scenarios.errors import InputError
@@ -167,14 +168,15 @@ def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("minimise = 'rms.body'", "no measure 'rms.body'"),
+        ("minimise = 'rms.body'", "minimise: no measure 'rms.body'"),
+        ("minimise = 3", "minimise = 3: must be the name of a measure"),
         ("minimize = 'rms.body_velocity'", "did you mean 'minimise'"),
         ("", "give one of minimise and maximise"),
         (
             "minimise = 'suspension_travel'\n[constrain]\nsuspension_travel = { max = '3 kg' }",
             "'kg'",
         ),
-        ("minimise = 'suspension_travel'\n[search]\nseeds = 3", "search.seeds"),
+        ("minimise = 'suspension_travel'\n[search]\nseeds = 3", "did you mean 'seed'"),
     ],
 )
 def test_a_study_that_is_not_understood_is_refused(folder, text, words):
@@ -186,7 +188,7 @@ def test_a_study_that_is_not_understood_is_refused(folder, text, words):
 
 @pytest.mark.parametrize(
     ("vary", "words"),
-    [("speed = 3", "from = ..., to = ..."), ("speed = { from = 9, to = 5 }", "must rise"),
+    [("speed = 3", "from = ..., to = ..."), ("speed = { from = 9, to = 5 }", "does not rise"),
      ("sped = { from = 1, to = 2 }", "did you mean 'speed'"),
      ("duration = { from = 1, to = 2 }", "only parameters"),
      ("road.shape = { from = 1, to = 2 }", "road.shape")],
@@ -194,6 +196,45 @@ def test_a_study_that_is_not_understood_is_refused(folder, text, words):
 def test_ranges_that_are_none_are_refused(folder, vary, words):
     with pytest.raises(InputError, match=words):
         phaseplane.optimise(study(f'minimise = "suspension_travel"\n[vary]\n{vary}\n'))
+
+
+def test_every_measure_is_refused_by_the_key_that_names_it(folder):
+    vary = "[vary]\nspeed = { from = 1, to = 5 }\n"
+    with pytest.raises(InputError, match=r"against: no measure 'rms\.body'"):
+        phaseplane.optimise(study(f"minimise = 'suspension_travel'\nagainst = 'rms.body'\n{vary}"))
+    with pytest.raises(InputError, match=r"constrain: no measure 'rms\.body'"):
+        phaseplane.optimise(
+            study(f"minimise = 'suspension_travel'\n{vary}[constrain]\n'rms.body' = {{ max = 1 }}")
+        )
+
+
+@pytest.mark.parametrize(
+    ("search", "words"),
+    [
+        ("search = 3", "search = 3: must be a table"),
+        (
+            "[search]\ngenerations = -3",
+            r"search.generations = -3: must be a whole number from 0 on",
+        ),
+        ("[search]\npopulation = 0", r"search.population = 0: must be a whole number from 1 on"),
+        ("[search]\ngeneration = 3", "did you mean 'generations'"),
+    ],
+)
+def test_settings_of_a_search_are_refused_with_their_limit(folder, search, words):
+    text = 'minimise = "suspension_travel"\n{}\n[vary]\nspeed = {{ from = 1, to = 5 }}\n{}\n'
+    table = search.startswith("[")
+    with pytest.raises(InputError, match=words):
+        phaseplane.optimise(study(text.format(*(("", search) if table else (search, "")))))
+
+
+def test_a_search_without_a_terminal_tells_its_tenths(folder, monkeypatch):
+    monkeypatch.setattr(console, "_TELL_AFTER", -1.0)
+    name = study('minimise = "suspension_travel"\n[vary]\nspeed = { from = 1, to = 5 }\n' + SEARCH)
+    told = CliRunner().invoke(main, ["optimise", name])
+    assert told.exit_code == 0, told.output
+    parts = [int(line.split()[1]) for line in told.stderr.splitlines()]
+    assert parts == sorted(set(parts))
+    assert parts[-1] == 100
 
 
 @pytest.mark.parametrize(
@@ -204,6 +245,18 @@ def test_ranges_that_are_none_are_refused(folder, vary, words):
         ({"file": "rig.csv", "columns": {"body_acc": "acc_z"}}, "no output 'body_acc'"),
         ({"file": "rig.csv", "sep": ";"}, "unknown key 'sep'"),
         ({"file": "rig.csv", "columns": 3}, "must be a table"),
+        (
+            {"file": "rig.csv", "columns": {"body_acceleration": "acc_z"}, "units": {"acc": "g"}},
+            r"units.acc: is not among what is read; did you mean 'acc_z'\?",
+        ),
+        (
+            {
+                "file": "rig.csv",
+                "columns": {"body_acceleration": "acc_z"},
+                "offset": {"body_velocity": 1.0},
+            },
+            "offset.body_velocity: is not among",
+        ),
     ],
 )
 def test_signals_that_are_not_understood_are_refused(folder, said, words):

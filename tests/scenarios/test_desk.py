@@ -217,3 +217,11 @@ def test_a_sweep_is_a_table(tmp_path, monkeypatch):
     alone = phaseplane.run("ap57", speed=25, measures=["peak.body_acceleration"], expect=False)
     expected = alone.measures["peak.body_acceleration"]
     assert table["peak.body_acceleration"][1] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pandas", "xarray"])
+def test_a_library_that_is_missing_is_named_with_its_extra(name, monkeypatch):
+    monkeypatch.setitem(sys.modules, name, None)
+    table = phaseplane.Table({"time": np.arange(3.0)}, {"time": "s"})
+    with pytest.raises(ImportError, match=rf"pip install 'phaseplane\[{name}\]'"):
+        getattr(table, f"to_{name}")()

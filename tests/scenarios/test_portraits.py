@@ -89,7 +89,7 @@ def test_a_vehicle_on_waves_shows_its_section(tmp_path: Path) -> None:
 def test_sections_of_a_vehicle_in_words() -> None:
     shown = ("portrait", "ap57", "--window", "-0.1", "0.1", "-1", "1")
     body = phaseplane(*shown, "--coordinate", "body_displacement").stdout
-    assert "equilibrium  0: stable focus" in body
+    assert "equilibrium  0 m: stable focus" in body
     assert "wheel held at rest" in body.splitlines()[0]
     assert "window       -0.1 to 0.1, -1 to 1" in body
 
