@@ -99,7 +99,7 @@ def storyboard(
     stays.curves()
     sheet = Sheet(look)
     sheet.figure = whole
-    ticks = staged(drawing, stays, arms_page(drawing), drawing.frames.index(chosen))
+    ticks = staged(drawing, stays, arms_page(drawing), chosen.step)
     for number, tick in enumerate(ticks):
         row, column = divmod(number, columns)
         bottom = 1.0 - (above + (row + 1) * cell[1] - 0.65) / whole.get_figheight()

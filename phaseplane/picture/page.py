@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import ceil, floor
 from typing import Literal, TypeVar
 
@@ -215,6 +216,15 @@ class Page:
         page._segments, page._ways = [self.segments], self._ways
         page._layers = self._layers
         return page
+
+    @cached_property
+    def units(self) -> dict[str, tuple[str, float]]:
+        """The display unit of each plane's displacement, as on its axis, and its number in one unit."""
+        found = {}
+        for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
+            low, high = reach_of(plane.displacement, motion)
+            found[plane.name] = display_unit(plane.displacement.unit, high - low)
+        return found
 
     # What is on the page.
 

@@ -246,7 +246,7 @@ def _tick(
     beside = arms.following()
     beside.step(frame, stage=stage, turn=True)
     beside.items = [item for item in beside.items if getattr(item, "role", "") == "arc"]
-    said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage)}"
+    said = f"{step_head(drawing, frame)}\n\n{protocol(drawing, frame, stage, stays.units)}"
     caption = f"Step {frame.step}, {stage + 1} of {len(scheme.stages)}: " + typeset(
         scheme.stages[stage]
     )

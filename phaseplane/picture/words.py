@@ -12,7 +12,7 @@ from functools import lru_cache
 from operator import mul
 from unicodedata import normalize
 
-from phaseplane.constructions.primitives import Drawing, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Axis, Drawing, Frame, Plane, Scheme
 from phaseplane.constructions.sheet import Event, events_of
 
 from .quantities import Quantity, unit_text
@@ -165,23 +165,39 @@ def step_text(drawing: Drawing, frame: Frame, quantities: Mapping[str, Quantity 
     return f"{step_head(drawing, frame)}\n\n{readings_table(frame.readings, quantities)}"
 
 
-def protocol(drawing: Drawing, frame: Frame, present: int) -> str:
-    """Return all stages of a step as a list, the present one bold, with what was measured."""
+def protocol(
+    drawing: Drawing, frame: Frame, present: int, units: Mapping[str, tuple[str, float]]
+) -> str:
+    """Return the present stage with what was measured, then all stages, the present one bold.
+
+    The present stage is on top because a pane may cut the list off.
+
+    Parameters
+    ----------
+    units : display unit of each plane's displacement, and its number in one unit of the axis
+    """
     scheme = drawing.schemes[frame.scheme]
-    lines = []
-    for stage, words in enumerate(scheme.stages):
-        line = f"{stage + 1}. {markdown(typeset(words))}"
-        if stage == present:
-            line = f"{stage + 1}. **{markdown(typeset(words))}**"
-        # four planes have so many lengths that those of earlier stages would hide the present line
-        if stage == present or (stage < present and len(drawing.planes) <= 2):
-            found = "; ".join(measured(drawing, scheme, frame, stage))
-            line += f"\n   {markdown(found)}" if found else ""
-        lines.append(line)
-    return "\n".join(lines)
+    words = [markdown(typeset(stage)) for stage in scheme.stages]
+    found = [
+        markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
+        for stage in range(len(words))
+    ]
+    lines = [f"**{words[present]}** {found[present]}".rstrip(), "---"]
+    for stage, text in enumerate(words):
+        lines.append(f"{stage + 1}. **{text}**" if stage == present else f"{stage + 1}. {text}")
+        # four planes have so many lengths that the list would be lost in them
+        if found[stage] and stage < present and len(drawing.planes) <= 2:
+            lines[-1] += f"\n   {found[stage]}"
+    return "\n\n".join([*lines[:2], "\n".join(lines[2:])])
 
 
-def measured(drawing: Drawing, scheme: Scheme, frame: Frame, stage: int) -> list[str]:
+def measured(
+    drawing: Drawing,
+    scheme: Scheme,
+    frame: Frame,
+    stage: int,
+    units: Mapping[str, tuple[str, float]],
+) -> list[str]:
     """Return the lengths measured in a stage, each with what follows from it.
 
     Displacements and velocities follow from AP57 eqs. 21 and 22, accelerations from eq. 23, arcs from
@@ -193,7 +209,7 @@ def measured(drawing: Drawing, scheme: Scheme, frame: Frame, stage: int) -> list
     normals = {s.start for s in scheme.strokes if s.role == "normal" and s.stage == stage}
     for plane in drawing.planes:
         if plane.state in marked:
-            found += _state(plane, points[plane.state], frame, "")
+            found += _state(plane, points[plane.state], units[plane.name])
     for stroke in scheme.strokes:
         if stroke.stage == stage and stroke.role == "excitation":
             length = abs(points[stroke.end] - points[stroke.start])
@@ -208,7 +224,7 @@ def measured(drawing: Drawing, scheme: Scheme, frame: Frame, stage: int) -> list
     for plane in drawing.planes:
         successor = f"{plane.state}'"
         if successor in marked:
-            found += _state(plane, points[successor], frame, "'")
+            found += _successor(plane, points[successor], units[plane.name])
     return found
 
 
@@ -221,23 +237,28 @@ def _turns(scheme: Scheme, plane: Plane, stage: int) -> bool:
     return any(arc.stage == stage and arc.start == f"N{plane.number}" for arc in scheme.arcs)
 
 
-def _state(plane: Plane, z: complex, frame: Frame, prime: str) -> list[str]:
+def _state(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
     axis, rate = plane.displacement, plane.scaled_velocity
-    foot = axis.at(axis.read(z))
-    n, o, upper = plane.number, f"O{plane.number}", prime
+    number_of = plane.number
     y, y_bar = ((z - axis.origin) * a.direction.conjugate() for a in (axis, rate))
-    name = axis.label
-    per_second = "m/s" if axis.unit == "m" else "1/s"
     speed = plane.angular_frequency * y_bar.real / rate.scale
-    unit, factor = (" cm", 100.0) if axis.unit == "m" else ("", 1.0)
-    value = number(factor * axis.read(foot), 4)
-    if prime:
-        return [f"{typeset(plane.state + upper)}: {typeset(name)} = {value}{unit}"]
+    per_second = "m/s" if axis.unit == "m" else "1/s"
     return [
-        f"{_pair(o, 'Q' + n)} = {_centimetres(y.real)} gives {typeset(name)} = {value}{unit}",
-        f"{_pair('Q' + n, plane.state)} = {_centimetres(y_bar.real)} gives its rate "
+        f"{_pair('O' + number_of, 'Q' + number_of)} = {_centimetres(y.real)} gives "
+        f"{typeset(axis.label)} = {_shown_value(axis, z, unit)}",
+        f"{_pair('Q' + number_of, plane.state)} = {_centimetres(y_bar.real)} gives its rate "
         f"{number(speed, 4)} {per_second}",
     ]
+
+
+def _successor(plane: Plane, z: complex, unit: tuple[str, float]) -> list[str]:
+    axis = plane.displacement
+    return [f"{typeset(plane.state)}': {typeset(axis.label)} = {_shown_value(axis, z, unit)}"]
+
+
+def _shown_value(axis: Axis, z: complex, unit: tuple[str, float]) -> str:
+    name, factor = unit
+    return f"{number(factor * axis.read(z), 4)} {name}".rstrip()
 
 
 def _acceleration(plane: Plane, frame: Frame) -> str:

@@ -51,7 +51,7 @@ def serving(
 
     Raises
     ------
-    OSError : if the server cannot listen at the address.
+    OSError : if the server cannot listen at the address, or a file is not a recording.
     """
     data, page = _free_port(address, _PORTS[0]), _free_port(address, _PORTS[1])
     host = _host(address)
@@ -60,7 +60,7 @@ def serving(
         [
             viewer_program(), "--serve-web", "--bind", address, "--port", str(data),
             "--web-viewer-port", str(page), "--server-memory-limit", "50%",
-            "--cors-allow-origin", origin, *(os.fspath(file) for file in files),
+            "--cors-allow-origin", origin,
         ],
         stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         env={**os.environ, "RERUN_APP_ONLY": "true"},
@@ -70,6 +70,8 @@ def serving(
         for port in (data, page):
             _await(process, _host(address), port)
         url = f"rerun+http://{host}:{data}/proxy"
+        for file in files:
+            _send(Path(file), url)
         yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
     finally:
         process.terminate()
@@ -77,6 +79,25 @@ def serving(
             process.wait(5.0)
         process.kill()
         process.wait()
+
+
+def _send(file: Path, url: str) -> None:
+    """Send a recording to a server, which would keep half a core busy if it read the file itself."""
+    import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
+    from rerun.chunk import RrdReader  # noqa: PLC0415
+
+    try:
+        entry = RrdReader(file).recordings()[0]
+    except (RuntimeError, IndexError):
+        raise OSError(f"{file} is not a recording of this version of rerun") from None
+    # of the same name and number, so that the file's own recording is the only one in the list
+    sending = rr.RecordingStream(
+        entry.application_id, recording_id=entry.recording_id, send_properties=False
+    )
+    sending.connect_grpc(url)
+    sending.log_file_from_path(file)
+    sending.flush()
+    sending.disconnect()
 
 
 def viewer_program() -> str:

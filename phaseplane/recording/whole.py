@@ -83,17 +83,16 @@ class Recorder:
 
     @cached_property
     def chart(self) -> Chart | None:
-        """The displacements over the time of the construction, with the points that are read off."""
+        """The displacements, else what else is read off, over the time of the construction."""
         content = self.content
         if content.constructed is None or content.live or not content.shows("histories"):
             return None
         first = content.constructed.planes[0].name
-        drawn = [
-            p for p in panels(content) if p.drawn and (p.quantity.si == "m" or first in p.drawn)
-        ]
-        shown = drawn[0] if drawn else None
-        if shown is None:
+        drawn = [panel for panel in panels(content) if panel.drawn]
+        wanted = [p for p in drawn if p.quantity.si == "m" or first in p.drawn] or drawn
+        if not wanted:
             return None
+        shown = wanted[0]
         names = (*shown.drawn, *(n for n in shown.names if n not in shown.drawn))
         return Chart(content.constructed, content.histories, names, shown.quantity)
 

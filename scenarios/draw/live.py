@@ -46,7 +46,7 @@ class LiveRun:
         -------
         Problems (the file could not be written) and warnings (the run could not be shown), a line each.
         """
-        self.live.complete(of_results(results, self.drawing, asdict(self.scene.show)))
+        self.live.complete(of_results(results, self.drawing, asdict(self.scene.shown)))
         if not self.live.problem:
             slow = f"the viewer was up to {self.live.behind:.1f} s behind the run, and skipped rows"
             return [], [slow] if self.live.behind > _SLOW else []
@@ -75,7 +75,7 @@ def shown_live(
         columns={name: np.zeros(0) for name in ("time", *scene.columns)},
         units={name: outputs[name].unit for name in scene.columns},
         duration=scene.duration,
-        shown=asdict(scene.show),
+        shown=asdict(scene.shown),
         live=True,
     )
     try:

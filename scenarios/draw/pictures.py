@@ -58,7 +58,7 @@ def pictures_of(
         if name == "time_histories" or drawing is not None
     }
     if scene.show.recording:
-        shown = asdict(scene.show)
+        shown = asdict(scene.shown)
         pictures[RECORDING] = lambda path: record(of_results(results, drawing, shown), path)
     return pictures
 

@@ -49,18 +49,20 @@ class Fmu:
     path : the `.fmu` file; None for a model of this package that has yet to be packed
     variables : its public variables
     system : the file of a system of one's own; None for other models
+    rates : pairs of outputs of which the description says that one is the derivative of the other
     """
 
     model: str
     path: Path | None
     variables: tuple[Variable, ...]
     system: Path | None = None
+    rates: tuple[tuple[str, str], ...] = ()
 
     def __reduce__(self) -> Any:
         """Read the file of a system again where it is unpickled, so that its model is known there."""
         if self.system is not None:
             return find_fmu, (str(self.system),)
-        return Fmu, (self.model, self.path, self.variables)
+        return Fmu, (self.model, self.path, self.variables, None, self.rates)
 
     @property
     def is_ours(self) -> bool:
@@ -207,8 +209,13 @@ def _described(path: Path) -> Fmu:
         and scalar.type in _TYPES
         and not scalar.shape
     )
+    rates = tuple(
+        (rate.derivative.name, rate.name)
+        for rate in description.modelVariables
+        if rate.derivative is not None and rate.causality == rate.derivative.causality == "output"
+    )
     kind = description.coSimulation or description.modelExchange
-    fmu = Fmu(kind.modelIdentifier, path, variables)
+    fmu = Fmu(kind.modelIdentifier, path, variables, rates=rates)
     if not fmu.is_ours:
         return fmu
     return Fmu(fmu.model, path, tuple(map(_started, MODELS[fmu.model], variables)))

@@ -184,6 +184,14 @@ class Scene:
         return tuple(dict.fromkeys((*wanted, *self.expect)))
 
     @property
+    def shown(self) -> Show:
+        """What is shown; without planes, those that the description of an FMU suggests."""
+        if self.show.planes or self.fmu.is_ours or not self.fmu.rates:
+            return self.show
+        pairs = tuple(pair for pair in self.fmu.rates if {*pair} <= {*self.columns})
+        return replace(self.show, planes=pairs)
+
+    @property
     def columns(self) -> tuple[str, ...]:
         """Names of the outputs stored: those shown, and those drawn."""
         wanted = {*self.outputs, *(name for names in self.show.planes for name in names)}

@@ -19,9 +19,10 @@ from recorded import (
     content,
     drawing,
     frame,
+    quarter_car,
 )
 
-from phaseplane.constructions import Axis, Curve, Mark
+from phaseplane.constructions import Axis, Curve, Mark, delta, march
 from phaseplane.picture.canvas import Echo
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import graduation_of
@@ -29,8 +30,8 @@ from phaseplane.picture.paper import Box, arcs
 from phaseplane.picture.quantities import display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import INK, PAPER, PARTS, ROLES, Hue, contrast
-from phaseplane.picture.words import level_text, typeset
-from phaseplane.recording import record
+from phaseplane.picture.words import level_text, markdown, typeset
+from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible
 from phaseplane.recording.motion import pages_of
 
@@ -119,6 +120,20 @@ def test_a_story_in_order() -> None:
     for tick in ticks:
         assert tick.time >= before
         before = tick.time
+
+
+def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
+    made = march(quarter_car(), delta, step=0.0025, steps=30)
+    stays = pages_of(Content("quarter car", made))[0]
+    ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
+    stages = made.schemes["contact"].stages
+    told = [tick.text.split("\n\n") for tick in ticks if tick.step == 12]
+    assert len(told) == len(stages)
+    for stage, (_, present, *_) in zip(stages, told, strict=True):
+        assert present.startswith(f"**{markdown(typeset(stage))}**")
+    unit, factor = stays.units["wheel_displacement"]
+    value = factor * made.frames[12].readings["wheel_displacement"]
+    assert f"y₂ = {value:.4g} {unit}" in told[0][1]
 
 
 @pytest.mark.parametrize(

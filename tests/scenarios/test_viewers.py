@@ -159,6 +159,11 @@ def test_all_recordings_of_a_folder_are_on_one_page(viewer: ViewerClient, tmp_pa
     with serving(recordings_in(tmp_path)) as server:
         viewer.open(server.url)
         until(lambda: sum(bool(r.timelines) for r in viewer.get_state().recordings) == 2)
+        names = sorted(str(r.store_id).split(":")[1] for r in viewer.get_state().recordings)
+    assert names == [
+        "Quarter car over a 5 cm bump with wheel lift-off",
+        "The construction of AP57 s figure 13 the wheel stays on the road",
+    ]
 
 
 def test_a_browser_shows_the_planes_on_the_page(tmp_path: Path) -> None:
