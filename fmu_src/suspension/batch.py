@@ -72,6 +72,7 @@ def run_many(
     at_end: Sequence[str] = (),
     corners: bool = False,
     progress: Callable[[float], None] | None = None,
+    going_on: Callable[[float], bool] | None = None,
 ) -> list[Outcome]:
     """Run a model once for each set of parameters.
 
@@ -87,6 +88,8 @@ def run_many(
     at_end : counts and sums at the last time; see `outputs_at_end`
     corners : whether to return the times at which outputs may jump or have a corner
     progress : called with the fraction done, 0 to 1
+    going_on : called every few thousand steps of a run with its time, s; False ends the run there, which
+        is a failure that keeps what it has
 
     Returns
     -------
@@ -121,6 +124,7 @@ def run_many(
         {name: declared[name] for name in outputs},
         {name: declared[name] for name in at_end},
         corners,
+        going_on,
     )
     workers = workers or os.cpu_count() or 1
     size = min(_CHUNK, ceil(len(parameter_sets) / (2 * workers)) or 1)
@@ -184,6 +188,7 @@ class _Task:
     outputs: Mapping[str, Variable]
     at_end: Mapping[str, Variable]
     corners: bool
+    going_on: Callable[[float], bool] | None
 
 
 @dataclass(slots=True)
@@ -262,6 +267,7 @@ class _Bench:
             system, method, step, tolerance, task.times[0],
             energy=False, theta=theta, beyond_stable=beyond,
         )  # fmt: skip
+        integrator.going_on = task.going_on
         series = Series(integrator, system, task.times, task.outputs, task.at_end, task.corners)
         self._kinds.insert(0, _Kind(solver, integrator, series))
         return self._kinds[0]

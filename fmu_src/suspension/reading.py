@@ -51,6 +51,18 @@ class Energies(NamedTuple):
     supplied: tuple[float, ...]
 
 
+class _Signals(dict[str, tuple[float, float, float, float]]):
+    """Signals with their derivatives at one time, each found when it is first asked for."""
+
+    def __init__(self, time: float, sources: Mapping[str, Signal]) -> None:
+        super().__init__()
+        self._time, self._sources = time, sources
+
+    def __missing__(self, name: str) -> tuple[float, float, float, float]:
+        found = self[name] = self._sources[name].derivatives(self._time)
+        return found
+
+
 class State:
     """Motion and forces at the time that the integrator sampled last.
 
@@ -72,15 +84,14 @@ class State:
     def at(self, time: float, signals: Mapping[str, Signal]) -> None:
         """Move to another time, s, which the integrator has just sampled."""
         self._time, self._sources = time, signals
-        self._signals: dict[str, tuple[float, float, float, float]] | None = None
+        self._signals: _Signals | None = None
         self._known = False  # whether forces, accelerations and sets are those of this time
 
     @property
     def signals(self) -> dict[str, tuple[float, float, float, float]]:
         """Every signal with its derivatives."""
         if self._signals is None:
-            t = self._time
-            self._signals = {name: source.derivatives(t) for name, source in self._sources.items()}
+            self._signals = _Signals(self._time, self._sources)
         return self._signals
 
     def _find_forces(self) -> None:

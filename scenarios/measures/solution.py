@@ -23,6 +23,7 @@ from .reading import Measure, late
 
 Column = npt.NDArray[np.float64]
 Columns = Mapping[str, Column]
+GoingOn = Callable[[float], bool]
 
 INTERVAL = 1e-3  # s, at most between two times
 _MOST_INSTANTS = 2_000_000
@@ -102,6 +103,7 @@ def solved(
     measures: Iterable[Measure],
     also: Iterable[str] = (),
     columns: Iterable[str] = (),
+    going_on: GoingOn | None = None,
 ) -> Iterator[Solution]:
     """Yield the runs of a model, each with all data that the measures need.
 
@@ -113,13 +115,14 @@ def solved(
     measures : measures to take
     also : outputs to refine at both ends of their range too
     columns : further outputs over time, which are not refined
+    going_on : asked now and then with the time of a run, s, whether it is to go on
     """
     measures, also = list(measures), set(also)
     outputs = also.union(*(m.needs for m in measures if not m.at_end))
     shown = outputs.union(columns)
     ends = set().union(*(m.needs for m in measures if m.at_end)) - shown
     hidden = _hidden(measures, also)
-    found = list(simulated(model, sets, time, shown, ends, corners=bool(hidden)))
+    found = list(simulated(model, sets, time, shown, ends, corners=bool(hidden), going_on=going_on))
     if not hidden:
         yield from found
         return
@@ -169,15 +172,17 @@ def simulated(
     outputs: set[str],
     ends: Iterable[str] = (),
     corners: bool = False,
+    going_on: GoingOn | None = None,
 ) -> Iterator[Solution]:
     """Yield the outputs of every run, in one call of the integrator if it has them all."""
     if not (outputs <= {*outputs_over_time(model)} and {*ends} <= {*outputs_at_end(model)}):
         for given in sets:
-            yield stepped(model, given, time, outputs.union(ends))
+            yield stepped(model, given, time, outputs.union(ends), going_on)
         return
     for run in run_many(
-        model, sets, time.tolist(), tuple(outputs), workers=1, at_end=tuple(ends), corners=corners
-    ):
+        model, sets, time.tolist(), tuple(outputs), workers=1, at_end=tuple(ends),
+        corners=corners, going_on=going_on,
+    ):  # fmt: skip
         reached = min((len(column) for column in run.columns.values()), default=len(time))
         yield Solution(
             {"time": time[:reached], **run.columns},
@@ -188,7 +193,13 @@ def simulated(
         )
 
 
-def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[str]) -> Solution:
+def stepped(
+    model: str,
+    given: Mapping[str, object],
+    time: Column,
+    outputs: set[str],
+    going_on: GoingOn | None = None,
+) -> Solution:
     """Return a run stepped from time to time, for outputs that one call does not return."""
     rows: list[list[Value]] = []
     failure, switches = "", []
@@ -200,6 +211,9 @@ def stepped(model: str, given: Mapping[str, object], time: Column, outputs: set[
             for t in time.tolist():
                 session.advance(t)
                 rows.append([session.value(name) for name in outputs])
+                if going_on is not None and not going_on(t):
+                    failure = f"the run was interrupted at {t:.6g} s"
+                    break
         switches = [event.time for event in session.events]
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)

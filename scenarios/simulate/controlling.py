@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from phaseplane.suspension.session import Session, SimulationError
 
-from ..measures.solution import Column, Solution
+from ..measures.solution import Column, GoingOn, Solution
 from ..scene.controller import Controller
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ def controlled(
     controller: Controller,
     time: Column,
     outputs: Collection[str],
+    going_on: GoingOn,
 ) -> Solution:
     """Return a run in which a controller sets the model's inputs.
 
@@ -39,6 +40,7 @@ def controlled(
     controller : what sets the inputs
     time : instants to read the outputs at, s, ascending from 0
     outputs : names of the outputs
+    going_on : called after each instant with its time, s; whether to go on
     """
     laws = controller.laws()
     names, rows, failure = list(outputs), [], ""
@@ -60,6 +62,9 @@ def controlled(
                 evaluate()
             if acts is not True:
                 rows.append([session.value(name) for name in names])
+            if not going_on(instant):
+                failure = f"the run was interrupted at {instant:.6g} s"
+                break
     except SimulationError as error:
         failure = str(error)
     columns = dict(zip(names, np.array(rows, float).reshape(len(rows), len(names)).T, strict=True))

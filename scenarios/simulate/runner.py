@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +14,12 @@ from phaseplane.suspension.parts import payload_words
 from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import Run, catalogue, outputs_needed
-from ..measures.solution import Solution, instants, refinement, solved, solved_by, stepped
+from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by, stepped
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
 from .controlling import controlled
-from .drive import Drive, Progress, Watch
+from .drive import INTERRUPTED, Drive, Progress, Watch
 from .interrupts import deferred_interrupt
 from .measuring import measured
 from .versions import versions
@@ -67,7 +67,9 @@ def run(
     Interrupted : on Ctrl-C or SIGTERM, at the end of the step.
     """
     if scene.fmu.system is not None or scene.controller is not None:
-        return solve(scene)
+        results = solve(scene, progress=progress)
+        remarks = [*results.summary["remarks"], _in_this_process(scene)]
+        return replace(results, summary={**results.summary, "remarks": remarks})
     if scene.fmu.model == EQUATION:
         return _solved(scene, progress)
     # an FMU that is being loaded runs Python, too, and its wrapper swallows what is raised there
@@ -85,17 +87,42 @@ def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how:
     return results
 
 
-def solve(scene: Scene) -> Results:
+def solve(scene: Scene, *, progress: Progress | None = None) -> Results:
     """Run a scene in this process, without its FMU, whose rows would have the same bits.
+
+    Parameters
+    ----------
+    scene : the scene to run
+    progress : called now and then with the fraction of the duration done, 0 to 1
 
     Raises
     ------
     InputError : if the scene runs an `.fmu` file, which only the file itself can do.
+    RunError : if the run does not start.
+    Interrupted : on Ctrl-C or SIGTERM; what has been computed is kept.
     """
     if scene.fmu.model == EQUATION:
-        return _solved(scene)
+        return _solved(scene, progress)
     if scene.fmu.path is not None:
         raise InputError(f"{scene.fmu.path.name} runs through the FMU only")
+    with deferred_interrupt() as interrupted:
+
+        def going_on(time: float) -> bool:
+            if progress is not None:
+                progress(time / scene.duration)
+            return not interrupted()
+
+        drive, own = _driven(scene, going_on)
+        if interrupted():
+            drive = replace(drive, complaint=INTERRUPTED)
+        results = _results(scene, drive, None, own)
+        if interrupted():
+            raise Interrupted(results, interrupted())
+    return results
+
+
+def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
+    """Return the rows of a scene that is run in this process, and the solution between them."""
     started, known = perf_counter(), catalogue(scene.fmu.outputs())
     measures = [known[name] for name in scene.measures]
     at_rows = {output for one in measures if one.at_rows for output in one.needs}
@@ -106,11 +133,11 @@ def solve(scene: Scene) -> Results:
     wanted = {*scene.columns, *(scene.outputs_expected - expected)}
     if scene.controller is not None:
         wanted |= {output for one in measures for output in one.needs} | expected
-        own = controlled(model, given, scene.controller, time, wanted)
+        own = controlled(model, given, scene.controller, time, wanted, going_on)
         at_rows = set()
     else:
         taken = [one for one in measures if not one.at_rows]
-        own = next(solved(model, [given], time, taken, expected, wanted))
+        own = next(solved(model, [given], time, taken, expected, wanted, going_on))
     if not len(own.columns["time"]):
         raise RunError(f"no run: {own.failure}")
     at = own.rows(parts)
@@ -124,8 +151,8 @@ def solve(scene: Scene) -> Results:
         for name, kind in {"time": float, **kinds}.items()
         if name in rows
     }
-    drive = Drive(rows, perf_counter() - started, own.failure, uncompiled=not engine.compiled)
-    return _results(scene, drive, None, own)
+    seconds = perf_counter() - started
+    return Drive(rows, seconds, own.failure, uncompiled=not engine.compiled), own
 
 
 def _results(
@@ -226,6 +253,14 @@ def _closely(run: Run, output: str) -> dict[str, Any]:
     """Return an output over time, at all points where it is known."""
     time, column = run.closely(output)
     return {"time": time, output: column}
+
+
+def _in_this_process(scene: Scene) -> str:
+    """Return why a scene is not run through an FMU."""
+    why = (
+        "a controller sets its inputs" if scene.controller is not None else "it is a system's file"
+    )
+    return f"run in this process, with the bits of an FMU: {why}"
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

@@ -35,6 +35,8 @@ from fmpy.fmi2 import (
     fmi2LastSuccessfulTime,
     fmi2Real,
     fmi2Terminated,
+    fmi2True,
+    fmi2Warning,
 )
 from fmpy.simulation import (
     apply_start_values,
@@ -102,7 +104,7 @@ class Rows:
         outputs: Collection[str],
         most: int,
     ) -> None:
-        self._instance = instance
+        self._component = instance.component
         self._outputs = list(_outputs(instance, description, outputs))
         self.names = ["time", *(name for one in self._outputs for name in one.names)]
         self._table = np.empty((most, len(self.names)))
@@ -120,7 +122,9 @@ class Rows:
         row = self._table[self._count]
         row[0], at = time, 1
         for one in self._outputs:
-            one.get(self._instance.component, *one.arguments)
+            status = one.get(self._component, *one.arguments)
+            if status > fmi2Warning:
+                raise FMICallException(function=one.get.__name__, status=status)
             row[at : at + len(one.row)] = one.row
             at += len(one.row)
         self._count += 1
@@ -162,7 +166,9 @@ def _outputs(
             arguments = (references, count, values, *((count,) if newer else ()))
             names = [v.name for v in read]
             row = np.frombuffer(values, c_type)
-            yield _Outputs(names, getattr(instance, getter), arguments, row, column_type)
+            # FMPy's own method asks each time whether calls are logged, at several times the cost
+            get = getattr(instance.dll, getter)
+            yield _Outputs(names, get, arguments, row, column_type)
 
 
 def initialise(
@@ -236,17 +242,17 @@ def _step(slave: Instance, rows: Rows, time: float, end: float) -> bool:
 
     A slave that ends the run within a step has its last row read.
     """
-    try:
-        slave.doStep(currentCommunicationPoint=time, communicationStepSize=end - time)
-    except FMICallException as refusal:
-        if refusal.status != fmi2Discard:
-            raise
-        if slave.getBooleanStatus(fmi2Terminated):
-            reached = slave.getRealStatus(fmi2LastSuccessfulTime)
-            if reached > time:
-                rows.read(reached)
-        return False
-    return True
+    # as in `_outputs`, not by FMPy's method
+    status = slave.dll.fmi2DoStep(slave.component, time, end - time, fmi2True)
+    if status <= fmi2Warning:
+        return True
+    if status != fmi2Discard:
+        raise FMICallException(function="fmi2DoStep", status=status)
+    if slave.getBooleanStatus(fmi2Terminated):
+        reached = slave.getRealStatus(fmi2LastSuccessfulTime)
+        if reached > time:
+            rows.read(reached)
+    return False
 
 
 def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> bool:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from fmpy.fmi2 import FMU2Slave
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.driver import opened
@@ -168,6 +169,54 @@ def test_an_interrupted_equation_keeps_its_rows() -> None:
     for name, column in results.columns.items():
         assert column[:-1].tobytes() == whole.columns[name][: rows - 1].tobytes()
     assert results.columns["time"][-1] <= results.stopped["time"] <= parts[-1] * scene.duration
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [("skyhook", []), ("full_car", ["duration=60 s", "parameters.solver.step=1e-4"])],
+)
+def test_an_interrupted_run_in_this_process_keeps_its_rows(name: str, changes: list[str]) -> None:
+    """Those until then, to the bit."""
+    nothing = ["show.figures=[]", "show.recording=false"]
+    scene = load_scene(name, [*nothing, *changes], expect=False)
+    whole = run(scene)
+    assert any("in this process" in remark for remark in whole.summary["remarks"])
+    parts: list[float] = []
+
+    def interrupt_soon(part: float) -> None:
+        parts.append(part)
+        if len(parts) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(Interrupted) as caught:
+        run(scene, progress=interrupt_soon)
+    assert len(parts) == 3
+    assert sorted(parts) == parts
+    results = caught.value.results
+    assert results.stopped is not None
+    assert results.stopped["reason"] == "interrupted"
+    rows = len(results.columns["time"])
+    assert 1 <= rows < len(whole.columns["time"])
+    assert results.columns["time"][-1] <= parts[-1] * scene.duration * (1.0 + 1e-9)
+    for column, values in results.columns.items():
+        assert values[:-1].tobytes() == whole.columns[column][: rows - 1].tobytes()
+
+
+def test_steps_are_no_calls_through_fmpys_methods(
+    fmu: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls: list[str] = []
+    call = FMU2Slave._call
+
+    def counted(self: FMU2Slave, name: str, *given: object) -> object:
+        calls.append(name)
+        return call(self, name, *given)
+
+    monkeypatch.setattr(FMU2Slave, "_call", counted)
+    run(scene_of(fmu, "duration=20 ms"))
+    few = len(calls)
+    run(scene_of(fmu, "duration=60 ms"))
+    assert len(calls) == 2 * few
 
 
 def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> None:

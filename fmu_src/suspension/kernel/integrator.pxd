@@ -5,7 +5,7 @@ from .arrays cimport Memory
 from .handover cimport Handover
 from .march cimport March
 
-cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
+cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _INTERRUPTED, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(March):
@@ -13,6 +13,7 @@ cdef class Integrator(March):
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
     cdef Handover handover
+    cdef public object going_on
     cdef double *given  # the coefficients of a signal
     cdef double[::1] instants, out_q, out_v, out_a, out_f
     # the record of the whole state, as bytes
@@ -33,7 +34,7 @@ cdef class Integrator(March):
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     cdef void _look_at_pace(self) noexcept nogil
-    cdef bint _may_go_on(self, double until) except -1
+    cdef int _reason_to_end(self, double until) except -1
     @cython.locals(taken="long long")
     cdef bint keeps_pace(self, double until) noexcept nogil
     @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
@@ -65,7 +66,7 @@ cdef class Rows:
     cdef double start
     cdef bint logs, underway
 
-    @cython.locals(one=Integrator, paused=bint, k=int)
+    @cython.locals(one=Integrator, paused=bint, status=int, k=int)
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
     @cython.locals(status=int)
     cdef bint _go(self) noexcept nogil

@@ -32,10 +32,11 @@ FAILURES = {
     10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
     11: "the energy balance is off by more than all energy stored or supplied; "
     "reduce solver.tolerance",
+    12: "the run was interrupted; let it end to have the rest",
 }
 
 _PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
-_TOO_MANY, _NO_MASS = 9, 10
+_TOO_MANY, _NO_MASS, _INTERRUPTED = 9, 10, 12
 _ENOUGH_STEPS = 200000  # after which the number of steps still to come is estimated, repeatedly
 _MOST_STEPS = 30000000  # still to come, in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
@@ -218,8 +219,9 @@ class Integrator(March):
             if status != _PAUSED:
                 self._raise_failure(status)
                 return status
-            if not self._may_go_on(until):
-                return _TOO_MANY
+            status = self._reason_to_end(until)
+            if status != 0:
+                return status
 
     def _raise_failure(self, status):
         """Raise what a function of an element has raised, if the run has ended for it."""
@@ -231,16 +233,19 @@ class Integrator(March):
         """Start to measure the pace of the run."""
         self.begun, self.started = self.step_count, self.time
 
-    def _may_go_on(self, until):
+    def _reason_to_end(self, until):
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
-        Return whether the number of steps still to come, at the present pace, is acceptable.
+        Return 0, or the key in `FAILURES` of a reason to end it: `going_on` denies it, or too many steps
+        are still to come at the present pace.
         """
         self._log_events()
         self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
-        return self.keeps_pace(until)
+        if self.going_on is not None and not self.going_on(self.time):
+            return _INTERRUPTED
+        return 0 if self.keeps_pace(until) else _TOO_MANY
 
     def keeps_pace(self, until):
         """Return whether the number of steps still to come, at the present pace, is acceptable."""
@@ -272,8 +277,8 @@ class Integrator(March):
                 status = self._run(0)
             if status != _PAUSED:
                 break
-            if not self._may_go_on(times[len(times) - 1]):
-                status = _TOO_MANY
+            status = self._reason_to_end(times[len(times) - 1])
+            if status != 0:
                 break
         self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         self.count = self.places = 0
@@ -514,6 +519,8 @@ class Integrator(March):
         memory = self.net.memory
         self.given = memory.zeros(4)
         self.handover = Handover(self.net)
+        # asked with the present time at each pause of a long run: whether it is to go on
+        self.going_on = None
         self.record, self.record_of_marks = memory.zeros(self.at), memory.marks(self.at_mark)
         self.record_bytes = memory.seen(self.record, self.at).cast("B")
         self.record_of_marks_bytes = memory.seen_marks(self.record_of_marks, self.at_mark).cast("B")
@@ -584,8 +591,9 @@ class Rows:
                 paused = self._go()
             if not paused:
                 break
-            if not one._may_go_on(one.instants[one.count - 1]):
-                self._end(_TOO_MANY)
+            status = one._reason_to_end(one.instants[one.count - 1])
+            if status != 0:
+                self._end(status)
         one._raise_failure(max([self.status[k] for k in range(self.made)]))
         return [
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
