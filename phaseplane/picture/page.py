@@ -202,7 +202,7 @@ class Page:
         self.motions = self.motions or motions_of(self.drawing)
         self._segments = [np.zeros((0, 2), complex)]
         self._ways: list[Points] = []
-        self._layers: dict[int, tuple[Frame, list[Layer]]] = {}  # of the steps drawn, by identity
+        self._last: list[tuple[Frame, list[Layer]]] = []  # the last step drawn, and its layers
 
     @property
     def ways(self) -> list[Points]:
@@ -214,7 +214,7 @@ class Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
         page = Page(self.drawing, self.view, self.em, self.motions, taken=list(self.taken))
         page._segments, page._ways = [self.segments], self._ways
-        page._layers = self._layers
+        page._last = self._last
         return page
 
     @cached_property
@@ -486,11 +486,7 @@ class Page:
         turn : include the arcs of the turn angles
         thin : factor of all widths and opacities
         """
-        if (
-            id(frame) not in self._layers
-        ):  # the frame is kept, too, so that its identity stays its own
-            self._layers[id(frame)] = frame, layers_at(self.drawing, frame)
-        _, layers = self._layers[id(frame)]
+        layers = self._layers(frame)
         if stage is not None:
             layers = [layer for layer in layers if layer.stage <= stage]
         for layer in layers:
@@ -505,6 +501,12 @@ class Page:
                     self.dots(role, seen, min(weight, 1.5), strength)
                 else:
                     self.lines(role, chosen, weight, strength)
+
+    def _layers(self, frame: Frame) -> list[Layer]:
+        """Return the layers of a step; pages that follow each other draw the same one several times."""
+        if not self._last or self._last[0][0] != frame:
+            self._last[:] = [(frame, layers_at(self.drawing, frame))]
+        return self._last[0][1]
 
     def letters(self, frame: Frame, marks: Sequence[Mark] | None = None) -> None:
         """Write the letters of one step; those of points out of view are at the rim, with the distance.
