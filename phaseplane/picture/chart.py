@@ -18,6 +18,8 @@ from .quantities import Quantity
 from .styles import PARTS
 from .words import bracketed, in_words, number
 
+Reals = npt.NDArray[np.float64]
+
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
 _EM = 0.0145
 _MOST = 600  # vertices of a curve
@@ -63,9 +65,15 @@ class Chart:
 
     def at(self, time: float, value: float) -> complex:
         """Return the point of a value at a time."""
+        (point,) = self._curve(np.array([time]), np.array([value]))
+        return point
+
+    def _curve(self, times: Reals, values: Reals) -> list[complex]:
+        """Return the points of values at times, shape (n,)."""
         span = (self.high - self.low) or 1.0
-        x = _WIDTH * (time - self.start) / ((self.end - self.start) or 1.0)
-        return complex(x, _HEIGHT * (value - self.low) / span)
+        x = _WIDTH * (times - self.start) / ((self.end - self.start) or 1.0)
+        points: list[complex] = (x + 1j * (_HEIGHT * (values - self.low) / span)).tolist()
+        return points
 
     def _stays(self) -> Page:
         view = Box(complex(0.78 * _WIDTH, 0.52 * _HEIGHT), complex(0.95 * _WIDTH, 0.72 * _HEIGHT))
@@ -79,7 +87,7 @@ class Chart:
         page.write_if_free(Text("axis", "t [ms]", zero + _WIDTH + 1.2j * _EM))
         self._values(page)
         for name in self.names:
-            curve = [self.at(t, v) for t, v in zip(self.times, self.values[name], strict=True)]
+            curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
                 page.lines(_part(name), [curve], 0.8, 0.6)
         for row, name in enumerate(self.names):  # beside the chart
@@ -107,9 +115,8 @@ class Chart:
         times, read = (of[: step + 1] for of in self.read)
         every = max(1, len(times) // _MOST)
         for name, values in zip(self.names, read[::every].T, strict=True):
-            places = zip(times[::every], values, strict=True)
-            shown = [self.at(*place) for place in places if np.isfinite(place[1])]
-            page.dots(_part(name), shown, 0.9)
+            shown = np.isfinite(values)
+            page.dots(_part(name), self._curve(times[::every][shown], values[shown]), 0.9)
         page.lines("value", [self.cursor(times[-1])])
         return page
 

@@ -10,6 +10,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import numpy.typing as npt
@@ -112,6 +113,7 @@ def seconds(times: npt.ArrayLike) -> rr.TimeColumn:
     return rr.TimeColumn("t", duration=nanoseconds.astype("timedelta64[ns]"))
 
 
+@cache
 def rgba(hue: Hue, strength: float = 1.0) -> int:
     """Return the shade of a hue that is legible on dark and on light, as 0xRRGGBBAA."""
     return (int(hue.on("either")[1:], 16) << 8) | round(255 * strength)
