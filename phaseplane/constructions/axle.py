@@ -3,7 +3,9 @@
     y'' = -(1/M + 1/m) S + T/m,   x2'' = (S - T) / m,   S = Phi + F,  T = f + phi     (AP57 eq. 16)
 
 T is the force of the tyre relative to rest, in flight the tyre's static load. M is the effective
-mass of the body above this axle.
+mass of the body above this axle. Dry friction R between body and wheel, which is not in AP57, adds
+R sign(y') to S: the auxiliary curves jump at y-bar = 0. While the strut sticks, D1 = Q1, and the
+projection that finds D1 from A1* is drawn backwards, from D1 to A1*.
 """
 
 from __future__ import annotations
@@ -16,7 +18,7 @@ from math import sqrt
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.laws import Jumps, Strut
-from phaseplane.constructions.lienard import Lienard
+from phaseplane.constructions.lienard import Epsilon, Lienard
 from phaseplane.constructions.primitives import Curve, Frame
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
@@ -66,6 +68,7 @@ class Axle:
     prefix : of the names of its readings
     foot : letter of the foot of the normals in the suspension's plane
     auxiliary_levels : y_i of the suspension's auxiliary curves, m; empty: round values
+    friction : dry friction R between body and wheel, N
     """
 
     strut: Strut
@@ -81,6 +84,7 @@ class Axle:
     prefix: str = ""
     foot: str = "D"
     auxiliary_levels: tuple[float, ...] = ()
+    friction: float = 0.0
 
     @cached_property
     def angular_frequencies(self) -> tuple[float, float]:
@@ -123,7 +127,19 @@ class Axle:
         plane = plane_at(
             f"{self.prefix}suspension_deflection", n, omega, origin, place.sense, scale, self.foot
         )
-        return Lienard.of_strut(plane, self.strut, self.auxiliary_levels)
+        guards = (_scaled_velocity,) if self.friction else ()
+        return Lienard.of_strut(plane, self.strut, self.auxiliary_levels, self.friction, guards)
+
+    def epsilon_of(self, sense: int) -> Epsilon:
+        """Return the branch of the auxiliary curves for y' > 0 (1) or < 0 (-1); without friction, 0."""
+        strut, omega = self.strut, self.angular_frequencies[0]
+        moved = sense * self.reach
+        return lambda y_bar, y: strut.force(omega * y_bar, y) / strut.rate - y + moved
+
+    @property
+    def reach(self) -> float:
+        """R / c1, by which dry friction moves the auxiliary curves to either side, m."""
+        return self.friction / self.strut.rate
 
     @cached_property
     def wheel(self) -> Lienard:
@@ -209,8 +225,14 @@ class Axle:
             f"C{one}", f"C{two}", f"D{one}", f"D{two}", f"H{two}",
         )  # fmt: skip
 
-    def points(self, flies: bool, p1: complex, p2: complex, window: Window) -> Points:
+    def points(
+        self, flies: bool, p1: complex, p2: complex, window: Window, sense: int = 0
+    ) -> Points:
         """Construct P, Q, A, A*, B, C and D of figures 7 and 10, with the mean road over the window.
+
+        Parameters
+        ----------
+        sense : of y', 1 or -1, if there is dry friction; 0 while the strut sticks
 
         Returns
         -------
@@ -218,30 +240,37 @@ class Axle:
         with a nonlinear tyre A2* in place of B2, and H2 in addition to D2
         """
         a, b = self.place.scales
-        sense = self.place.sense
+        way = self.place.sense
         n_p1, n_p2, n_q1, n_q2, n_a1, n_a2, n_f1, n_f2, n_b2, n_b0, *n_rest = self._letters
         n_c1, n_c2, n_d1, n_d2, n_h2 = n_rest
-        q1, a1, foot1 = self.suspension.raised(p1)
         q2, a2, foot2 = self.wheel.raised(p2)
-        points = {
-            n_p1: p1, n_p2: p2, n_q1: q1, n_q2: q2,
-            n_a1: a1, n_a2: a2, n_f1: foot1, n_f2: foot2,
-        }  # fmt: skip
+        points = {n_p1: p1, n_p2: p2, n_q2: q2, n_a2: a2, n_f2: foot2}
         bracket = foot2
         if self.linear_tyre:
-            points[n_b2] = bracket = foot2 - sense * b * self.excitation(window)
-        points[n_b0] = without_contact = q2 + sense * b * self.static_tyre_deflection
+            points[n_b2] = bracket = foot2 - way * b * self.excitation(window)
+        points[n_b0] = without_contact = q2 + way * b * self.static_tyre_deflection
+        weight = way * a * self.coupling * self.static_tyre_deflection
         if flies:
             bracket = without_contact
-            weight = self.coupling * self.static_tyre_deflection
-            points[n_d1] = foot1 + sense * a * weight
+        if self.friction and not sense:
+            q1 = points[n_d1] = complex(p1.real, self.place.heights[0])
+            if flies:
+                foot1 = q1 - weight
+            else:
+                points[n_c2], foot1 = self.lines.from_plane_1(q1, bracket, q2)
+            a1 = complex(foot1.real, p1.imag)
         else:
-            points[n_c2], points[n_d1] = self.lines.to_plane_1(foot1, bracket, q2)
+            q1, a1, foot1 = self.suspension.raised(p1, self.epsilon_of(sense) if sense else None)
+            if flies:
+                points[n_d1] = foot1 + weight
+            else:
+                points[n_c2], points[n_d1] = self.lines.to_plane_1(foot1, bracket, q2)
+        points |= {n_q1: q1, n_a1: a1, n_f1: foot1}
         points[n_c1], d2 = self.lines.to_plane_2(foot1, bracket, q1)
         points[n_d2] = d2
         if not self.linear_tyre:
             acceleration = self.jumps.mean_acceleration(window.start, window.duration)
-            points[n_h2] = d2 + sense * b * acceleration / self.angular_frequencies[1] ** 2
+            points[n_h2] = d2 + way * b * acceleration / self.angular_frequencies[1] ** 2
         return points
 
     # Lift-off U and touchdown V.
@@ -265,6 +294,31 @@ class Axle:
             bracket -= self.excitation(Window(time))
         force = bracket - self.static_tyre_deflection
         return force if self.contact == "force" else max(force, self.gap(p2, time))
+
+    # Dry friction.
+
+    def rubbing(self, flies: bool, states: States, time: float) -> float:
+        """Return the friction that would hold the strut at an instant, over c1, m: -R/c1 to R/c1."""
+        points = self.points(flies, states[0], states[1], Window(time))
+        y, _ = self.suspension.values(states[0])
+        foot = points[self._letters[6]]
+        return -self.suspension.displacement(foot) - self.epsilon_of(0)(0.0, y)
+
+    def sense_of(self, flies: bool, states: States, time: float, *, stopped: bool = False) -> int:
+        """Return the sense of y', 0 where the strut sticks.
+
+        Parameters
+        ----------
+        stopped : whether y' is known to be zero, to rounding
+        """
+        p, origin = states[0], self.suspension.plane.displacement.origin
+        rate = (p - origin).imag
+        if not stopped and abs(rate) > 1e-9 * abs(p - origin):
+            return 1 if rate > 0.0 else -1
+        needed = self.rubbing(flies, states, time)
+        if abs(needed) <= self.reach:
+            return 0
+        return 1 if needed > 0.0 else -1
 
     # Readings.
 
@@ -322,3 +376,7 @@ class Axle:
                 (self._letters[4], self._letters[8]),
             ),
         )  # fmt: skip
+
+
+def _scaled_velocity(y_bar: float, _y: float) -> float:
+    return y_bar

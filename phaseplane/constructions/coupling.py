@@ -60,6 +60,11 @@ class Lines:
         c_1 = at_height(x_1, x_2, self.line_1)
         return c_1, at_height(q_1, c_1, self.axis_2)
 
+    def from_plane_1(self, d_1: complex, x_2: complex, q_2: complex) -> tuple[complex, complex]:
+        """Return C2 and X1 for a known D1: the projection of `to_plane_1` backwards."""
+        c_2 = at_height(q_2, d_1, self.line_2)
+        return c_2, at_height(x_2, c_2, self.axis_1)
+
     def to_plane_1(self, x_1: complex, x_2: complex, q_2: complex) -> tuple[complex, complex]:
         """Return C2 and D1."""
         c_2 = at_height(x_1, x_2, self.line_2)

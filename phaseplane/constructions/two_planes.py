@@ -40,6 +40,19 @@ from phaseplane.constructions.two_planes_schemes import axle_scheme
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
 
+_STUCK = "_sticking"  # after the scheme of a strut that dry friction holds
+_SENSES = {1: "+", -1: "-", 0: "0"}
+_NUMBERS = {text: sense for sense, text in _SENSES.items()}
+
+
+def _flies(mode: str) -> bool:
+    return mode.startswith(FLIGHT)
+
+
+def _sense(mode: str) -> int:
+    """Return the sense of y' in a mode; 0 if it sticks, or there is no friction."""
+    return _NUMBERS.get(mode[-1], 0)
+
 
 @dataclass(frozen=True)
 class QuarterCarPlanes(Construction):
@@ -54,6 +67,7 @@ class QuarterCarPlanes(Construction):
     road : xi(t), m; where it jumps, the tyre's damper pushes the wheel
     gravity : m/s^2
     lift_off : whether the wheel may leave the road; not in AP57's figure 13
+    friction : dry friction R between body and wheel, N; the strut sticks where it can hold it
     contact : contact rule of its tyre: `gap`, none beyond its free length, or `force`, while its spring
         and damper together press on the road (AP57 eq. 28 for U and V)
     plane_scales : paper per displacement in plane 1 and plane 2 (a : 1 and b : 1)
@@ -94,6 +108,7 @@ class QuarterCarPlanes(Construction):
     auxiliary_levels: tuple[float, ...] = ()
     tyre: Strut | None = None
     contact: str = "gap"
+    friction: float = 0.0
 
     title: ClassVar[str] = "Quarter car in two phase planes"
 
@@ -108,6 +123,7 @@ class QuarterCarPlanes(Construction):
         for name, scale in zip(("a", "b"), self.plane_scales, strict=True):
             check_number(f"plane scale {name}", scale, 0.0, exclusive=True)
         check_number("tyre_damping", self.tyre_damping, 0.0)
+        check_number("friction", self.friction, 0.0)
         check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)
         initial = ("deflection", "deflection_rate", "wheel_displacement", "wheel_velocity")
         check_finite(self, ("plane_offset", *(f"initial_{name}" for name in initial)))
@@ -132,6 +148,7 @@ class QuarterCarPlanes(Construction):
                 ("1", "2"), self.plane_scales, (0.0, -self.plane_distance), self.plane_offset
             ),
             auxiliary_levels=self.auxiliary_levels,
+            friction=self.friction,
         )
 
     @property
@@ -166,11 +183,14 @@ class QuarterCarPlanes(Construction):
 
     @cached_property
     def schemes(self) -> Mapping[str, Scheme]:
-        """Figure 7 (contact) and figure 10 (flight) in the order of drawing."""
+        """Figure 7 (contact) and figure 10 (flight) in the order of drawing; both also while sticking."""
         linear_tyre = self.axle.linear_tyre
         return {
-            CONTACT: axle_scheme(flies=False, linear_tyre=linear_tyre),
-            FLIGHT: axle_scheme(flies=True, linear_tyre=linear_tyre),
+            mode + _STUCK * sticks: axle_scheme(
+                flies=mode == FLIGHT, linear_tyre=linear_tyre, sticks=sticks
+            )
+            for sticks in ((False, True) if self.friction else (False,))
+            for mode in (CONTACT, FLIGHT)
         }
 
     @cached_property
@@ -199,35 +219,76 @@ class QuarterCarPlanes(Construction):
         The points on the sheet: in contact with C1 and C2 on lines I and II, in flight with C1 alone
         and B0 in place of B2. With a nonlinear tyre A2* replaces B2, and H2 is added to D2.
         """
-        return self.axle.points(mode == FLIGHT, states[0], states[1], window)
+        return self.axle.points(_flies(mode), states[0], states[1], window, _sense(mode))
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """Return the auxiliary curves of both planes, and lines I and II."""
         return self.axle.curves(frames)
 
-    # Lift-off U and touchdown V.
+    # Lift-off U and touchdown V; with dry friction a mode also has the sense of y', 0 while it sticks.
 
     def mode_at(self, states: States, time: float, airborne: Sequence[bool] | None = None) -> str:
         """Return FLIGHT if the contact rule says so and the wheel may leave the road, else CONTACT."""
-        if not self.lift_off:
-            return CONTACT
-        flies = self.axle.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
-        return FLIGHT if flies else CONTACT
+        flies = False
+        if self.lift_off:
+            flies = self.axle.clearance(states[1], time) > 0.0 if airborne is None else airborne[0]
+        return self._mode(flies, states, time)
+
+    def _mode(self, flies: bool, states: States, time: float, *, stopped: bool = False) -> str:
+        contact = FLIGHT if flies else CONTACT
+        if not self.friction:
+            return contact
+        return contact + _SENSES[self.axle.sense_of(flies, states, time, stopped=stopped)]
 
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
-        """Return the clearance with the sign that is positive while the mode lasts, m."""
-        if not self.lift_off:
-            return ()
-        clearance = self.axle.clearance(states[1], time)
-        return (clearance if mode == FLIGHT else -clearance,)
+        """Return the margins to the limits of the mode, m: of the contact, and of dry friction.
 
-    def succeeding(self, mode: str, limit: int) -> str:
-        """Return the mode that follows: flight after contact, contact after flight."""
-        return FLIGHT if mode == CONTACT else CONTACT
+        The clearance and the velocity count with the sign that is positive while the mode lasts. A strut
+        that sticks has the friction that is left to both sides.
+        """
+        found: list[float] = []
+        if self.lift_off:
+            clearance = self.axle.clearance(states[1], time)
+            found.append(clearance if _flies(mode) else -clearance)
+        if self.friction:
+            sense = _sense(mode)
+            if sense:
+                plane = self.planes[0].displacement
+                found.append(sense * (states[0] - plane.origin).imag / plane.scale)
+            else:
+                needed, most = self.axle.rubbing(_flies(mode), states, time), self.axle.reach
+                found += [most - needed, most + needed]
+        return tuple(found)
+
+    def mode_after(self, mode: str, limit: int, states: States, time: float) -> str:
+        """Return the mode that follows: flight after contact, contact after flight, and with friction."""
+        flies, sense = _flies(mode), _sense(mode)
+        if self.lift_off and limit == 0:
+            flies = not flies
+            if sense:
+                return (FLIGHT if flies else CONTACT) + _SENSES[sense] * bool(self.friction)
+            return self._mode(flies, states, time, stopped=True)
+        if sense:
+            return self._mode(flies, states, time, stopped=True)
+        return (FLIGHT if flies else CONTACT) + _SENSES[1 if limit == self.lift_off else -1]
+
+    def scheme_of(self, mode: str) -> str:
+        """Return the scheme of a mode: figure 7 or 10, or that of a strut that sticks."""
+        contact = FLIGHT if _flies(mode) else CONTACT
+        return contact + _STUCK * bool(self.friction and not _sense(mode))
 
     def event(self, mode: str, successor: str) -> str:
-        """Return lift-off (U) at the start of a flight, touchdown (V) at its end."""
-        return LIFT_OFF if successor == FLIGHT else TOUCHDOWN
+        """Return lift-off (U), touchdown (V), or `sticking` where that begins."""
+        if _flies(mode) != _flies(successor):
+            return LIFT_OFF if _flies(successor) else TOUCHDOWN
+        return "sticking" if not _sense(successor) else ""
+
+    def remembered(self, states: States, before: States | None) -> States:
+        """Return the state points, P1 on its axis where y' is zero to rounding."""
+        p, origin = states[0], self.planes[0].displacement.origin
+        if self.friction and abs((p - origin).imag) <= 1e-9 * abs(p - origin):
+            return (complex(p.real, origin.imag), *states[1:])
+        return states
 
     # Jumps of the road.
 
@@ -238,7 +299,7 @@ class QuarterCarPlanes(Construction):
 
     def jolted(self, mode: str, states: States, time: float) -> States:
         """Return the state points after a kerb."""
-        return self.axle.jolted(mode == FLIGHT, states, time)
+        return self.axle.jolted(_flies(mode), states, time)
 
     # Readings.
 
@@ -252,7 +313,7 @@ class QuarterCarPlanes(Construction):
     ) -> dict[str, float]:
         """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
         points = self.points(mode, states, Window(time))
-        read = self.axle.readings(mode == FLIGHT, points, time)
+        read = self.axle.readings(_flies(mode), points, time)
         body = self.axle.body_motion(read)
         read["body_displacement"], read["body_velocity"], read["body_acceleration"] = body
         by_force = -self.axle.strut_force(points) / self.sprung_mass

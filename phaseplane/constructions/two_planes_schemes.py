@@ -9,13 +9,25 @@ _NORMALS = "are the normals of the integral curves."
 _TURN = "Their lengths on the common arm of the turn angles: the arcs are the lengths of the steps."
 
 
-def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
-    """Return figure 7 (contact) or figure 10 (flight) of AP57, for a linear or a nonlinear tyre."""
+def axle_scheme(*, flies: bool, linear_tyre: bool = True, sticks: bool = False) -> Scheme:
+    """Return figure 7 (contact) or figure 10 (flight) of AP57, for a linear or a nonlinear tyre.
+
+    Parameters
+    ----------
+    sticks : whether dry friction holds the strut: D1 = Q1, and A1* is found from it
+    """
     states = (
         "The state points P1, P2 and their feet Q1, Q2 on the y axes.",
         marks("state", "P1 P2"),
         marks("foot", "Q1 Q2"),
         strokes("foot", "P1-Q1 P2-Q2"),
+    )
+    held = (
+        "Dry friction holds the strut: D1 = Q1. From P2 parallel to the y2 axis to the auxiliary line: "
+        "A2. Down to the axis: A2*.",
+        marks("normal", "D1"),
+        marks("construction", "A2 A2*"),
+        strokes("construction", "P2-A2 A2-A2*"),
     )
     raised = (
         "From P1, P2 parallel to the y axes to the auxiliary curves: A1, A2. Down to the axes: A1*, "
@@ -39,6 +51,22 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
     )
     end = "B0" if flies else "B2" if linear_tyre else "A2*"
     foot = "D2" if linear_tyre else "H2"
+    balance = (
+        f"From D1 against the y1 axis by a M g/c1: A1*. A1*{end} cuts line I in C1. Q1 through C1 gives "
+        "D2."
+        if flies
+        else f"Q2D1 cuts line II in C2, and {end}C2 the y1 axis in A1*: between both branches of the "
+        f"auxiliary curve. A1*{end} cuts line I in C1. Q1 through C1 gives D2.",
+        marks("construction", "A1*"),
+        marks("projection", "C1" if flies else "C1 C2"),
+        marks("normal" if linear_tyre else "projection", "D2"),
+        strokes("projection", f"A1*-{end} Q1-D2" + ("" if flies else " Q2-D1")),
+    )
+    without_weight = (
+        "From Q2 against the y2 axis by b x2st: B0.",
+        marks("excitation", "B0"),
+        strokes("excitation", "Q2-B0"),
+    )
     projection = (
         f"A1*{end} cuts line I in C1. Q1 through C1 gives D2. Line II is not used."
         if flies
@@ -56,11 +84,16 @@ def axle_scheme(*, flies: bool, linear_tyre: bool = True) -> Scheme:
     )
     return scheme(
         states,
-        raised,
+        held if sticks else raised,
         *((road,) if linear_tyre else ()),
-        *((weight,) if flies else ()),
-        projection,
+        *((without_weight if sticks else weight,) if flies else ()),
+        balance if sticks else projection,
         *(() if linear_tyre else (shift,)),
-        (f"D1P1 and {foot}P2 {_NORMALS}", strokes("normal", f"D1-P1 {foot}-P2")),
+        (
+            f"{foot}P2 is the normal in plane 2. P1 stays where it is.",
+            strokes("normal", f"{foot}-P2"),
+        )
+        if sticks
+        else (f"D1P1 and {foot}P2 {_NORMALS}", strokes("normal", f"D1-P1 {foot}-P2")),
         (_TURN, turn_arcs(("1", "2"))),
     )

@@ -204,7 +204,7 @@ def _history(drawing: Drawing, endings: tuple[str, ...], title: str, look: Look)
         **{name: [f.readings[name] for f in frames] for name in names},
     }
     if any(f.event == LIFT_OFF for f in frames):
-        columns["airborne"] = [float(f.scheme == FLIGHT) for f in frames]
+        columns["airborne"] = [float(f.scheme.startswith(FLIGHT)) for f in frames]
     words = f"Read off the planes: {drawing.title}"
     return time_histories(
         columns, title=f"{title}\n{words}" if title else words, look=look, points=True

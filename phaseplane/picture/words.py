@@ -32,9 +32,10 @@ _SYMBOL = re.compile(
 _EVENTS = {
     "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
     "touchdown": ("V {}touchdown", "The {}wheel touches down (V)."),
+    "sticking": ("F {}sticking", "Dry friction holds the {}suspension (F)."),
     "jolt": ("jump of the road", "The road jumps, and the state points with it."),
 }
-LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J"}
+LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
 
 @lru_cache(maxsize=4096)

@@ -45,8 +45,7 @@ def catalogue() -> dict[str, Any]:
     for name, title in case_titles().items():
         tables = read_layers(find_scene(name)).tables()
         model = tables.get("fmu")
-        friction = any(key.endswith("friction") for key in tables.get("parameters", {}))
-        if model in CONSTRUCTED and not friction:
+        if model in CONSTRUCTED:
             scenes[name] = title
     return {"scenes": scenes, "rules": list(RULES)}
 

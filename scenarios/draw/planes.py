@@ -76,12 +76,13 @@ def of_system(
 
     Raises
     ------
-    ValueError : if the system is of another kind, or has dry friction and more than one plane.
+    ValueError : if the system is of another kind, or has dry friction and more than one axle.
     """
     sticking = [element.name for element in system.elements if element.friction]
-    if sticking and len(system.coordinates) > 1:
+    if sticking and len(system.axles) > 1:
         raise ValueError(
-            f"{sticking[0]} has dry friction, for which there is a construction in one phase plane only"
+            f"{sticking[0]} has dry friction, for which there is a construction with one axle only "
+            "(OneDof and QuarterCar)"
         )
     breaking = [e.name for e in system.elements if e.holding > e.friction]
     if breaking:
@@ -135,6 +136,7 @@ def _quarter_car(system: System, settings: Mapping[str, Any], start: Start) -> C
         gravity=axle.static_load / (body + wheel),
         lift_off=_may_leave(system, axle),
         contact=_element(system, axle.tyre).contact,
+        friction=sum(element.friction for element in system.elements),
         initial_deflection=q[0] - q[1],
         initial_deflection_rate=v[0] - v[1],
         initial_wheel_displacement=q[1],

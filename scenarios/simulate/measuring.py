@@ -89,7 +89,8 @@ def read_at(scene: Scene, instants: Sequence[float], outputs: Iterable[str]) -> 
     """Return the model's solution at the given times and at the start, or {} if it is not known."""
     time = np.array(sorted({0.0, *instants}))
     if scene.fmu.model == EQUATION:
-        return simulate.solving.solve(scene, time)[0]
+        starts = scene.construction.starts
+        return simulate.solving.solve(scene.all_parameters, time, starts=starts)[0]
     if not scene.fmu.is_ours:
         return {}
     own = next(simulated(scene.fmu.model, [scene.all_parameters], time, set(outputs)))

@@ -173,15 +173,16 @@ def _solved(scene: Scene, progress: Progress | None = None) -> Results:
     Interrupted : on Ctrl-C or SIGTERM.
     """
     known, interval = catalogue(scene.fmu.outputs()), scene.show.output_interval
+    parameters, starts = scene.all_parameters, scene.construction.starts
     measures = [known[name] for name in scene.measures]
     parts = refinement(scene.duration, interval)
     time = instants(scene.duration, interval, parts)
     with deferred_interrupt() as interrupted:
         columns, seconds, complaint = simulate.solving.solve(
-            scene, time, progress=progress, interrupted=interrupted
+            parameters, time, starts=starts, progress=progress, interrupted=interrupted
         )
     own = solved_by(
-        lambda places: simulate.solving.solve(scene, places)[0],
+        lambda places: simulate.solving.solve(parameters, places, starts=starts)[0],
         columns, measures, {one.output for one in scene.during},
     )  # fmt: skip
     at = own.rows(parts)

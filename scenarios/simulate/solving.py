@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from phaseplane.suspension.variables import Value
 
 from phaseplane.equations import motion
 
 from ..scene.equation import formula_of
 from .drive import INTERRUPTED, Progress
 
-if TYPE_CHECKING:
-    from ..scene.schema import Scene
-
 
 def solve(
-    scene: Scene,
+    parameters: Mapping[str, Value],
     times: npt.NDArray[np.float64],
     *,
+    starts: Sequence[tuple[float, float]] = (),
     progress: Progress | None = None,
     interrupted: Callable[[], int] = lambda: 0,
 ) -> tuple[dict[str, npt.NDArray[np.float64]], float, str]:
@@ -30,8 +28,9 @@ def solve(
 
     Parameters
     ----------
-    scene : a scene of an equation; motions from further starts follow in columns of their own
+    parameters : of the equation
     times : s, ascending
+    starts : x and x' of further starts, whose motions are columns of their own
     progress : called after every step with the fraction done, 0 to 1
     interrupted : asked after every step whether to stop there
 
@@ -40,10 +39,10 @@ def solve(
     The columns up to where the first of the motions ends, the run time in s, and why it ended early (""
     if not).
     """
-    parameters, started = scene.all_parameters, perf_counter()
+    started = perf_counter()
     switching = formula_of(parameters).switching
     first = float(parameters["displacement_start"]), float(parameters["velocity_start"])
-    starts = (first, *scene.construction.starts)
+    starts = (first, *starts)
 
     def going_on(number: int, time: float) -> bool:
         if progress is not None:

@@ -137,7 +137,7 @@ def _errors(scene: Scene, motion: _Motion) -> dict[str, float]:
     """Return the largest error of each displacement, m."""
     names = list(motion.columns)
     exact = (
-        simulating.solving.solve(scene, motion.times)[0]
+        simulating.solving.solve(scene.all_parameters, motion.times)[0]
         if scene.fmu.model == EQUATION
         else _simulated(scene, motion.times, names)
     )

@@ -473,7 +473,8 @@ def test_between_the_curves_of_a_family_the_point_is_interpolated():
         car = ap57(damper=progressive, auxiliary_levels=levels)
         drawing = march(car, step=STEP, duration=0.15)
         apart.append(abs(drawing.frames[-1].points["P1'"] - own["P1'"]))
-        labels = [c.label for c in drawing.curves if c.role == "auxiliary"]
+        curves = [c for c in drawing.curves if c.role == "auxiliary"]
+        labels = [label for c in curves for label in c.label.split(" and ")]
         assert len(labels) == count + 1  # and the line of plane 2
         assert labels[0] == "y1 = -6 cm"
     assert apart[0] > 2.5 * apart[1] > 6.0 * apart[2] > 0.0

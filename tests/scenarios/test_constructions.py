@@ -25,7 +25,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 
-from phaseplane.constructions import RULES
+from phaseplane.constructions import RULES, QuarterCarPlanes, march
 from phaseplane.equations import Formula
 
 SETTINGS = {"rule": "delta", "step": 0.001}
@@ -160,10 +160,13 @@ def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
 
 
 def test_what_sticks_is_refused():
-    """In one plane dry friction is constructed; two planes that stick together are not."""
-    with pytest.raises(ValueError, match=r"friction has dry friction.*in one phase plane only"):
-        of_system(build("QuarterCar", {"friction": 50.0}), {})
-    assert of_system(build("OneDof", {"friction": 50.0}), {}).friction == 50.0  # type: ignore[attr-defined]
+    """With one axle dry friction is constructed; two axles that hold one another are not."""
+    for model in ("HalfCar", "HalfCarRigidTyres"):
+        with pytest.raises(ValueError, match=r"friction has dry friction.*with one axle only"):
+            of_system(build(model, {"rear.friction": 50.0}), {})
+    for model in ("OneDof", "QuarterCar"):
+        made = of_system(build(model, {"friction": 50.0}), {})
+        assert made.friction == 50.0  # type: ignore[attr-defined]
     with pytest.raises(InputError, match="Tractor has no construction"):
         planes_of("Tractor", {}, {})
 
@@ -359,14 +362,14 @@ def test_rules_that_cannot_be_drawn():
 
 
 def test_a_recording_does_without_a_construction_that_there_is_not(tmp_path: Path) -> None:
-    """Dry friction in two planes has none; figures that need one are refused before anything is run."""
-    settings = ["show.figures=[]", "show.recording=trail", "duration=0.1"]
-    summary, _ = run_scene("leaf_spring", settings, tmp_path / "out")
+    """Dry friction at two axles has none; figures that need one are refused before anything is run."""
+    settings = ["front.friction=50", "show.figures=[]", "show.recording=trail", "duration=0.1"]
+    summary, _ = run_scene("half_car_pitch", settings, tmp_path / "out", expect=False)
     assert "construction.rrd" in summary["files"]
     with pytest.raises(
-        InputError, match="dry friction, for which there is a construction in one phase plane only"
+        InputError, match="dry friction, for which there is a construction with one axle only"
     ):
-        run_scene("leaf_spring", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
+        run_scene("half_car_pitch", [*settings, 'show.figures=["phase_planes"]'], tmp_path / "two")
 
 
 @pytest.mark.parametrize(
@@ -417,3 +420,60 @@ def test_friction_that_breaks_away_has_no_construction():
         ValueError, match="leaf: there is no construction of friction that breaks away"
     ):
         of_system(dataclasses.replace(system, elements=(*system.elements, leaf)), {})
+
+
+@pytest.mark.parametrize(
+    ("friction", "more"),
+    [
+        (300.0, {}),
+        (1500.0, {}),
+        (800.0, {"contact": "force"}),
+        (300.0, {"lift_off": False}),
+        (400.0, {"tyre.table": "-0.05:-9000, -0.01:-1500, 0:0, 0.01:1500, 0.03:4000"}),
+    ],
+)
+def test_dry_friction_converges_to_the_motion_of_the_model(friction, more):
+    """Second order by the delta method, through lift-off, touchdown and sticking."""
+    parameters = {"road.shape": "bump", "friction": friction, "speed": 15.0, **more}
+    planes = of_system(build("QuarterCar", parameters), {})
+    errors = []
+    for step in (1e-3, 5e-4):
+        drawing = march(planes, step=step, duration=0.5)
+        names = ["suspension_deflection", "wheel_displacement"]
+        exact = simulate("QuarterCar", parameters, [f.time for f in drawing.frames], names)
+        errors.append(
+            max(
+                abs(frame.readings[name] - exact[name][i])
+                for i, frame in enumerate(drawing.frames)
+                for name in names
+            )
+        )
+    assert errors[0] < 1e-4
+    assert errors[0] > 3.0 * errors[1]
+    events = {frame.event for frame in drawing.frames}
+    assert "sticking" in events
+    assert ("lift_off" in events) == more.get("lift_off", True)
+
+
+def test_while_the_strut_sticks_the_projection_backwards_is_that_forwards():
+    """A1* that is found from D1 = Q1 gives D1 again, and lies between both branches."""
+    parameters = {"road.shape": "bump", "friction": 1500.0, "speed": 15.0}
+    planes = of_system(build("QuarterCar", parameters), {})
+    assert isinstance(planes, QuarterCarPlanes)
+    drawing = march(planes, step=1e-3, duration=0.5)
+    held = [frame for frame in drawing.frames if frame.scheme.endswith("sticking")]
+    assert len(held) > 50
+    for frame in held:
+        at = frame.points
+        assert at["D1"] == at["Q1"]
+        assert abs(at["P1'"] - at["P1"]) < 1e-12
+        if "C2" in at:
+            c2, d1 = planes.axle.lines.to_plane_1(at["A1*"], at["B2"], at["Q2"])
+            assert abs(c2 - at["C2"]) < 1e-12
+            assert abs(d1 - at["D1"]) < 1e-12
+    # the mean over a step may go a little beyond what an instant allows
+    lienard = planes.axle.suspension
+    for frame in held:
+        y, _ = lienard.values(frame.points["P1"])
+        eps = -lienard.displacement(frame.points["A1*"])
+        assert abs(eps - planes.axle.epsilon_of(0)(0.0, y)) < 1.2 * planes.axle.reach

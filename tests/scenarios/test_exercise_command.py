@@ -107,7 +107,7 @@ def test_two_planes_are_drawn_to_scale_on_a3(tmp_path: Path) -> None:
         (["van_der_pol", "--steps", "0"], "--steps 0: must be from 1 to 40"),
         (["van_der_pol", "--mark", "none.csv"], "--mark none.csv: No such file"),
         (["van_der_pol", "--paper", "A5"], "'A5' is not one of"),
-        (["leaf_spring"], "in one phase plane only"),
+        (["half_car_pitch", "--set", "front.friction=50"], "with one axle only"),
     ],
 )
 def test_bad_input_is_refused_in_a_line(words: list[str], message: str) -> None:

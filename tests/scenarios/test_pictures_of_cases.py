@@ -28,7 +28,6 @@ from phaseplane.recording.steps import free_letters
 LONGEST = 1.0  # s of each case
 SYSTEMS_OF_ONES_OWN = {"double_pendulum", "full_car"}
 REFUSED = {
-    "leaf_spring": "dry friction, for which there is a construction in one phase plane only",
     "light_wheel": "try 1.4e-05 s",
     "stiff_stop": "try a step shorter than 0.0025 s",
 }
