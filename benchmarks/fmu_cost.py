@@ -2,8 +2,9 @@
 
     python benchmarks/fmu_cost.py [--print]
 
-Three FMUs are stepped in turn, so that a busy machine slows all of them: a minimal one in C, a
-pythonfmu slave that does nothing, and `QuarterCar`. Minima over short series of steps are compared.
+Four FMUs are stepped in turn, so that a busy machine slows all of them: one in C and a pythonfmu
+slave that do nothing, and `QuarterCar` of both kinds. Minima over short series of steps are compared.
+A host in C steps the native one by itself.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from fmpy.simulation import instantiate_fmu
 from native_fmu import OUTPUTS, native_fmu
 from phaseplane.suspension.session import simulate
 from phaseplane.vehicle_fmus.build import build
+from phaseplane.vehicle_fmus.native import compilers, pack
 
 STEP, STRETCH, ROUNDS = 1e-3, 40, 25  # s, steps
 READ = (
@@ -91,6 +93,12 @@ class Stepped:
         return best
 
 
+def native_car(folder: Path) -> Path:
+    """Pack the native FMU for this machine."""
+    (file,) = pack.build(["QuarterCar"], folder / "native", platforms=[compilers.this_platform()])
+    return file
+
+
 def best_of(functions: dict[str, Callable[[], float]], rounds: int) -> dict[str, float]:
     """Return the least value of each function over interleaved rounds."""
     found = [{name: function() for name, function in functions.items()} for _ in range(rounds)]
@@ -98,14 +106,39 @@ def best_of(functions: dict[str, Callable[[], float]], rounds: int) -> dict[str,
 
 
 def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
-    """Return the time of one doStep and eight getReal for each of the three FMUs, s."""
+    """Return the time of one doStep and eight getReal for each of the four FMUs, s."""
     blank = tuple(f"y{k}" for k in range(OUTPUTS))
     stepped = {
-        "native": Stepped(native_fmu(folder), blank),
+        "empty": Stepped(native_fmu(folder), blank),
         "wrapper": Stepped(empty_fmu(folder), blank),
         "QuarterCar": Stepped(build(["QuarterCar"], folder)[0], READ),
+        "native QuarterCar": Stepped(native_car(folder), READ),
     }
     return best_of({name: one.time for name, one in stepped.items()}, rounds)
+
+
+def host_costs(folder: Path) -> dict[str, float]:
+    """Return the processor time of the native FMU in a host in C, s: a step with 8 values, an instance.
+
+    An instance is made, initialised and freed.
+    """
+    fmu = native_car(folder)
+    unpacked = Path(extract(str(fmu)))
+    description = read_model_description(str(unpacked), validate=False)
+    references = {v.name: str(v.valueReference) for v in description.modelVariables}
+    source = Path(__file__).parents[1] / "tests" / "vehicle_fmus" / "native" / "loading.c"
+    headers, program = Path(pack.__file__).parent / "c", folder / "loading"
+    subprocess.run(
+        ["cc", "-O2", f"-I{headers}", "-o", str(program), str(source), "-ldl"], check=True
+    )
+    library = unpacked / "binaries" / "linux64" / "QuarterCar.so"
+    done = subprocess.run(
+        [str(program), str(library), description.guid, "time", "1000", str(STEP),
+         *(references[name] for name in READ)],
+        check=True, capture_output=True, text=True,
+    )  # fmt: skip
+    step, instance = map(float, done.stdout.split())
+    return {"step": 1e-9 * step, "instance": 1e-9 * instance}
 
 
 def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
@@ -138,9 +171,10 @@ def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
     return best_of(
         {
             "in-process": in_process,
-            "FMPy, native FMU": by_fmpy(native_fmu(folder), blank),
+            "FMPy, empty FMU in C": by_fmpy(native_fmu(folder), blank),
             "FMPy, empty pythonfmu slave": by_fmpy(empty_fmu(folder), blank),
             "FMPy, QuarterCar": by_fmpy(build(["QuarterCar"], folder)[0], READ),
+            "FMPy, native QuarterCar": by_fmpy(native_car(folder), READ),
         },
         rounds,
     )
@@ -150,11 +184,17 @@ def measured() -> dict[str, Any]:
     """Return both tables with their ratios, the machine and the versions."""
     with tempfile.TemporaryDirectory() as work:
         step, scene = step_costs(Path(work)), scene_costs(Path(work))
+        host = host_costs(Path(work))
     return {
         "machine": {"processor": _processor(), "python": platform.python_version(),
                     **{name: version(name) for name in ("fmpy", "pythonfmu")}},
         "doStep + 8 getReal, us": {name: round(1e6 * t, 2) for name, t in step.items()},
-        "ratio to native": round(step["QuarterCar"] / step["native"], 2),
+        "ratio to the empty one": {
+            name: round(step[name] / step["empty"], 2) for name in ("QuarterCar", "native QuarterCar")
+        },
+        "native QuarterCar in a host in C, us": {
+            name: round(1e6 * t, 2) for name, t in host.items()
+        },
         "AP57 scene of 1 s at 1 ms, ms": {name: round(1e3 * t, 2) for name, t in scene.items()},
         "ratio to in-process": round(scene["FMPy, QuarterCar"] / scene["in-process"], 2),
     }  # fmt: skip

@@ -1,12 +1,19 @@
-"""The cost of an FMU in FMPy stays below its limit."""
+"""The cost of FMUs in FMPy and in a host in C stays below its limits."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from fmu_cost import step_costs
+from fmu_cost import host_costs, step_costs
 
 
 def test_a_communication_step(tmp_path: Path) -> None:
     costs = step_costs(tmp_path)
-    assert costs["QuarterCar"] <= 2.5 * costs["native"], costs
+    assert costs["QuarterCar"] <= 2.5 * costs["empty"], costs
+    assert costs["native QuarterCar"] <= 1.3 * costs["empty"], costs
+
+
+def test_a_native_fmu_in_a_host_in_c(tmp_path: Path) -> None:
+    costs = host_costs(tmp_path)
+    assert costs["step"] <= 1e-6, costs
+    assert costs["instance"] <= 1e-3, costs

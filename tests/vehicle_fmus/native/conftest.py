@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from phaseplane.suspension import own
 from phaseplane.vehicle_fmus.build import build as build_in_python
 from phaseplane.vehicle_fmus.native import compilers
 from phaseplane.vehicle_fmus.native.pack import build
+from structures import SANITIZED, SANITIZERS
 
 Packer = Callable[..., Path]
 
@@ -30,6 +32,8 @@ def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> Packer:
     @cache
     def packed(model: str, *settings: tuple[str, object], text: str = "", fmi: int = 2) -> Path:
         quick = tuple("-O1" if flag == "-O2" else flag for flag in compilers.FLAGS)
+        if os.environ.get(SANITIZED):
+            quick += SANITIZERS
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(compilers, "FLAGS", quick)
             patch.setattr(compilers, "has_zig", lambda: False)

@@ -2,7 +2,7 @@
  *
  *     loading LIBRARY GUID run STEPS SIZE NAMES...   print outputs, by value reference, after every step
  *     loading LIBRARY GUID refuse REFERENCE VALUE    set a parameter, print how initialisation ends
- *     loading LIBRARY GUID cycles COUNT              make and end instances; print pages of memory before, after
+ *     loading LIBRARY GUID cycles COUNT              make and end instances; print bytes of the heap before, after
  *     loading LIBRARY GUID time STEPS SIZE NAMES...  print ns of processor time: of a step with its
  *                                                    outputs read, of making an instance, least of several
  */
@@ -24,6 +24,13 @@
 #define OPEN(path) dlopen(path, RTLD_NOW | RTLD_LOCAL)
 #define FIND(library, name) dlsym(library, name)
 #define CLOSE(library) dlclose(library)
+#endif
+
+#if defined __GLIBC__ && __GLIBC_PREREQ(2, 33)
+#include <malloc.h>
+#define IN_USE ((long) mallinfo2().uordblks) /* bytes of the heap */
+#else
+#define IN_USE 0L
 #endif
 
 #define MOST 64
@@ -66,14 +73,6 @@ static double seconds(void) {
     return (double) clock() / CLOCKS_PER_SEC;
 }
 
-static long pages(void) {
-    long size, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (file && fscanf(file, "%ld %ld", &size, &resident) != 2) resident = 0;
-    if (file) fclose(file);
-    return resident;
-}
-
 static void run(int steps, double size, int count) {
     fmi2Component one = begun();
     for (int k = 0; k < steps; k++) {
@@ -106,13 +105,14 @@ static void measure(int steps, double size, int count) {
 
 static void cycle(int count) {
     for (int k = 0; k < 100; k++) free_instance(begun());
-    printf("%ld ", pages());
+    const long before = IN_USE;
     for (int k = 0; k < count; k++) {
         fmi2Component one = begun();
         do_step(one, 0.0, 1e-3, 1);
         free_instance(one);
     }
-    printf("%ld\n", pages());
+    const long after = IN_USE;
+    printf("%ld %ld\n", before, after);
 }
 
 int main(int count, char **arguments) {

@@ -8,6 +8,10 @@ from typing import Any
 
 from phaseplane.suspension import own
 
+SANITIZED = "PHASEPLANE_TEST_SANITIZED"
+"""Set in the environment where native FMUs under test are to be compiled with sanitizers."""
+SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
 
 @dataclass(frozen=True)
 class Structure:

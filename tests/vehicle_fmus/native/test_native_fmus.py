@@ -147,30 +147,3 @@ def test_the_archive_has_all_that_it_is_made_of(native_fmu: Packer, tmp_path: Pa
     text = (tmp_path / "sources/model.c").read_text()
     assert "static int Integrator__step(Integrator *self, double latest) {" in text
     assert "/* Add M^-1 times the impulses in `scratch` to v. */" in text
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("model", ["QuarterCar", "Elastoplastic"])
-def test_sanitizers_find_nothing(model: str, native_fmu: Packer, tmp_path: Path) -> None:
-    """The sources inside, compiled with a host in C."""
-    with zipfile.ZipFile(native_fmu(model, *STRUCTURES[model].settings.items())) as archive:
-        archive.extractall(tmp_path)
-    host = tmp_path / "host"
-    built = subprocess.run(
-        ["cc", "-g", "-O1", "-w", "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
-         "-ffp-contract=off", f"-I{tmp_path / 'sources'}", "-o", str(host),
-         str(Path(__file__).parent / "host.c"), str(tmp_path / "sources" / "all.c"), "-lm"],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    if "cannot find" in built.stderr:
-        pytest.skip("no sanitizers")
-    assert built.returncode == 0, built.stderr
-    first = next(
-        k for k, v in enumerate(variables(model)) if v.name.endswith("displacement")
-        and v.causality == "output"
-    )  # fmt: skip
-    guid = read_model_description(str(tmp_path)).guid
-    done = subprocess.run(
-        [str(host), guid, str(first)], capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stderr) == (0, "")
