@@ -33,6 +33,7 @@ from .variables import (
     variables,
 )
 
+_HALTED, _AT_SWITCHES = -1, 1  # as in kernel.march
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 
 
@@ -201,8 +202,15 @@ class Session:
             raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
         self._tuned[name] = variable.checked(value)
 
-    def advance(self, until: float) -> None:
-        """Step to the time `until`, s.
+    def advance(self, until: float, *, to_switch: bool = False) -> None:
+        """Step to the time `until`, s, or to the first switch of an element before it.
+
+        Where a run stops changes nothing in its motion unless something is set there.
+
+        Parameters
+        ----------
+        until : s
+        to_switch : whether to stop at the next switch after the present time
 
         Raises
         ------
@@ -229,12 +237,22 @@ class Session:
                 for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True)
                 if airborne
             ]
-        if self._integrator.time < until:
+        self._integrator.halts = _AT_SWITCHES if to_switch else 0
+        while (switch := self._next_switch(to_switch)) > until and self._integrator.time < until:
             if not self._run.sampled:
                 self._behind = self._integrator.snapshot()
             self._step(until, stop=self._run.sampled)
-        self._run.time = until
+        self._run.time = min(switch, until)
         self._sample()
+
+    def _next_switch(self, wanted: bool) -> float:
+        """Return the time of the next switch that is known, if it is wanted; inf if none."""
+        coming = inf
+        for event in reversed(self.events) if wanted else ():
+            if event.time <= self.time:
+                break
+            coming = event.time
+        return coming
 
     def _step(self, until: float, stop: bool) -> None:
         self._around = None
@@ -243,7 +261,7 @@ class Session:
         self._note_stability()
         self._note_overruns()
         self._note_drift()
-        if status != 0:
+        if status not in (0, _HALTED):
             self.ok = False
             self._run.time = self._integrator.time
             step = self._integrator.step_count

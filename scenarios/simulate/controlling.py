@@ -31,8 +31,8 @@ def controlled(
 ) -> Solution:
     """Return a run in which a controller sets the model's inputs.
 
-    Between two evaluations an input follows the rule for sampled inputs of the model. At an event the
-    run returns to it, the controller is evaluated there, and the run goes on from it.
+    Between two evaluations an input follows the rule for sampled inputs of the model. A run whose
+    controller is woken by events stops at each, the controller is evaluated there, and the run goes on.
 
     Parameters
     ----------
@@ -91,14 +91,8 @@ def _advance(session: Session, until: float, evaluate: object) -> None:
         session.advance(until)
         return
     for _ in range(_MOST_AWAKENINGS):
-        state, begun = session.snapshot(), session.time
-        session.advance(until)
-        event = next(
-            (e.time for e in session.events if begun + _CLOSE < e.time < until - _CLOSE), None
-        )
-        if event is None:
-            return
-        session.restore(state)
-        session.advance(event)
+        session.advance(until, to_switch=True)
+        if session.time >= until - _CLOSE:
+            break
         evaluate()
     session.advance(until)

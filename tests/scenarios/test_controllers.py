@@ -123,3 +123,31 @@ def test_a_force_that_is_no_number_ends_the_run():
     run = phaseplane.run(with_controller(actuator_force="log(0.5 - t)", period=0.01))
     assert run.failure.startswith("at 0.")
     assert "controller.actuator_force" in run.failure
+
+
+def test_a_force_set_at_the_lift_off_itself_does_not_count_it_twice():
+    """At that instant the tyre is on its corner, where rounding would decide on its branch."""
+    for push in (300.0, 500.0, 1500.0, 2000.0):
+        run = phaseplane.run(
+            "woken_by_lift_off", controller={"constants": {"push": push}}, expect=False
+        )
+        lift_offs, touchdowns = run.measures["lift_offs"], run.measures["touchdowns"]
+        assert len(lift_offs) == len(set(lift_offs)) == len(touchdowns)
+        assert all(up < down for up, down in zip(lift_offs, touchdowns, strict=True))
+
+
+def test_a_woken_controller_acts_where_a_sampled_one_tends_to():
+    """The error of sampling falls with the period; woken, there is none, whatever the period."""
+
+    def contacts(period, events):
+        controller = {
+            "period": period, "events": events, "actuator_force": "500 * airborne",
+        }  # fmt: skip
+        run = phaseplane.run("speed_bump", duration=0.4, controller=controller, expect=False)
+        return np.array([*run.measures["lift_offs"], *run.measures["touchdowns"]])
+
+    woken = [contacts(period, True) for period in (5e-3, 1e-3)]
+    assert len(woken[0]) == 6
+    np.testing.assert_allclose(woken[1], woken[0], rtol=0.0, atol=1e-11)
+    late = [abs(contacts(period, False) - woken[0]).max() for period in (5e-3, 1e-3, 1e-4)]
+    assert late[0] > 1e-3 > late[1] > 1e-4 > late[2] > 0.0

@@ -179,12 +179,13 @@ class Integrator(March):
         before -= self.net.exchange
         self._remember_branches()
         jump = self.net.replace_signal(signal, self.time, coefficients)
-        if jumps and jump != 0.0:
-            # a damper at rest is at its corner: the road's new velocity decides on which side it acts
+        if self.net.is_road[signal]:  # a load leaves elements where they are, if on a corner, too
+            if jumps and jump != 0.0:
+                # a damper at rest is at its corner: the road's new velocity decides on which side it acts
+                self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+                self.stepper.refresh(self.time)
+                self.net.impulse(signal, jump, self.stepper.v)
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
-            self.stepper.refresh(self.time)
-            self.net.impulse(signal, jump, self.stepper.v)
-        self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         if jumps:  # at the start the road has always been there, and nothing was lost or met
             self._book_contacts()
         self._note_changes()
