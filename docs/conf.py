@@ -31,6 +31,7 @@ CONTENTS = {
     "Begin": ("start", "installation", "terms"),
     "Guides": (
         "scenes",
+        "comfort",
         "sweeps",
         "design",
         "systems",
