@@ -227,10 +227,11 @@ def _tick(
     page.dots("here", states, 1.0, 0.5)
     page.dots("state", states, 1.3)
     kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
-    for letter in lettered.texts:
-        if letter.text.split(" ")[0] in kept:
-            page.put(letter)
-    page.items += lettered.of(Arrow)
+    drawn = [letter for letter in lettered.texts if letter.text.split(" ")[0] in kept]
+    for letter in drawn:
+        page.put(letter)
+    # at the rim, to what is out of view
+    page.items += [a for a in lettered.of(Arrow) if a.start in [letter.point for letter in drawn]]
     new = [m for m in scheme.marks if m.stage == stage and typeset(m.label) not in kept]
     fresh = lettered.following()
     fresh.letters(frame, new)

@@ -183,13 +183,13 @@ def protocol(
         markdown("; ".join(measured(drawing, scheme, frame, stage, units)))
         for stage in range(len(words))
     ]
-    lines = [f"**{words[present]}** {found[present]}".rstrip(), "---"]
+    lines = []
     for stage, text in enumerate(words):
         lines.append(f"{stage + 1}. **{text}**" if stage == present else f"{stage + 1}. {text}")
         # four planes have so many lengths that the list would be lost in them
         if found[stage] and stage < present and len(drawing.planes) <= 2:
             lines[-1] += f"\n   {found[stage]}"
-    return "\n\n".join([*lines[:2], "\n".join(lines[2:])])
+    return f"**{words[present]}** {found[present]}".rstrip() + "\n\n" + "\n".join(lines)
 
 
 def measured(

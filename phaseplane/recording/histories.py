@@ -77,7 +77,7 @@ def panels(content: Content) -> list[Panel]:
 
 
 def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:
-    """Send curves over `t` as given, over `step` at the steps."""
+    """Send curves over `t` as given, over `step` and `stage` at their ticks."""
     times = np.asarray(content.histories.get("time", ()), float)
     if not len(times):
         return
@@ -89,6 +89,9 @@ def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock
             if len(clock.times) and not content.live:
                 at = np.interp(clock.times, times, values, left=np.nan, right=np.nan)
                 recording.send_columns(path, clock.counted(), rr.Scalars.columns(scalars=at))
+            if len(clock.ticks) and not content.live:
+                at = np.interp(clock.ticks, times, values, left=np.nan, right=np.nan)
+                recording.send_columns(path, clock.staged(), rr.Scalars.columns(scalars=at))
 
 
 def send_readings(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 import rerun as rr
@@ -74,6 +76,11 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
                         "step", sequence=clock.steps[np.minimum(steps, len(clock.times) - 1)]
                     )
                 )
-            recording.send_columns(
-                path, on, rr.StateChange.columns(state=np.where(states[new], _LOUD, _CALM).tolist())
-            )
+            recording.send_columns(path, on, _changes(states[new]))
+        if len(clock.ticks) and not content.live:
+            rows = np.searchsorted(times, clock.ticks * (1.0 + 1e-9), side="right") - 1
+            recording.send_columns(path, clock.staged(), _changes(active[np.maximum(rows, 0)]))
+
+
+def _changes(states: npt.NDArray[np.bool_]) -> Any:
+    return rr.StateChange.columns(state=np.where(states, _LOUD, _CALM).tolist())

@@ -24,7 +24,7 @@ from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
 from .whole import Recorder
 
 _STAGES_PER_SECOND = 1.0
-_LONGEST = 60.0  # s that the viewer takes to play all steps
+_LONGEST = 60.0  # s that the viewer takes to play the motion
 
 
 def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Blueprint:
@@ -93,15 +93,15 @@ def _time_panel(content: Content, recorder: Recorder) -> rrb.TimePanel:
         return rrb.TimePanel(
             state="collapsed", timeline="t", playback_speed=speed, play_state=state
         )
-    if recorder.ticks:
-        return rrb.TimePanel(
-            state="collapsed", timeline="stage", fps=_STAGES_PER_SECOND, play_state="playing",
-            loop_mode="all",
-        )  # fmt: skip
-    rate = max(1.0, len(content.drawing.frames) / _LONGEST)
+    rate = _STAGES_PER_SECOND
+    if not recorder.ticks:
+        rate = max(rate, len(content.drawing.frames) / _LONGEST)
+    # the speed makes the motion on `t` last as long; stages and steps pass at fps times the speed
+    speed = float(np.ptp(recorder.clock.times)) / _LONGEST
     return rrb.TimePanel(
-        state="collapsed", timeline="step", fps=rate, play_state="playing", loop_mode="all"
-    )
+        state="collapsed", timeline="stage" if recorder.ticks else "step", playback_speed=speed,
+        fps=rate / speed, play_state="playing", loop_mode="all",
+    )  # fmt: skip
 
 
 def _sheets(content: Content, pages: Sequence[Page]) -> rrb.View | rrb.Container:

@@ -25,7 +25,7 @@ from recorded import (
 from phaseplane.constructions import Axis, Curve, Mark, delta, march
 from phaseplane.picture.canvas import Echo
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import graduation_of
+from phaseplane.picture.page import Arrow, graduation_of
 from phaseplane.picture.paper import Box, arcs
 from phaseplane.picture.quantities import display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -134,6 +134,19 @@ def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
     unit, factor = stays.units["wheel_displacement"]
     value = factor * made.frames[12].readings["wheel_displacement"]
     assert f"y₂ = {value:.4g} {unit}" in told[0][1]
+
+
+def test_arrows_at_the_rim_come_with_their_letters() -> None:
+    made = march(quarter_car(), delta, step=0.0025, steps=30)
+    stays = pages_of(Content("quarter car", made))[0]
+    step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
+    ticks = [t for t in story_of(made, stays, arms_page(made), {}, (step,)) if t.step == step]
+    for tick in ticks:
+        named = {text.point for text in tick.page.texts if text.text.startswith("D")}
+        arrows = {a.start for a in tick.page.of(Arrow) if a.role == "normal"}
+        assert arrows <= named
+    assert not ticks[0].page.of(Arrow)  # the feet are not drawn yet
+    assert any(a.role == "normal" for a in ticks[-1].page.of(Arrow))
 
 
 @pytest.mark.parametrize(

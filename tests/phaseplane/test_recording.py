@@ -16,6 +16,7 @@ from phaseplane.suspension.roads import bump
 from recorded import (
     DISTANCE,
     FLIGHT,
+    HISTORIES,
     KGF,
     PLANES,
     STEP,
@@ -62,6 +63,8 @@ def test_entities(recorded: Recorded) -> None:
         *(f"/sheet/trail/{name}/recent" for name in planes),
         *(f"/sheet/story/{part}" for part in ("lines", "points", "letters")),
         *(f"/arms/story/{part}" for part in ("lines", "points", "letters")),
+        *(f"/chart/story/{part}" for part in ("lines", "points", "letters")),
+        "/chart/cursor",
         f"{steps}/here",
         f"{steps}/contact/lines",
         f"{steps}/contact/points",
@@ -85,7 +88,7 @@ def test_steps_are_on_t_and_step_and_the_story_on_stage(recorded: Recorded) -> N
         indices = {n for row in rows for n in row if ":" not in n and n != "rerun.controls.RowId"}
         if "/story/" in path:
             assert indices == {"stage"}, path
-        elif path.startswith("/sheet"):
+        elif path.startswith(("/sheet", "/chart")):
             assert indices == {"t", "step"}, path
         else:
             assert indices <= {"t", "step", "stage"}, path
@@ -111,6 +114,7 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
         "y\N{SUBSCRIPT ONE}": "/",
         "y\N{SUBSCRIPT TWO}": "/",
         "turn angles": "/",
+        "over time": "/",
         "displacement [cm], 0 to 40": "/histories/displacement",
         "velocity [m/s], 0 to 2": "/histories/velocity",
         "acceleration [m/s\N{SUPERSCRIPT TWO}], 0 to 20": "/histories/acceleration",
@@ -119,6 +123,33 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
     }
     paths = {"/" + path.split("/")[1] for path in recorded.rows}
     assert {"/" + origin.split("/")[1] for origin in views.values()} - {"/"} <= paths
+
+
+def test_contact_has_a_lane_on_every_timeline(tmp_path: Path) -> None:
+    times = HISTORIES["time"]
+    flies = (times > 0.0624) & (times < 0.0999)
+    shown = replace(content(), histories={**HISTORIES, "airborne": flies})
+    record(shown, tmp_path / "f.rrd")
+    rows = Recorded(tmp_path / "f.rrd").rows["/lanes/wheel"]
+    off = {
+        name: [r[name] for r in rows if name in r and r["StateChange:state"] == ["loud"]]
+        for name in ("t", "step", "stage")
+    }
+    assert off["t"] == pytest.approx([0.0625])
+    assert off["step"] == [25]
+    told = pages_of(shown)[0]
+    ticks = list(story_of(drawing(), told, arms_page(drawing()), {}))
+    flight = [k for k, tick in enumerate(ticks) if 0.0624 < tick.time < 0.0999]
+    assert flight
+    assert off["stage"] == flight
+
+
+def test_stages_play_at_one_a_second_and_the_motion_in_a_minute(recorded: Recorded) -> None:
+    panel = {name: value for _, row in recorded.layout for name, value in row.items()}
+    assert panel["TimePanelBlueprint:timeline"] == ["stage"]
+    (speed,), (fps,) = (panel[f"TimePanelBlueprint:{n}"] for n in ("playback_speed", "fps"))
+    assert fps * speed == pytest.approx(1.0)
+    assert 60 * STEP / speed == pytest.approx(60.0)
 
 
 def test_sheet_stands_upright(recorded: Recorded) -> None:
