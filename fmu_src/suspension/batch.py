@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import ceil, isfinite
+from math import ceil, isfinite, nan
 from operator import itemgetter
 from typing import Any
 
@@ -24,12 +24,14 @@ from .models import build
 from .outputs import Reading, reading_of
 from .series import Series, is_at_end, is_over_time, joints
 from .session import start_state
+from .slots import Slots
 from .systems import System
 from .variable import Variable
-from .variables import ParameterError, Value, checked_parameters, refuse_unknown
+from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 from .variables import outputs as outputs_of
 
 _CHUNK = 1024  # runs per task of a thread
+_MANY = 32  # runs from which on their systems are built by columns
 _MOST_KINDS = 8  # of systems, with an integrator for each
 _MOST_NUMBERS = 4_000_000  # of systems whose runs are yet to be made
 
@@ -217,11 +219,16 @@ class _Bench:
     def __init__(self, task: _Task) -> None:
         self._task = task
         self._kinds: list[_Kind] = []
+        # by the parameters that vary and those that do not: how rows follow from them, and their kind
+        self._known: dict[tuple[object, ...], tuple[Slots, _Kind] | None] = {}
 
     def run(self, sets: Sequence[Mapping[str, object]]) -> list[Outcome]:
         """Make a run for each set; bad parameters are a failure of their run."""
         found = [_NOTHING] * len(sets)
+        entered = self._enter_together(sets)
         for run, given in enumerate(sets):
+            if run in entered:
+                continue
             try:
                 kind = self._enter(run, given)
             except ValueError as error:
@@ -234,6 +241,57 @@ class _Bench:
         for kind in self._kinds:
             self._make(kind, found)
         return found
+
+    def _enter_together(self, sets: Sequence[Mapping[str, object]]) -> set[int]:
+        """Add the runs whose systems differ in their numbers alone, by whole columns; return which."""
+        first = sets[0]
+        if len(sets) < _MANY or any(given.keys() != first.keys() for given in sets):
+            return set()
+        declared = {v.name: v for v in variables(self._task.model)}
+        varied = [name for name in first if any(given[name] != first[name] for given in sets)]
+        if not varied or not all(_is_number(declared.get(name)) for name in varied):
+            return set()
+        slots, kind = self._slots(first, varied) or (None, None)
+        if slots is None or kind is None or len(sets) * slots.width > _MOST_NUMBERS:
+            return set()
+        columns = {
+            name: np.array([_checked(declared[name], given[name]) for given in sets])
+            for name in varied
+        }
+        rows, valid = slots.rows(columns)
+        for column in columns.values():
+            valid &= np.isfinite(column)
+        runs = np.flatnonzero(valid)
+        kind.numbers.frombytes(rows[runs].tobytes())
+        kind.runs += runs.tolist()
+        if kind.series.needs_systems:
+            kind.systems += [build(self._task.model, sets[run]) for run in runs]
+        return set(runs.tolist())
+
+    def _slots(
+        self, first: Mapping[str, object], varied: Sequence[str]
+    ) -> tuple[Slots, _Kind] | None:
+        """Return how rows follow from the parameters that vary; None if each system is to be built."""
+        model = self._task.model
+        try:
+            parameters = checked_parameters(model, first)
+        except ValueError:
+            return None
+        same = tuple((name, value) for name, value in parameters.items() if name not in varied)
+        key = (*varied, *same)
+        known = self._known.get(key)
+        if known is not None and any(kind is known[1] for kind in self._kinds):
+            return known
+        if key in self._known and known is None:
+            return None
+        self._known[key] = None
+        try:
+            kind = self._kind(_solver(parameters), build(model, parameters))
+            slots = Slots(model, parameters, varied, kind.integrator, self._task.times[0])
+            self._known[key] = slots, kind
+        except Exception:
+            return None
+        return self._known[key]
 
     def _enter(self, run: int, given: Mapping[str, object]) -> _Kind:
         """Build the system of a run, and add it to those of its kind.
@@ -303,6 +361,23 @@ class _Bench:
                 why = why_stopped(one.status, f"at {one.time:.6g} s, in step {one.steps}")
                 yield Outcome(found, why, {}, *bends)
             first += len(ended)
+
+
+def _is_number(variable: Variable | None) -> bool:
+    """Return whether a parameter is a number that may vary within a batch of columns."""
+    return (
+        variable is not None
+        and isinstance(variable.start, float)
+        and not variable.name.startswith("solver.")
+    )
+
+
+def _checked(variable: Variable, value: object) -> float:
+    """Return a number in SI; NaN if it cannot be taken."""
+    try:
+        return float(variable.checked(value))
+    except ParameterError:
+        return nan
 
 
 _solver = itemgetter(

@@ -12,9 +12,10 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
+from phaseplane.suspension.trace import Number
+
 from .declarations import NUMBERS
 from .kernel_sources import Sources
-from .trace import Number
 from .translate import in_c, number
 
 _PER_LINE = 8

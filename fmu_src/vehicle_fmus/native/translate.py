@@ -16,8 +16,9 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import isfinite
 from pathlib import Path
+
+from phaseplane.suspension.trace import number
 
 from .declarations import NUMBERS
 from .kernel_sources import Definition, Sources
@@ -148,12 +149,6 @@ def _constants(kernel: Sources, values: Mapping[str, int | float]) -> str:
 def constant(name: str) -> str:
     """Return the name of a constant in C, where names that begin with an underscore are reserved."""
     return name.lstrip("_")
-
-
-def number(value: float) -> str:
-    """Return a number as C reads it, all digits."""
-    text = repr(float(value))
-    return text if isfinite(value) else {"inf": "INFINITY", "-inf": "-INFINITY"}.get(text, "NAN")
 
 
 def declared(name: str, kind: str, kernel: Sources) -> str:

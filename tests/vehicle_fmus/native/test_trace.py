@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.vehicle_fmus.native.trace import Number, Tape
+from phaseplane.suspension.trace import Number, Tape
 
 
 def calculation(a: float, b: float) -> float:

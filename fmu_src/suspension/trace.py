@@ -1,4 +1,4 @@
-"""Numbers that note what is done to them: a calculation, run once, becomes straight C.
+"""Numbers that note what is done to them: a calculation, run once, becomes straight C or whole columns.
 
 A function that only calculates and compares is called with such numbers in place of floats. Every
 operation is noted, with the value that it has now; every comparison is noted as a condition under which
@@ -11,9 +11,8 @@ from __future__ import annotations
 import operator
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
-
-from .translate import number
 
 _UNARY, _PRIMARY = 13, 15
 _LEVELS = {"+": 11, "-": 11, "*": 12, "/": 12, "<": 9, "<=": 9, ">": 9, ">=": 9, "==": 8, "!=": 8}
@@ -145,6 +144,12 @@ class Tape:
                 names[id(node)] = name = f"t{len(names)}"
                 lines.append(f"const double {name} = {text};")
         return lines
+
+
+def number(value: float) -> str:
+    """Return a number as C reads it, all digits."""
+    text = repr(float(value))
+    return text if isfinite(value) else {"inf": "INFINITY", "-inf": "-INFINITY"}.get(text, "NAN")
 
 
 class Number:

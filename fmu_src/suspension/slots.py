@@ -1,0 +1,117 @@
+"""The numbers of many systems at once: what varies from run to run is written into its slots.
+
+A system is built once from numbers that note what is done to them (see `trace`). What was noted is
+repeated for all runs by whole columns, with the bits that building each system would give. Runs for which
+a comparison would come out differently are left to be built one by one.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .models import ALL
+from .session import start_state
+from .trace import Node, Tape
+from .variable import Value
+
+_Values = Any  # a column, or a number that all runs have in common
+_OPERATIONS: Mapping[str, Callable[..., _Values]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "neg": operator.neg, "fabs": abs,
+    "<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge, "==": operator.eq,
+    "!=": operator.ne,
+}  # fmt: skip
+
+
+class Slots:
+    """The rows of systems as functions of the parameters that vary.
+
+    Parameters
+    ----------
+    model : name of the model
+    parameters : all parameters of one run
+    varied : names of those that vary, all of them numbers
+    integrator : takes the rows; of a system of the same structure
+    start : start time, s
+
+    Raises
+    ------
+    Exception : the system cannot be built from such numbers.
+    """
+
+    def __init__(
+        self,
+        model: str,
+        parameters: Mapping[str, Value],
+        varied: Sequence[str],
+        integrator: Any,
+        start: float,
+    ) -> None:
+        self._tape = tape = Tape()
+        self._given = {name: tape.given(name, float(parameters[name])) for name in varied}
+        noted: dict[str, Any] = {**parameters, **self._given}
+        make = ALL[model].system
+        assert make is not None, model
+        system = make(noted)
+        rest = (0.0,) * len(system.mass)
+        state = start_state(system, noted, start) or (rest, rest)
+        if not integrator.fits(system):
+            raise ValueError("the structure of the system depends on how it is built")
+        self._row = [tape.node(x) for x in integrator.row(system, *state)]
+        self.width = len(self._row)
+
+    def rows(
+        self, columns: Mapping[str, npt.NDArray[np.float64]]
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]:
+        """Return the rows of all runs, (runs, numbers), and which of them are valid.
+
+        Parameters
+        ----------
+        columns : by name the values that each parameter has in the runs
+        """
+        runs = len(next(iter(columns.values())))
+        valid = np.ones(runs, np.bool_)
+        known: dict[int, _Values] = {
+            id(number.node): columns[name] for name, number in self._given.items()
+        }
+        with np.errstate(all="ignore"):
+            for node in self._tape.nodes.values():  # operands come before what is made of them
+                if id(node) not in known:
+                    known[id(node)] = _value(node, known, valid)
+            for guard in self._tape.guards.values():
+                valid &= known[id(guard.condition)] == guard.holds
+        rows = np.empty((len(self._row), runs))
+        for k, node in enumerate(self._row):
+            rows[k] = known[id(node)]
+        return np.ascontiguousarray(rows.T), valid
+
+
+def _value(node: Node, known: Mapping[int, _Values], valid: npt.NDArray[np.bool_]) -> _Values:
+    """Return the values of a node; runs for which Python would refuse the operation become invalid."""
+    if not node.of:
+        return node.value
+    operands = [known[id(operand)] for operand in node.operands]
+    if node.text == "/":
+        valid &= operands[1] != 0.0
+        return operands[0] / operands[1]
+    if node.text == "pow":  # numpy's may differ in the last bit
+        return _powers(*np.broadcast_arrays(*operands), valid)
+    return _OPERATIONS[node.text](*operands)
+
+
+def _powers(
+    bases: npt.NDArray[np.float64],
+    exponents: npt.NDArray[np.float64],
+    valid: npt.NDArray[np.bool_],
+) -> npt.NDArray[np.float64]:
+    found = np.full(len(bases), np.nan)
+    for k, (base, exponent) in enumerate(zip(bases.tolist(), exponents.tolist(), strict=True)):
+        try:
+            found[k] = base**exponent
+        except (ArithmeticError, TypeError):  # also where the power is complex
+            valid[k] = False
+    return found
