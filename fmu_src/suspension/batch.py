@@ -261,12 +261,12 @@ class _Bench:
         rows, valid = slots.rows(columns)
         for column in columns.values():
             valid &= np.isfinite(column)
-        runs = np.flatnonzero(valid)
+        runs: list[int] = np.flatnonzero(valid).tolist()
         kind.numbers.frombytes(rows[runs].tobytes())
-        kind.runs += runs.tolist()
+        kind.runs += runs
         if kind.series.needs_systems:
             kind.systems += [build(self._task.model, sets[run]) for run in runs]
-        return set(runs.tolist())
+        return set(runs)
 
     def _slots(
         self, first: Mapping[str, object], varied: Sequence[str]

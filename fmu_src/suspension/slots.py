@@ -99,7 +99,8 @@ def _value(node: Node, known: Mapping[int, _Values], valid: npt.NDArray[np.bool_
         valid &= operands[1] != 0.0
         return operands[0] / operands[1]
     if node.text == "pow":  # numpy's may differ in the last bit
-        return _powers(*np.broadcast_arrays(*operands), valid)
+        base, exponent = np.broadcast_arrays(*operands)
+        return _powers(base, exponent, valid)
     return _OPERATIONS[node.text](*operands)
 
 
