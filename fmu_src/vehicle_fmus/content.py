@@ -17,7 +17,8 @@ from .versions import installed
 
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
-NOT_CARRIED = ("batch.py", "many.py", "series.py")  # need numpy, and are not needed in an FMU
+# need numpy, or are for those who do, and are not needed in an FMU
+NOT_CARRIED = ("batch.py", "series.py", "slots.py", "trace.py")
 
 
 def content_key(model: str) -> str:
