@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from math import inf, isfinite, nan, nextafter
+from math import inf, isfinite, nan
 from typing import Any
 
 from .engine import KINDS, Integrator, Run, why_stopped
@@ -41,7 +41,6 @@ _MOST_EVENTS = 100_000  # stored per run
 _DRIFT = 30.0  # tolerances by which the energy may be off, of all energy held, taken and brought in
 _ROUNDING = 1e-9
 _FIRST_LOOK = 1000  # steps; later after twice as many each time
-_NO_ENERGIES = Energies(nan, nan, nan, (nan,) * 8)  # of a run that fails
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +99,6 @@ class Session:
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
         self._energies: Energies | None = None  # at the present time, once asked for
-        # the integrator before and after the last step, once asked for
-        self._around: tuple[bytes, bytes] | None = None
         self._inputs = inputs(model)
         system = build(model, self.parameters)
         self._signals = dict(system.signals)
@@ -164,7 +161,7 @@ class Session:
     def _attach(self, system: System, integrator: Any) -> None:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
-        self._behind, self._around = integrator.snapshot(), None
+        self._behind = integrator.snapshot()
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*self._run.contacts())
         self.state = State(system, integrator)
@@ -255,7 +252,6 @@ class Session:
         return coming
 
     def _step(self, until: float, stop: bool) -> None:
-        self._around = None
         status = self._integrator.advance(until, stop)
         self._note_switches()
         self._note_stability()
@@ -414,46 +410,17 @@ class Session:
     def energies(self) -> Energies:
         """Return the energies at the present time.
 
-        The ledger is kept from step to step. If the last step goes beyond the present, it is repeated up
-        to here; this changes nothing in the run.
+        Where the last step goes beyond the present, they are those of its interpolant. What is dissipated
+        follows from the balance: all work on the elements that no other entry has.
         """
         if self._energies is None:
-            ahead = self._integrator.time > self.time
-            self._energies = self._repeated() if ahead else self._read_ledger()
+            kinetic, stored, _, since = self._integrator.energies_at(self.time)
+            held = kinetic + sum(stored)
+            residual = self._integrator.residual_at(self.time)
+            dissipated = self._opening - held + sum(since) + residual
+            supplied = tuple(a + b for a, b in zip(self._carried, since, strict=True))
+            self._energies = Energies(kinetic, sum(stored), dissipated, supplied)
         return self._energies
-
-    def _repeated(self) -> Energies:
-        """Return the energies at the present time, which the last step has gone beyond."""
-        if self._around is None:
-            ahead = self._integrator.snapshot()
-            self._around = self._beginning_of_last_step(), ahead
-        before, ahead = self._around
-        self._integrator.restore(before)
-        status = self._integrator.advance(self.time, True)
-        found = self._read_ledger() if status == 0 else _NO_ENERGIES
-        self._integrator.restore(ahead)
-        self._integrator.take_log()  # known already
-        self._integrator.sample(self.time)
-        self.state.at(self.time, self._signals)
-        return found
-
-    def _beginning_of_last_step(self) -> bytes:
-        """Return the state where the step begins that the present lies in, wherever the host stopped."""
-        before = self._behind
-        self._integrator.restore(before)
-        while self._integrator.advance(nextafter(self._integrator.time, inf)) == 0:
-            if self._integrator.time > self.time:
-                break
-            before = self._integrator.snapshot()
-        return before
-
-    def _read_ledger(self) -> Energies:
-        kinetic, stored, _, since = self._integrator.energies()
-        held = kinetic + sum(stored)
-        # from the balance: all work on the elements that no other entry has
-        dissipated = self._opening - held + sum(since) + self._integrator.residual_end
-        supplied = tuple(a + b for a, b in zip(self._carried, since, strict=True))
-        return Energies(kinetic, sum(stored), dissipated, supplied)
 
     # -- outputs -------------------------------------------------------------------------------------
 
@@ -515,7 +482,7 @@ class Session:
         if (kept["model"], kept["parameters"]) != (self.model, self.parameters):
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
-        self._behind, self._around = bytes.fromhex(kept["behind"]), None
+        self._behind = bytes.fromhex(kept["behind"])
         self._forget_events()
         self._opening, self._carried = kept["opening"], tuple(kept["carried"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import Element, Load, System
+from phaseplane.suspension.session import Session
 from scipy.integrate import solve_ivp
 
 MASS, RATE, FRICTION = 2.0, 800.0, 1.0
@@ -206,3 +207,21 @@ def test_contradicting_friction_is_refused() -> None:
         Integrator(System(("x",), ((1.0,),), (twice, twice), scales=(1.0,)))
     with pytest.raises(ValueError, match="at least 0"):
         Element("leaf", (1.0,), friction=-1.0)
+
+
+@pytest.mark.parametrize("shape", ["bump", "obstacle", "sine", "ramp", "step"])
+@pytest.mark.parametrize("model", ["OneDof", "HalfCarRigidTyres"])
+def test_what_cannot_hold_slips_from_the_start(model: str, shape: str) -> None:
+    """The road accelerates, or the spring pulls, by more than friction can hold: it is what it is."""
+    axles = ("front", "rear") if model == "HalfCarRigidTyres" else ("",)
+    given: dict[str, object] = {"road.shape": shape}
+    for axle in axles:
+        given[f"{axle}.friction".lstrip(".")] = 100.0
+        if shape == "step":
+            given[f"initial.{axle}_body_displacement".replace("._", ".")] = -0.05
+    session = Session(model, given)
+    name = f"{axles[0]}_friction_force".lstrip("_")
+    force = session.value(name)
+    session.advance(1e-12)
+    assert abs(force) == 100.0
+    assert session.value(name) == force

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import variables
 from phaseplane.vehicle_fmus.native.kernel_sources import plain_module
@@ -241,6 +242,49 @@ def test_a_kerb_at_a_sample_is_that_kerb(step: float, given: tuple[str, ...]) ->
         for name in ("body_displacement", "wheel_displacement"):
             here, there = (float(session.value(name)) for session in (outside, inside))
             assert here == pytest.approx(there, abs=1e-8)
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+@pytest.mark.parametrize("height", [0.04, -0.04])
+def test_the_shorter_the_steps_the_more_a_kerb_in_flight_is_that_kerb(
+    contact: str, height: float
+) -> None:
+    """It presses as long as the sample before is past: what hangs loose takes its share of that."""
+    start = {"contact": contact, "initial.wheel_displacement": 0.03, "initial.wheel_velocity": 1.0}
+    kerb = {"road.height": height, "road.start": 0.002, "speed": 1.0, "road.shape": "step"}
+    inside = Session("QuarterCar", {**SMOOTH, **start, **kerb})
+    inside.advance(0.004)
+    errors = []
+    for step in (1e-3, 1e-4, 1e-5):
+        outside = Session("QuarterCar", {**SMOOTH, **start, "road.shape": "input"})
+        for k in range(round(0.004 / step)):
+            outside.set_input("road_elevation", height * (k >= round(0.002 / step)))
+            outside.set_input("road_velocity", 0.0)
+            outside.advance((k + 1) * step)
+        here, there = (float(session.value("wheel_velocity")) for session in (outside, inside))
+        errors.append(abs(here - there))
+    assert errors[2] < max(0.2 * errors[1], 1e-6)
+    assert errors[1] < max(0.2 * errors[0], 1e-6)
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+def test_works_of_a_sampled_road_are_right_to_second_order(contact: str) -> None:
+    """What the dampers take while the road goes on to the next sample counts, and no lift-off does."""
+    parameters = {"contact": contact, "solver.tolerance": 1e-8}
+    names = ("supplied_energy", "dissipated_energy", "stored_energy")
+    inside = Session("QuarterCar", parameters)
+    inside.advance(0.3)
+    road = build("QuarterCar", parameters).signals["road"]
+    for step, share in ((1e-3, 1e-3), (2.5e-4, 6e-5)):
+        outside = Session("QuarterCar", {**parameters, "road.shape": "input"})
+        for k in range(round(0.3 / step)):
+            elevation, velocity, *_ = road.derivatives(k * step)
+            outside.set_input("road_elevation", elevation)
+            outside.set_input("road_velocity", velocity)
+            outside.advance((k + 1) * step)
+        for name in names:
+            error = abs(float(outside.value(name)) - float(inside.value(name)))
+            assert error < share * float(inside.value("supplied_energy")), (name, step)
 
 
 def test_a_force_that_jumps_at_a_sample_is_that_force() -> None:

@@ -84,6 +84,26 @@ def test_what_an_element_stores_is_its_potential(element: str) -> None:
     assert seen > 0.01
 
 
+@pytest.mark.parametrize("model", SYSTEMS)
+def test_between_steps_the_entries_are_those_of_a_run_that_ends_there(model: str) -> None:
+    """Whatever begins or ends with the step: a kerb, a lift-off, slip."""
+    system, whole = ledger(model, stored(model)[0], 1e-8)
+    integrator = Integrator(system, tolerance=1e-8)
+    between = 0
+    for t in np.linspace(0.0, 0.3, 41)[1:]:
+        assert integrator.advance(t) == 0
+        between += integrator.time > t
+        other = Integrator(system, tolerance=1e-8)
+        assert other.advance(t, stop=True) == 0
+        kinetic, kept, lost, brought_in = integrator.energies_at(t)
+        found = np.array([kinetic, sum(kept), *lost, *brought_in])
+        kinetic, kept, lost, brought_in = other.energies()
+        there = np.array([kinetic, sum(kept), *lost, *brought_in])
+        size = np.abs(whole.energies()[3]).sum() + np.abs(there).max()
+        assert np.abs(found - there).max() < 1e-5 * size
+    assert between > 20
+
+
 def test_a_jump_of_a_road_is_work_of_that_road() -> None:
     """Of two axles only the rear one meets a kerb; all energy there is comes from its road."""
     system = build("HalfCar", {})

@@ -29,8 +29,11 @@ cdef class Integrator(March):
     cdef void take_laws(self, double[::1] x, int at) noexcept nogil
     @cython.locals(i=int, e=int)
     cdef void _go_on(self) noexcept nogil
-    @cython.locals(before=double, jump=double, change=double)
-    cdef void replace_signal(self, int signal, double *coefficients, bint jumps) noexcept nogil
+    @cython.locals(before=double, jump=double, change=double, r=int)
+    cdef void replace_signal(self, int signal, double *coefficients, double interval,
+                             bint jumps) noexcept nogil
+    @cython.locals(e=int, r=int, total=double, lost=double, w=double)
+    cdef double _lost(self, int signal, double jump, double interval) noexcept nogil
     @cython.locals(status=int)
     cpdef int advance(self, double until, bint stop=*)
     cdef void _look_at_pace(self) noexcept nogil
@@ -44,6 +47,7 @@ cdef class Integrator(March):
     @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
     cpdef void sample_forces(self, double t) noexcept nogil
+    cdef void _show_last_branches(self) noexcept nogil
     @cython.locals(late=double)
     cpdef double limited_time_at(self, int e, double t) noexcept nogil
     @cython.locals(h=double, x=double)

@@ -169,14 +169,20 @@ class Integrator(March):
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
         """
+        interval = self.time - self.net.set_at(signal)
         for i in range(4):
             self.given[i] = coefficients[i]
-        self.replace_signal(signal, self.given, jumps)
+        self.replace_signal(signal, self.given, interval, jumps)
 
-    def replace_signal(self, signal, coefficients, jumps):
-        """Replace a signal as `set_signal` does; the coefficients are an array."""
+    def replace_signal(self, signal, coefficients, interval, jumps):
+        """Replace a signal as `set_signal` does; the coefficients are an array.
+
+        `interval` is the time since the last sample, s, in which the signal has moved to its new value.
+        """
         before = self._energy_now()
         before -= self.net.exchange
+        for r in range(self.net.rows):
+            self.rate_before[r] = self.net.row_v[r]
         self._remember_branches()
         jump = self.net.replace_signal(signal, self.time, coefficients)
         if self.net.is_road[signal]:  # a load leaves elements where they are, if on a corner, too
@@ -184,19 +190,33 @@ class Integrator(March):
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
                 self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
                 self.stepper.refresh(self.time)
-                self.net.impulse(signal, jump, self.stepper.v)
+                self.net.impulse(signal, jump, interval, self.rate_before, self.stepper.v)
             self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         if jumps:  # at the start the road has always been there, and nothing was lost or met
             self._book_contacts()
         self._note_changes()
         self._enter_branches()
+        if not jumps:
+            self._break_loose()
         if jump != 0.0:
             change = self._energy_now()
             change = change - self.net.exchange - before
             if jumps:
-                self.ledger.bring_in(signal, change)
+                self.ledger.bring_in(signal, change + self._lost(signal, jump, interval))
             else:
                 self.ledger.initial_energy += change
+
+    def _lost(self, signal, jump, interval):
+        """Book what dampers take as a road jumps between samples, and return it, J."""
+        total = 0.0
+        for e in range(self.net.elements):
+            r = self.net.element_row[e]
+            if self.net.row_signal[r] == signal:
+                w = 0.5 * (self.rate_before[r] + self.net.row_v[r])
+                lost = self.net.lost(e, jump, interval, w)
+                self.ledger.work[e] += lost
+                total += lost
+        return total
 
     # -- stepping ----------------------------------------------------------------------------------
 
@@ -387,9 +407,9 @@ class Integrator(March):
         They are written to `sample_a` and `sample_f`, for the branches of the last step; the force of
         dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
         """
-        if self.in_step or self.dense.end <= self.dense.start:
-            self.net.keep_branches()
+        self._show_last_branches()
         self.net.read_forces(t, self.read_low, self.read_v, self.read_a, self.read_f, self.read_set)
+        self.net.exchange_branches()
 
     @property
     def sample_q(self):
@@ -439,18 +459,37 @@ class Integrator(March):
         The kinetic energy, the energy stored in each element, the energy dissipated by each element, and
         the work done by each signal as a road or a load.
         """
-        net, work = self.net, self.ledger.work
-        net.all_signals(self.time)
-        net.row_states(self.stepper.q, self.stepper.v)
+        self.net.all_signals(self.time)
+        self.net.row_states(self.stepper.q, self.stepper.v)
+        works = [self.ledger.work[k] for k in range(self.ledger.works)]
+        return self._account(self.net.energy(self.stepper.v), works)
+
+    def energies_at(self, t):
+        """Return what `energies` does at a time t within the last step, by its interpolant."""
+        if t >= self.dense.end:
+            return self.energies()
+        ledger = self.ledger
+        self._show_last_branches()
+        ledger.find_part(t)
+        until = [ledger.work[k] - ledger.brought[k] - ledger.part[k] for k in range(ledger.works)]
+        self.dense.read(t)
+        self.net.all_signals(t)
+        self.net.row_states(self.dense.q, self.dense.v)
+        found = self._account(self.net.energy(self.dense.v), until)
+        self.net.exchange_branches()
+        return found
+
+    def _account(self, held, works):
+        """Return the entries of the ledger, given all energy held at `row_d`, and all works."""
+        net = self.net
         stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
-        kinetic = net.energy(self.stepper.v) - sum(stored)
-        dissipated = [work[e] for e in range(net.elements)]
-        return (
-            kinetic,
-            stored,
-            dissipated,
-            [work[k] for k in range(net.elements, self.ledger.works)],
-        )
+        return held - sum(stored), stored, works[: net.elements], works[net.elements :]
+
+    def _show_last_branches(self):
+        """Exchange the present branches for those of the last step."""
+        if self.in_step or self.dense.end <= self.dense.start:
+            self.net.keep_branches()
+        self.net.exchange_branches()
 
     def limited_time_at(self, e, t):
         """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""

@@ -13,7 +13,7 @@ cdef class Ledger:
     cdef Network net
     cdef Dense dense
     cdef int works
-    cdef double *power, *work, *scratch, *point, *weight, *value, *rate
+    cdef double *work, *brought, *part, *scratch, *point, *weight, *value, *rate
     cdef double *loss, *loss_rate, *d, *w, *u, *du
     cdef int *curved
     cdef double[8] ends
@@ -23,7 +23,7 @@ cdef class Ledger:
     cdef void start(self) noexcept nogil
     @cython.locals(e=int, at=int, p=int, f=double, c=double, factor=double)
     cdef void enter(self) noexcept nogil
-    @cython.locals(moving=bint, h=double, r=int, e=int, m=int)
+    @cython.locals(moving=bint, h=double, r=int, e=int, m=int, i=int)
     cdef void book(self) noexcept nogil
     @cython.locals(k=int, s=int)
     cdef void _read_signals(self, double h) noexcept nogil
@@ -37,9 +37,11 @@ cdef class Ledger:
     cdef void _book_road(self, int r, double h) noexcept nogil
     @cython.locals(s=int, k=int, i=int, way=double)
     cdef void _book_load(self, int m, double h, bint moving) noexcept nogil
-    @cython.locals(h=double, k=int, t=double, part=double, e=int, r=int, s=int, m=int, i=int,
-                   w=double)
+    @cython.locals(i=int)
     cdef void _book_points(self) noexcept nogil
+    @cython.locals(h=double, k=int, t=double, weight=double, power=double, e=int, r=int, s=int, m=int,
+                   i=int, w=double)
+    cdef void find_part(self, double since) noexcept nogil
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef void strike_balance(self, double t, double *q, double *v) noexcept nogil

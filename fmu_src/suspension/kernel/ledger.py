@@ -43,7 +43,9 @@ class Ledger:
         elements, rows = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
         memory = self.net.memory
-        self.work, self.power = memory.zeros(self.works), memory.zeros(self.works)
+        # so far; what jumps of roads have brought in since the last step; in a part of that step
+        self.work, self.brought = memory.zeros(self.works), memory.zeros(self.works)
+        self.part = memory.zeros(self.works)
         self.scratch = memory.zeros(self.net.n)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
@@ -65,7 +67,7 @@ class Ledger:
         self.supplied = self.most_stored = 0.0
         self.residual_start = self.residual_end = 0.0
         for i in range(self.works):
-            self.work[i] = 0.0
+            self.work[i] = self.brought[i] = 0.0
 
     def enter(self):
         """Read what dissipates in the present branches."""
@@ -91,6 +93,8 @@ class Ledger:
     def book(self):
         """Add the works of the last step, with the branches of that step."""
         h = self.dense.end - self.dense.start
+        for i in range(self.net.elements, self.works):
+            self.brought[i] = 0.0
         if h <= 0.0:
             return
         moving = not self.net.still()
@@ -212,28 +216,40 @@ class Ledger:
 
     def _book_points(self):
         """Add the works point by point, with the forces of sticking rows on moving roads."""
-        h = self.dense.end - self.dense.start
+        self.find_part(self.dense.start)
+        for i in range(self.works):
+            if i >= self.net.elements:
+                self._supply(i - self.net.elements, self.part[i])
+            else:
+                self.work[i] += self.part[i]
+
+    def find_part(self, since):
+        """Find the works from a time within the last step to its end, in the present branches."""
+        h = self.dense.end - since
+        for i in range(self.works):
+            self.part[i] = 0.0
         for k in range(_POINTS):
-            t = self.dense.start + self.point[k] * h
+            t = since + self.point[k] * h
             self.dense.read(t)
             self.net.all_signals(t)
             self.net.row_states(self.dense.q, self.dense.v)
             self.net.row_forces()
             self.net.accelerate(self.scratch)
             self.net.hold(self.net.multiplier)
-            part = self.weight[k] * h
+            weight = self.weight[k] * h
             for e in range(self.net.elements):
-                self.work[e] += part * self.net.dissipation(e)
+                self.part[e] += weight * self.net.dissipation(e)
             for r in range(self.net.rows):
                 s = self.net.row_signal[r]
                 if s >= 0:
-                    self._supply(s, -part * self.net.row_f[r] * self.net.road[4 * s + 1])
+                    power = -self.net.row_f[r] * self.net.road[4 * s + 1]
+                    self.part[self.net.elements + s] += weight * power
             for m in range(self.net.loads):
                 w = 0.0
                 for i in range(self.net.n):
                     w += self.net.load_direction[m * self.net.n + i] * self.dense.v[i]
                 s = self.net.load_signal[m]
-                self._supply(s, part * self.net.road[4 * s] * w)
+                self.part[self.net.elements + s] += weight * self.net.road[4 * s] * w
 
     def _supply(self, signal, energy):
         self.work[self.net.elements + signal] += energy
@@ -241,6 +257,7 @@ class Ledger:
 
     def bring_in(self, signal, energy):
         """Add the work of a jump of a road, J."""
+        self.brought[self.net.elements + signal] += energy
         self._supply(signal, energy)
 
     def grows(self):

@@ -9,7 +9,7 @@ from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL, _HALTED, _AT_SWITCHES, _AT_STEPS
 cdef int _LAWS, _PIECE, _SEGMENT, _HALF
-cdef int _CONTACT, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
+cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
 cdef double _LINK
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
 cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _READ_PHASE, _ROAD_PHASE
@@ -39,7 +39,7 @@ cdef class March:
     cdef double *read_q, *read_v, *read_a, *read_f, *read_set, *read_low
     cdef readonly Py_ssize_t filled
     # workspace
-    cdef double *event_time
+    cdef double *event_time, *rate_before
     cdef int *event_what, *branch_before
     cdef readonly int overruns
     cdef int stalled, event_count, event_base, flushed, since_pause
@@ -73,6 +73,8 @@ cdef class March:
     cdef void _stand_still(self, double time, double reach) noexcept nogil
     @cython.locals(i=int)
     cdef void _begin(self) noexcept nogil
+    @cython.locals(_flip=int, p=int, e=int, loose=int, side=int, most=double, over=double)
+    cdef void _break_loose(self) noexcept nogil
     cdef void _enter_branches(self) noexcept nogil
     @cython.locals(status=int, events=int, before=double)
     cdef int _advance(self, double until, bint stop) noexcept nogil

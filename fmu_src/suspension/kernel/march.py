@@ -25,7 +25,7 @@ _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
 _HALTED = -1  # where the host wants to look, short of the time it has named
 _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
-_CONTACT, _KINDS = 3, 5  # as in elements
+_CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
 _LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _HALF = 1 << 30
 _EVENT_CAPACITY = 512
@@ -116,6 +116,7 @@ class March:
         self.event_time = memory.zeros(_EVENT_CAPACITY)
         self.event_what = memory.marks(4 * _EVENT_CAPACITY)
         self.branch_before = memory.marks(_KINDS * elements)
+        self.rate_before = memory.zeros(max(self.net.rows, 1))
         self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()
@@ -193,6 +194,7 @@ class March:
         self.net.settle(self.time, self.stepper.q, self.stepper.v)
         self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
         self._enter_branches()
+        self._break_loose()
         for i in range(self.n):
             self.dense.qa[i] = self.dense.qb[i] = self.stepper.q[i]
             self.dense.va[i] = self.dense.vb[i] = self.stepper.v[i]
@@ -202,6 +204,22 @@ class March:
         self.dense.start = self.dense.end = self.time
         self.net.row_states(self.stepper.q, self.stepper.v)
         self.ledger.initial_energy = self.net.energy(self.stepper.v) - self.net.exchange
+
+    def _break_loose(self):
+        """Let what sticks slip now if that needs more than it can hold, the most overloaded first."""
+        for _flip in range(_FLIPS):
+            most = 0.0
+            loose = -1
+            for p in range(self.net.stuck):
+                e = self.net.stuck_element[p]
+                over = fabs(self.stepper.multiplier[e]) - self.net.breakaway[e]
+                if over > most:
+                    most, loose = over, e
+            if loose < 0:
+                return
+            side = 1 if self.stepper.multiplier[loose] > 0.0 else -1
+            self.net.enter(loose, _FRICTION, side, self.time, self.stepper.q, self.stepper.v)
+            self._enter_branches()
 
     def _enter_branches(self):
         """Update everything that depends on the branches."""
@@ -351,6 +369,7 @@ class March:
         self._numbers(self.stepper.multiplier, 0, elements)
         self._numbers(self.stepper.multiplier_rate, 0, elements)
         self._numbers(self.ledger.work, 0, self.ledger.works)
+        self._numbers(self.ledger.brought, elements, self.net.signals)
         self._numbers(self.limited_time, 0, elements)
         self._numbers(self.net.kept_set, 0, elements)
         self._marks(self.step_limited, elements)

@@ -3,7 +3,7 @@ from libc.math cimport fabs, sqrt
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
-cdef int _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE, _SEGMENT
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE, _SEGMENT
 cdef double _HIGH, _CORNER
 
 @cython.final
@@ -17,6 +17,7 @@ cdef class Network(Elements):
     cdef void find_datum(self, double t, double reach) noexcept nogil
     # results of the last evaluation
     cdef double *scratch, *modes, *modes2, *multiplier, *multiplier_rate, *spread, *reaction, *coupling, *kick
+    cdef double *pushed
     # the system read
     cdef list load_names, signal_sizes, element_shapes
 
@@ -32,10 +33,15 @@ cdef class Network(Elements):
     cpdef double next_corner(self, double t) noexcept nogil
     @cython.locals(i=int, e=int, r=int, law=int, p=int)
     cdef void kerb(self, int signal, double jump, double *v) noexcept nogil
-    @cython.locals(i=int, e=int, r=int, c=double)
-    cdef void impulse(self, int signal, double jump, double *v) noexcept nogil
-    @cython.locals(i=int, r=int, way=double, near=double)
-    cdef void _push(self, int e, double c, double d, double jump) noexcept nogil
+    @cython.locals(i=int, e=int, r=int, d=double, w=double, push=double, held=double, middle=double)
+    cdef void impulse(self, int signal, double jump, double interval, double *rates,
+                      double *v) noexcept nogil
+    @cython.locals(damping=double)
+    cdef double lost(self, int e, double jump, double interval, double w) noexcept nogil
+    @cython.locals(way=double, near=double)
+    cdef double _way(self, int e, double d, double jump) noexcept nogil
+    @cython.locals(i=int, r=int)
+    cdef void _push(self, int e, double impulse) noexcept nogil
     @cython.locals(law=int)
     cdef double _work_of_factor(self, int e, double d) noexcept nogil
     @cython.locals(i=int)

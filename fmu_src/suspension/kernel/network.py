@@ -19,7 +19,7 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_DAMPER, _MODULATION, _CONTACT, _KINDS = 1, 2, 3, 5  # as in elements
+_SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS = 0, 1, 2, 3, 5  # as in elements
 _LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
 _HIGH = 10.0  # times the scale of the motion
@@ -56,6 +56,7 @@ class Network(Elements):
         self._find_roads()
         self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
         self.kick = memory.zeros(elements)
+        self.pushed = memory.zeros(elements)  # impulse of each at the last jump between samples
         self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
         self.coupling = memory.zeros(elements * elements)
         self.zero, self.scratch = memory.zeros(n), memory.zeros(n)
@@ -184,41 +185,72 @@ class Network(Elements):
                 continue
             law = _LAWS * e + _DAMPER
             p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
-            self._push(e, self.piece[p * _PIECE + 3], self.row_d[r], jump)
+            self._push(e, self.piece[p * _PIECE + 3] * self._way(e, self.row_d[r], jump))
         self._give_way(v)
 
-    def impulse(self, signal, jump, v):
-        """Apply a small jump between samples of a road through its dampers: v += M^-1 sum b c jump.
+    def impulse(self, signal, jump, interval, rates, v):
+        """Apply a jump between samples of a road through its dampers: v += M^-1 sum b J, J = c jump.
 
-        The road has already jumped; c are the present slopes of the dampers.
+        The road has already jumped; c are the present slopes of the dampers. As the road has really moved
+        in an interval h, so that the damper's force was c jump / h more, the contact force N, which is
+        not negative, passes on J = max(0, N h + c jump) - max(0, N h), where N < 0 in flight is what
+        spring and damper would pull. N is taken with the `rates` of all rows before the jump.
         """
         for i in range(self.n):
             self.scratch[i] = 0.0
         for e in range(self.elements):
             r = self.element_row[e]
-            if self.row_signal[r] == signal and not self.branch[_KINDS * e + _CONTACT]:
-                c = self.law_slope(self.piece_now(e, _DAMPER), self.row_v[r])
-                self._push(e, c, self.row_d[r] + jump, jump)
+            self.pushed[e] = 0.0
+            if self.row_signal[r] != signal:
+                continue
+            d, w = self.row_d[r], self.row_v[r]
+            push = self.law_slope(self.piece_now(e, _DAMPER), w) * self._way(e, d + jump, jump)
+            if self.limit[e] < 1e300:
+                held = 0.0  # N h
+                if d + jump <= self.opening[e]:
+                    middle = d + 0.5 * jump
+                    held = self.law(self.piece_now(e, _SPRING), middle)
+                    held = interval * (
+                        self.limit[e] - held - self.damper_force_at(e, middle, rates[r])
+                    )
+                push = max(0.0, held + push) - max(0.0, held)
+            self.pushed[e] = push
+            self._push(e, push)
         self._give_way(v)
 
-    def _push(self, e, c, d, jump):
-        """Add b c jump of element e, at deflection d before the jump, to `scratch`.
+    def lost(self, e, jump, interval, w):
+        """Return what the damper of element e takes as its road jumps, J, at the mean rate w.
+
+        That is the change of D w h where D and w change by J / h and jump / h for an interval h, to first
+        order; at least, what it has taken in the interval is not taken.
+        """
+        damping = 0.0
+        if not self.branch[_KINDS * e + _CONTACT]:
+            damping = self.damper_force_at(e, self.row_d[self.element_row[e]], w)
+        return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
+
+    def _way(self, e, d, jump):
+        """Return the part of a jump that element e feels, at deflection d before it.
 
         If a road rises under a gap, only the rest of the jump after the gap has closed acts. The
         modulation of a damper acts by its mean over the jump.
         """
-        r = self.element_row[e]
         way = jump
         near = d
         if jump > 0.0 and d > self.opening[e]:
             near = self.opening[e]
             way -= d - near
             if way <= 0.0:
-                return
+                return 0.0
         if self.modulated[e]:
-            way = self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
+            return self._work_of_factor(e, near) - self._work_of_factor(e, d - jump)
+        return way
+
+    def _push(self, e, impulse):
+        """Add that of element e to the impulses in `scratch`."""
+        r = self.element_row[e]
         for i in range(self.n):
-            self.scratch[i] += self.row_direction[r * self.n + i] * c * way
+            self.scratch[i] += self.row_direction[r * self.n + i] * impulse
 
     def _work_of_factor(self, e, d):
         """Return the integral from 0 to d of the damper modulation of element e."""
@@ -386,8 +418,7 @@ class Network(Elements):
         return decompose(self.modes, 0, self.n) == 0
 
     def read_forces(self, t, q, v, a, forces, sets):
-        """Find accelerations, forces and permanent sets at time t in the stored branches."""
-        self.exchange_branches()
+        """Find accelerations, forces and permanent sets at time t in the present branches."""
         self.all_signals(t)
         self.row_states(q, v)
         self.row_forces()
@@ -403,7 +434,6 @@ class Network(Elements):
                 sets[e] = self.permanent_set(e, self.row_d[self.element_row[e]])
         for p in range(self.stuck):
             forces[self.stuck_element[p]] += self.multiplier[self.stuck_element[p]]
-        self.exchange_branches()
 
     # -- energy --------------------------------------------------------------------------------------
 

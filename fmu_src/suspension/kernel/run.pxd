@@ -24,6 +24,7 @@ cdef class Run:
     cdef int *line_signal
     cdef int *line_input, *line_rate
     cdef double *line_time, *line_value, *line_slope
+    cdef double handed, interval
     cdef double course_time, course_value, course_slope
     cdef double *coefficients
     # contact of every tyre, and switches that lie ahead

@@ -71,6 +71,8 @@ class Run:
     def begin(self, start):
         """Start anew: no input has been set."""
         self.time = self.start = start
+        self.handed = start  # when inputs were last handed over, s, and the time since those before
+        self.interval = 0.0
         for i in range(self.inputs):
             self.value[i] = 0.0
             self.samples[i] = 0
@@ -176,6 +178,9 @@ class Run:
         if not self.sampled:
             return 0
         moved = 0
+        if self.time > self.handed:
+            self.interval = self.time - self.handed
+            self.handed = self.time
         for k in range(self.lines):
             self._find_course(k, until)
             if self._continues(k):
@@ -187,7 +192,7 @@ class Run:
             self.line_time[k] = self.time
             self._enter_course(k)
             self.integrator.replace_signal(
-                self.line_signal[k], self.coefficients, self.time > self.start
+                self.line_signal[k], self.coefficients, self.interval, self.time > self.start
             )
         return moved
 
@@ -331,16 +336,18 @@ class Run:
 
     def snapshot(self):
         """Return the state, apart from the integrator's, as numbers."""
-        numbers = [self.time, self.start, self.sampled, self.waiting]
+        numbers = [
+            self.time, self.start, self.handed, self.interval, self.sampled, self.waiting
+        ]  # fmt: skip
         for part in self._parts():
             numbers += part.tolist()
         return numbers
 
     def restore(self, state):
         """Return to the state of a snapshot of the same run."""
-        self.time, self.start = state[0], state[1]
-        self.sampled, self.waiting = int(state[2]), int(state[3])
-        at = 4
+        self.time, self.start, self.handed, self.interval = state[:4]
+        self.sampled, self.waiting = int(state[4]), int(state[5])
+        at = 6
         for part in self._parts():
             kind = int if part.format == "i" else float
             for k in range(len(part)):

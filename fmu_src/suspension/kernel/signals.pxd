@@ -25,6 +25,7 @@ cdef class Signals:
     cdef double enter_segment(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double *coefficients) noexcept nogil
+    cdef double set_at(self, int s) noexcept nogil
     @cython.locals(k=int, at=int, x=double, value=double, rate=double,
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)

@@ -99,6 +99,10 @@ class Signals:
         self.find_level(self.signal_first[s])
         return self.segment[at + 2] - before
 
+    def set_at(self, s):
+        """Return since when the numbers of a one-segment signal hold, s."""
+        return self.segment[self.signal_first[s] * _SEGMENT + 1]
+
     def signal(self, s, t):
         """Set `road` to value and three derivatives of signal s in its present segment."""
         k = self.signal_first[s] + self.signal_now[s]
