@@ -214,7 +214,7 @@ class Integrator(March):
             if self.net.row_signal[r] == signal:
                 w = 0.5 * (self.rate_before[r] + self.net.row_v[r])
                 lost = self.net.lost(e, jump, interval, w)
-                self.ledger.work[e] += lost
+                self.ledger.lose(e, lost)
                 total += lost
         return total
 

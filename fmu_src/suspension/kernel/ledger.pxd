@@ -45,6 +45,7 @@ cdef class Ledger:
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef void strike_balance(self, double t, double *q, double *v) noexcept nogil
+    cdef void lose(self, int e, double energy) noexcept nogil
     cdef void bring_in(self, int signal, double energy) noexcept nogil
     cdef bint grows(self) noexcept nogil
     @cython.locals(most=double)

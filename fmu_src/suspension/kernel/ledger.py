@@ -260,6 +260,10 @@ class Ledger:
         self.brought[self.net.elements + signal] += energy
         self._supply(signal, energy)
 
+    def lose(self, e, energy):
+        """Add what element e dissipates as its road jumps, J."""
+        self.work[e] += energy
+
     def grows(self):
         """Return whether the stored energy is far more than the initial energy and all energy supplied.
 
