@@ -38,7 +38,7 @@ class Line(NamedTuple):
 
 def road(**samples: Sequence[tuple[float, float]]) -> Any:
     """A run whose inputs, `elevation` and `velocity` of a road, have been set at some times."""
-    net = SimpleNamespace(n=1, signals=1)
+    net = SimpleNamespace(n=1, signals=1, memory=plain_module("arrays").Memory())
     integrator = SimpleNamespace(replace_signal=lambda *_: None, net=net)
     run = plain_module("run").Run(integrator, -1.0, 2, [(0, 0, 1)], [], True)
     for time, i, value in sorted(
