@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import ceil
 
 import numpy as np
@@ -21,6 +22,7 @@ from .words import bracketed, in_words, number
 Reals = npt.NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
+_NAMES = 1.12 * _WIDTH  # where the names of the columns begin
 _EM = 0.0145
 _MOST = 600  # vertices of a curve
 _SERIES = 4
@@ -51,6 +53,7 @@ class Chart:
         until = times <= self.end * (1.0 + 1e-9)
         every = max(1, int(until.sum()) // _MOST)
         self.names = names[:_SERIES]
+        self.roles = [part_of(name, number) for number, name in enumerate(self.names)]
         self.times = times[until][::every]
         self.values = {
             n: quantity.factor * np.asarray(histories[n], float)[until][::every] for n in self.names
@@ -76,7 +79,17 @@ class Chart:
         return points
 
     def _stays(self) -> Page:
-        view = Box(complex(0.78 * _WIDTH, 0.52 * _HEIGHT), complex(0.95 * _WIDTH, 0.72 * _HEIGHT))
+        named = [
+            Text(role, in_words(name), 0j, 0.9)
+            for role, name in zip(self.roles, self.names, strict=True)
+        ]
+        halves = [text.box(_EM).half.real for text in named]
+        left, right = (
+            -0.17 * _WIDTH,
+            max([1.73 * _WIDTH, *(_NAMES + 2.0 * h + _EM for h in halves)]),
+        )
+        half = complex(right - left, 1.44 * _HEIGHT) / 2.0
+        view = Box(complex((left + right) / 2.0, 0.52 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
         page = Page(sheet, view, _EM, [np.zeros(1, complex)])
         zero = self.at(self.start, 0.0)
@@ -84,16 +97,14 @@ class Chart:
         page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
         unit = bracketed(self.quantity.unit)
         page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.05, _HEIGHT + 1.7 * _EM)))
-        page.write_if_free(Text("axis", "t [ms]", zero + _WIDTH + 1.2j * _EM))
+        page.write_if_free(Text("axis", "t [ms]", zero + 0.93 * _WIDTH + 1.2j * _EM))
         self._values(page)
-        for name in self.names:
+        for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
-                page.lines(_part(name), [curve], 0.8, 0.6)
-        for row, name in enumerate(self.names):  # beside the chart
-            half = Text(_part(name), in_words(name), 0j, 0.9).box(_EM).half.real
-            place = complex(1.12 * _WIDTH + half, _HEIGHT - 1.7 * row * _EM)
-            page.write_if_free(Text(_part(name), in_words(name), place, 0.9))
+                page.lines(role, [curve], 0.8, 0.6)
+        for row, (text, wide) in enumerate(zip(named, halves, strict=True)):  # beside it
+            page.write(replace(text, centre=complex(_NAMES + wide, _HEIGHT - 1.7 * row * _EM)))
         return page
 
     def _values(self, page: Page) -> None:
@@ -114,9 +125,9 @@ class Chart:
         page = self.stays.following()
         times, read = (of[: step + 1] for of in self.read)
         every = max(1, len(times) // _MOST)
-        for name, values in zip(self.names, read[::every].T, strict=True):
+        for role, values in zip(self.roles, read[::every].T, strict=True):
             shown = np.isfinite(values)
-            page.dots(_part(name), self._curve(times[::every][shown], values[shown]), 0.9)
+            page.dots(role, self._curve(times[::every][shown], values[shown]), 0.9)
         page.lines("value", [self.cursor(times[-1])])
         return page
 
@@ -125,6 +136,6 @@ class Chart:
         return [self.at(time, self.low), self.at(time, self.high)]
 
 
-def _part(name: str) -> str:
-    """Return the role of a column: the part of the car that it belongs to."""
-    return next((word for word in name.split("_") if word in PARTS), "construction")
+def part_of(name: str, number: int) -> str:
+    """Return the role of a column: the part of the car it belongs to, else the one with this number."""
+    return next((word for word in name.split("_") if word in PARTS), list(PARTS)[number])

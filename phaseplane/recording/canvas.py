@@ -142,7 +142,11 @@ def _letters(pages: Sequence[Page]) -> list[Any]:
     The viewer centres a text just below its anchor.
     """
     rows = [page.texts for page in pages]
-    places = [t.centre + LINE_UP * 1j * page.em for page in pages for t in page.texts]
+    places = [
+        t.centre + LINE_UP * (1 + t.text.count("\n")) * 1j * page.em
+        for page in pages
+        for t in page.texts
+    ]
     every = list(chain.from_iterable(rows))
     return [
         *rr.Points2D.columns(

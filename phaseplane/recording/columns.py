@@ -27,7 +27,7 @@ Reals = npt.NDArray[np.float64]
 UPRIGHT = rr.Transform3D(scale=[1.0, -1.0, 1.0])
 """Turns a view up whose y axis the viewer draws downwards; letters stay upright."""
 LINE_UP = 0.55
-"""How far above its anchor the viewer would have to be told to write a text to centre it, in em."""
+"""How far above its centre the anchor of each line of a text is, in em: the viewer writes below it."""
 
 _STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
 _SCREEN = 1.25  # points on a screen for a point on paper

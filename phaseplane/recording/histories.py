@@ -39,7 +39,11 @@ class Panel:
     @property
     def path(self) -> str:
         """Its path in the recording."""
-        return f"{HISTORIES}/{self.quantity.name.replace('/', ' per ')}"
+        return f"{HISTORIES}/{rr.escape_entity_path_part(self.quantity.name)}"
+
+    def entity(self, name: str) -> str:
+        """Return the path of a column."""
+        return f"{self.path}/{rr.escape_entity_path_part(name)}"
 
     @property
     def title(self) -> str:
@@ -84,7 +88,7 @@ def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock
     for panel in panels(content):
         for name in panel.names:
             values = panel.values(content.histories, name)
-            path = f"{panel.path}/{name}"
+            path = panel.entity(name)
             recording.send_columns(path, [seconds(times)], rr.Scalars.columns(scalars=values))
             if len(clock.times) and not content.live:
                 at = np.interp(clock.times, times, values, left=np.nan, right=np.nan)
@@ -106,7 +110,7 @@ def send_readings(
         read = np.append(read, readings(StoredFrames(end), panel.drawn), axis=0)
         for name, values in zip(panel.drawn, panel.quantity.factor * read.T, strict=True):
             recording.send_columns(
-                f"{panel.path}/{name}/{_POINTS}",
+                f"{panel.entity(name)}/{_POINTS}",
                 clock.columns(np.arange(first, first + len(values))),
                 rr.Scalars.columns(scalars=values),
             )
@@ -119,13 +123,13 @@ def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) ->
         colour = colours([rgba(hue_of(name, number), strength)])
         words = legible(in_words(name))
         recording.log(
-            f"{panel.path}/{name}",
+            panel.entity(name),
             rr.SeriesLines(names=words, colors=colour, widths=1.5),
             static=True,
         )
         if name in panel.drawn:
             recording.log(
-                f"{panel.path}/{name}/{_POINTS}",
+                f"{panel.entity(name)}/{_POINTS}",
                 rr.SeriesPoints(
                     names=f"{words}, drawn", colors=colour, markers="circle", marker_sizes=2.5
                 ),
@@ -135,4 +139,4 @@ def log_series(recording: rr.RecordingStream, panel: Panel, content: Content) ->
 
 def overlays(panel: Panel) -> dict[str, object]:
     """Return which entities of a panel are drawn as points and not as lines."""
-    return {f"{panel.path}/{name}/{_POINTS}": rr.SeriesPoints() for name in panel.drawn}
+    return {f"{panel.entity(name)}/{_POINTS}": rr.SeriesPoints() for name in panel.drawn}

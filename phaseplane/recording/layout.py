@@ -46,8 +46,9 @@ def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Bluepri
     left: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.pages:
         left.append((8.0, _sheets(content, recorder.pages)))
-    if lanes_of(content):
-        left.append((1.2, _lanes()))
+    lanes = len(lanes_of(content))
+    if lanes:
+        left.append((0.6 + 0.6 * min(lanes, 3), _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
         right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))

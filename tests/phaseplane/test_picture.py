@@ -24,12 +24,22 @@ from recorded import (
 
 from phaseplane.constructions import Axis, Curve, Mark, delta, march
 from phaseplane.picture.canvas import Echo
+from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
 from phaseplane.picture.page import Arrow, graduation_of
 from phaseplane.picture.paper import Box, arcs
-from phaseplane.picture.quantities import display_unit, unit_text
+from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
-from phaseplane.picture.styles import INK, PAPER, PARTS, ROLES, Hue, contrast
+from phaseplane.picture.styles import (
+    INK,
+    PAPER,
+    PARTS,
+    ROLES,
+    Hue,
+    contrast,
+    hue_of,
+    style_of,
+)
 from phaseplane.picture.words import level_text, markdown, typeset
 from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible
@@ -161,6 +171,22 @@ def test_arrows_at_the_rim_come_with_their_letters() -> None:
 )
 def test_sentences_are_typeset(text: str, wanted: str) -> None:
     assert typeset(text) == wanted
+
+
+@pytest.mark.parametrize("name", ["permanent_set", "displacement", "wheel_displacement"])
+@pytest.mark.parametrize("number", range(4))
+def test_a_column_has_the_same_hue_in_the_chart_and_in_the_plots(name: str, number: int) -> None:
+    assert style_of(part_of(name, number)).hue == hue_of(name, number)
+
+
+def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
+    made = march(quarter_car(), delta, step=0.0025, steps=10)
+    names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
+    histories = {"time": [0.0, 0.02], **{name: [0.0, 0.01] for name in names}}
+    page = Chart(made, histories, names, QUANTITIES[0]).stays
+    named = {text.text: text.box(page.em) for text in page.texts}
+    for name in names:
+        assert page.view.contains(named[name.replace("_", " ")])
 
 
 def test_curves_that_coincide_have_one_label() -> None:
