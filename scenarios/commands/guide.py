@@ -20,7 +20,10 @@ _TOP = {
     "extends": ("", "another case or scene file that this one is based on"),
     "title": ("", "name of the run in reports and pictures"),
     "source": ("", "source of its numbers"),
-    "fmu": ("", f"{', '.join(MODELS)}, or the path of an .fmu file"),
+    "fmu": (
+        "",
+        f"{', '.join(MODELS)}, or the path of an .fmu file, or of a system's .toml or .py file",
+    ),
     "duration": ("s", "time to simulate"),
 }
 _SECTIONS: dict[str, tuple[str, type]] = {

@@ -147,9 +147,8 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
     if not reference.endswith(".fmu"):
         known = (*MODELS, EQUATION)
         raise InputError(
-            f"must be one of {', '.join(known)}, or the path of an .fmu file"
-            + nearest(reference, known)
-            + meant(reference, "model")
+            f"must be one of {', '.join(known)}, or the path of an .fmu file, or of a system's .toml "
+            "or .py file" + nearest(reference, known) + meant(reference, "model")
         )
     path = (folder or Path()) / reference
     if not path.is_file():

@@ -52,7 +52,7 @@ def read_scene(name: str, content: Mapping[str, Any], folders: Mapping[str, Path
 
     def fmu_of(value: object) -> Fmu:
         if not isinstance(value, str):
-            raise ValueError("must be a model's name or the path of an .fmu file")
+            raise ValueError("must be a model's name or the path of an .fmu, .toml or .py file")
         return find_fmu(value, folders.get("fmu"), content.get("parameters"))
 
     fmu = _required("fmu", content, Kind(fmu_of, {}))

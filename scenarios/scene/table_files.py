@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.measured import Wanted, read_columns
+from phaseplane.suspension.measured import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
 from ..errors import InputError, one_line, shown
@@ -29,6 +29,9 @@ _UNITS = {
     "damper.deflection_table": ("m", "1"),
     "tyre.table": ("m", "N"),
 }
+
+
+_EXAMPLES = {"columns": '["x", "z"]', "units": '["mm", "kN"]', "offset": '["0", "30 N"]'}
 
 
 def with_files(
@@ -50,7 +53,13 @@ def with_files(
     files: dict[str, dict[str, Any]] = {}
     for key, value in given.items():
         name, _, last = key.rpartition(".")
-        if key not in declared and name in declared and name.endswith("table"):
+        if key not in declared and name in declared and last in KEYS and not _is_table(name):
+            tables = [each for each in declared if _is_table(each)]
+            raise InputError(
+                f"{name}: is no table, and takes no {last}; tables are {', '.join(tables)}"
+                + nearest(f"{name.rpartition('.')[0]}.table", tables)
+            )
+        if key not in declared and name in declared and _is_table(name):
             files.setdefault(name, {})[last] = value
         else:
             plain[key] = value
@@ -62,14 +71,19 @@ def with_files(
     return plain, set(files)
 
 
+def _is_table(name: str) -> bool:
+    return name.endswith((".table", "_table"))
+
+
 def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     """Return the text of a table parameter from a CSV file with a header line.
 
     Parameters
     ----------
     name : name of the parameter, such as `road.table` or `front.spring.table`
-    said : `file`, `columns` (two names), `units` (two; those of the row below the heading, or SI, if
-        left out), `delimiter` (a comma), `decimal` (a point), `offset` (two, which are added)
+    said : `file`, `columns` (two names; those of a file with two columns if left out), `units` (two;
+        those of the row below the heading, or SI, if left out), `delimiter` (a comma), `decimal` (a
+        point), `offset` (two, which are added)
     folder : the folder that the file's path is relative to
     """
     for key in said:
@@ -80,22 +94,27 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     kinds = next((units for end, units in _UNITS.items() if f".{name}".endswith(f".{end}")), None)
     if kinds is None:
         raise InputError(f"only {', '.join(_UNITS)} can be read from a file")
-    file, columns = said.get("file"), said.get("columns", [])
+    file = said.get("file")
     if not isinstance(file, str) or not file:
         raise InputError(f"file = {shown(file)}: must be the path of a CSV file")
+    delimiter = said.get("delimiter", ",")
+    if not isinstance(delimiter, str) or len(delimiter) != 1:
+        raise InputError(f"delimiter = {shown(delimiter)}: must be one character")
     pairs = {
-        "columns": columns,
+        "columns": said["columns"] if "columns" in said else _both(folder / file, delimiter),
         "units": said.get("units", ["", ""]),
-        "offset": [str(x) for x in said.get("offset", ["0", "0"])],
+        "offset": said.get("offset", ["0", "0"]),
     }
+    if isinstance(pairs["offset"], list):
+        pairs["offset"] = [str(x) if type(x) in (int, float) else x for x in pairs["offset"]]
     for key, pair in pairs.items():
         if not (
             isinstance(pair, list) and len(pair) == 2 and all(isinstance(x, str) for x in pair)
         ):
-            raise InputError(f'{key} = {shown(pair)}: must be two texts such as ["x", "z"]')
-    delimiter = said.get("delimiter", ",")
-    if not isinstance(delimiter, str) or len(delimiter) != 1:
-        raise InputError(f"delimiter = {shown(delimiter)}: must be one character")
+            raise InputError(
+                f"{key} = {shown(pair)}: must be two, of the first and the second column, such as "
+                f"{_EXAMPLES[key]}"
+            )
     wanted = []
     for column, unit, offset, kind in zip(*pairs.values(), kinds, strict=True):
         try:
@@ -115,3 +134,23 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
     except ValueError as error:
         raise InputError(one_line(error, 300)) from None
     return ", ".join(f"{x!r}:{y!r}" for x, y in points)
+
+
+def _both(path: Path, delimiter: str) -> list[str]:
+    """Return the headings of a file with two columns.
+
+    Raises
+    ------
+    InputError : if it has another number of columns, or cannot be read.
+    """
+    try:
+        found = headings(path, delimiter)
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from None
+    except ValueError as error:
+        raise InputError(one_line(error, 300)) from None
+    if len(found) != 2:
+        raise InputError(
+            f"columns is missing; give the names of two columns of {', '.join(map(shown, found))}"
+        )
+    return list(found)

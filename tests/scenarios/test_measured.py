@@ -86,6 +86,21 @@ def test_forces_and_characteristics_stand_in_files_alike(
     assert load_scene(str(path)).parameters[name] == text
 
 
+def test_the_columns_of_a_file_with_two_need_no_names(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("speed,F\n-100,-2\n100,2\n")
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        'fmu = "OneDof"\nduration = 1.0\n[parameters]\n'
+        'damper.table = { file = "table.csv", units = ["mm/s", "N"] }\n'
+    )
+    assert load_scene(str(path)).parameters["damper.table"] == "-0.1:-2.0, 0.1:2.0"
+    (tmp_path / "table.csv").write_text("v,F,T\n-100,-2,20\n")
+    with pytest.raises(
+        SceneError, match=r"columns is missing; give the names of two columns of 'v'"
+    ):
+        load_scene(str(path))
+
+
 def test_the_schema_and_the_guide_know_of_files() -> None:
     told = CliRunner().invoke(main, ["schema"]).stdout
     assert 'road.table = { file = "road.csv",' in told
@@ -108,10 +123,23 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
         ("units", "unit", "unknown key 'unit'; allowed: file, columns, .*; did you mean 'units'"),
         ('"table"', '"bump"', "road.table.file is given, but road.shape is bump"),
         ('road.shape = "table"', "", "road.shape is left at its default"),
-        ('["distance", "profile"]', '"profile"', "columns = .* must be two texts such as"),
+        (
+            '["distance", "profile"]',
+            '"profile"',
+            "columns = .*: must be two, of the first and the second column",
+        ),
         ('"measured/road.csv"', "3", "file = 3: must be the path"),
         ('["m", "mm"]', '["m", "mm"], delimiter = ";;"', "must be one character"),
-        ("road.table =", "sprung_mass =", "no parameter 'sprung_mass.file'"),
+        (
+            "road.table =",
+            "sprung_mass =",
+            r"sprung_mass: is no table, and takes no file; tables are",
+        ),
+        (
+            '["m", "mm"]',
+            '["m", "mm"], offset = "3 mm"',
+            "offset = '3 mm': must be two, of the first",
+        ),
     ],
 )
 def test_what_is_wrong_is_said_with_file_and_key(
