@@ -78,16 +78,18 @@ class Chart:
         points: list[complex] = (x + 1j * (_HEIGHT * (values - self.low) / span)).tolist()
         return points
 
+    @property
+    def time_unit(self) -> tuple[str, float]:
+        """The unit of the time, and its number in a second."""
+        return ("s", 1.0) if self.end - self.start >= 1.0 else ("ms", 1e3)
+
     def _stays(self) -> Page:
         named = [
             Text(role, in_words(name), 0j, 0.9)
             for role, name in zip(self.roles, self.names, strict=True)
         ]
         halves = [text.box(_EM).half.real for text in named]
-        left, right = (
-            -0.17 * _WIDTH,
-            max([1.73 * _WIDTH, *(_NAMES + 2.0 * h + _EM for h in halves)]),
-        )
+        left, right = -0.17 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
         half = complex(right - left, 1.44 * _HEIGHT) / 2.0
         view = Box(complex((left + right) / 2.0, 0.52 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
@@ -97,12 +99,14 @@ class Chart:
         page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
         unit = bracketed(self.quantity.unit)
         page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.05, _HEIGHT + 1.7 * _EM)))
-        page.write_if_free(Text("axis", "t [ms]", zero + 0.93 * _WIDTH + 1.2j * _EM))
+        page.write_if_free(
+            Text("axis", f"t [{self.time_unit[0]}]", zero + 0.93 * _WIDTH + 1.2j * _EM)
+        )
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
             if len(curve) > 1:
-                page.lines(role, [curve], 0.8, 0.6)
+                page.lines(role, [curve], 0.8, 0.6 * _strength(name))
         for row, (text, wide) in enumerate(zip(named, halves, strict=True)):  # beside it
             page.write(replace(text, centre=complex(_NAMES + wide, _HEIGHT - 1.7 * row * _EM)))
         return page
@@ -114,9 +118,10 @@ class Chart:
             z = self.at(self.start, i * step)
             page.lines("axis", [[z, z + 0.4 * _EM]])
             page.write_if_free(Text("value", number(i * step), z - 1.3 * _EM, 0.8, "value"))
-        step = round_step(1e3 * (self.end - self.start) or 1.0, 6)
-        for i in range(1, int(1e3 * (self.end - self.start) / step) + 1):
-            z = self.at(self.start + 1e-3 * i * step, 0.0)
+        factor = self.time_unit[1]
+        step = round_step(factor * (self.end - self.start) or 1.0, 6)
+        for i in range(1, int(factor * (self.end - self.start) / step) + 1):
+            z = self.at(self.start + i * step / factor, 0.0)
             page.lines("axis", [[z, z + 0.4j * _EM]])
             page.write_if_free(Text("value", number(i * step), z - 1.0j * _EM, 0.8, "value"))
 
@@ -125,15 +130,21 @@ class Chart:
         page = self.stays.following()
         times, read = (of[: step + 1] for of in self.read)
         every = max(1, len(times) // _MOST)
-        for role, values in zip(self.roles, read[::every].T, strict=True):
+        for name, role, values in zip(self.names, self.roles, read[::every].T, strict=True):
             shown = np.isfinite(values)
-            page.dots(role, self._curve(times[::every][shown], values[shown]), 0.9)
+            points = self._curve(times[::every][shown], values[shown])
+            page.dots(role, points, 0.9, _strength(name))
         page.lines("value", [self.cursor(times[-1])])
         return page
 
     def cursor(self, time: float) -> list[complex]:
         """Return the line at a time."""
         return [self.at(time, self.low), self.at(time, self.high)]
+
+
+def _strength(name: str) -> float:
+    """Return the opacity of a column: that of a rear axle is fainter, as in plots."""
+    return 0.6 if name.startswith("rear_") else 1.0
 
 
 def part_of(name: str, number: int) -> str:

@@ -22,11 +22,11 @@ from recorded import (
     quarter_car,
 )
 
-from phaseplane.constructions import Axis, Curve, Mark, delta, march
+from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, delta, march
 from phaseplane.picture.canvas import Echo
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Arrow, graduation_of
+from phaseplane.picture.page import Arrow, Lines, graduation_of
 from phaseplane.picture.paper import Box, arcs
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -187,6 +187,16 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     named = {text.text: text.box(page.em) for text in page.texts}
     for name in names:
         assert page.view.contains(named[name.replace("_", " ")])
+    front, rear = (
+        {i.strength for i in page.items if isinstance(i, Lines) and i.role == "suspension"}
+        for page in (Chart(made, histories, pair, QUANTITIES[0]).stays for pair in
+                     (names[:2], names[2:]))
+    )  # fmt: skip
+    assert max(rear) < min(front)
+    assert "t [ms]" in named
+    slow = march(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
+    texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
+    assert "t [s]" in [text.text for text in texts]
 
 
 def test_curves_that_coincide_have_one_label() -> None:
