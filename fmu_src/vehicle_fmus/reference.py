@@ -1,8 +1,9 @@
-"""Reference results of an FMU, in the files of the FMI cross-check."""
+"""Reference results of an FMU: the files of the FMI cross-check, and their declaration inside it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from xml.etree.ElementTree import Element, SubElement, indent, register_namespace, tostring
 
 from phaseplane.suspension.road_source import RoadSource
 from phaseplane.suspension.session import Session
@@ -29,6 +30,54 @@ Reference result of {model}.fmu with its start values.
 {model}_ref.opt
     Start, stop, communication step, and the largest allowed difference relative to the peak.
 """
+
+
+# The layered standard FMI-LS-REF 1.0.0-alpha.1: what files there are in an FMU beside its own, and why
+_LAYER = "extra/org.fmi-standard.fmi-ls-ref"
+_MANIFEST = "http://fmi-standard.org/fmi-ls-manifest"
+_ABOUT = {
+    "fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
+    "fmi-ls-version": "1.0.0-alpha.1",
+    "fmi-ls-description": "Layered Standard providing information on related files included in an FMU.",
+}
+_PAGE = "documentation/fmi-ls-ref.txt"
+_RELATED = {  # by the end of the name: MIME type, role, description
+    "_ref.csv": ("text/csv", "result", "Outputs of a run with the start values, to high accuracy"),
+    "_in.csv": ("text/csv", "testcase", "Inputs of that run, held during each communication step"),
+    "_ref.opt": (
+        "text/csv",
+        "testcase",
+        "Start, stop, communication step and tolerance of that run",
+    ),
+}
+
+
+def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return what an FMU holds of its reference result: the files, their declaration and a page.
+
+    Parameters
+    ----------
+    files : from `reference_files`
+    """
+    register_namespace("fmi-ls", _MANIFEST)
+    root = Element("fmiReferences", {f"{{{_MANIFEST}}}{key}": text for key, text in _ABOUT.items()})
+    members = {}
+    for name, content in files.items():
+        for end, (kind, role, about) in _RELATED.items():
+            if name.endswith(end):
+                SubElement(root, "Related", type=kind, source=name, role=role, description=about)
+                members[f"{_LAYER}/{name}"] = content
+        if name.endswith("_readme.txt"):
+            members[_PAGE] = content
+    SubElement(
+        root, "Related", type="text/plain", source=f"../../{_PAGE}", role="document",
+        description="What the files are",
+    )  # fmt: skip
+    indent(root)
+    members[f"{_LAYER}/fmi-ls-manifest.xml"] = tostring(
+        root, encoding="UTF-8", xml_declaration=True
+    )
+    return members
 
 
 def session_of(

@@ -14,7 +14,7 @@ from phaseplane.suspension.variables import Value, refuse_unknown
 from ..archives import digest_of, write_all, zipped
 from ..content import picture_file, production
 from ..manual import DOCUMENTATION, page
-from ..reference import reference_files, session_of
+from ..reference import declared_inside, reference_files, session_of
 from . import description, description3
 from .compilers import FLAGS, Platform, chosen, compiled
 from .model import model_in_c
@@ -60,7 +60,7 @@ def build(
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
     own : for each system of one's own that has been loaded, its file
-    references : whether to write a reference result beside each FMU
+    references : whether to write a reference result beside each FMU, and into it
 
     Returns
     -------
@@ -83,19 +83,21 @@ def build(
         given = parameters.get(model, {})
         accepted = session_of(model, given).parameters  # reads the tables, too
         start = {name: accepted[name] for name in given}
-        files[f"{model}.fmu"] = _packed(model, start, fmi, targets, own.get(model))
-        if references:
-            files |= reference_files(model, start)
+        reference = reference_files(model, start) if references else {}
+        members = _members(model, start, fmi, targets, own.get(model))
+        inside = declared_inside(reference) if references else {}
+        files[f"{model}.fmu"] = zipped({**members, **inside})
+        files |= reference
     Path(folder).mkdir(parents=True, exist_ok=True)
     contents = {Path(folder, name): content for name, content in files.items()}
     write_all(contents)
     return list(contents)
 
 
-def _packed(
+def _members(
     model: str, start: Mapping[str, Value], fmi: int, targets: Sequence[Platform], own: Path | None
-) -> bytes:
-    """Return the archive of one FMU."""
+) -> dict[str, bytes]:
+    """Return the files of one FMU."""
     in_c = model_in_c(model, start)
     layer = _LAYERS[fmi]
     sources = {name: (_C / name).read_bytes() for name in ("core.h", "core.c", *layer)}
@@ -123,7 +125,7 @@ def _packed(
         members["terminalsAndIcons/icon.png"] = members.pop("model.png")
     for target, library in _binaries(sources, targets):
         members[f"binaries/{target.folder(fmi)}/{model}{target.suffix}"] = library
-    return zipped({**members, **{f"sources/{name}": text for name, text in sources.items()}})
+    return {**members, **{f"sources/{name}": text for name, text in sources.items()}}
 
 
 def _binaries(

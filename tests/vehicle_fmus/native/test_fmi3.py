@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import posixpath
 import random
 import shutil
 import subprocess
@@ -23,6 +24,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import variables
+from phaseplane.vehicle_fmus.reference import declared_inside, reference_files
 from structures import STRUCTURES
 from test_same_bits import Pair, not_fixed
 
@@ -88,6 +90,22 @@ def test_what_describes_it_is_valid(model: str, native_fmu: Packer, tmp_path: Pa
     assert (tmp_path / "terminalsAndIcons/icon.png").read_bytes().startswith(b"\x89PNG")
     page = (tmp_path / "documentation/index.html").read_text("utf-8")
     assert "lift_off_event" in page
+
+
+def test_the_reference_result_inside_is_declared() -> None:
+    """By FMI-LS-REF: every file that is there, and none that is not."""
+    files = reference_files("QuarterCar", {})
+    inside = declared_inside(files)
+    folder = "extra/org.fmi-standard.fmi-ls-ref"
+    root = etree.fromstring(inside[f"{folder}/fmi-ls-manifest.xml"])
+    space = "{http://fmi-standard.org/fmi-ls-manifest}"
+    assert root.get(f"{space}fmi-ls-name") == "org.fmi-standard.fmi-ls-ref"
+    declared = {item.get("source"): item.get("role") for item in root.iter("Related")}
+    assert {posixpath.normpath(f"{folder}/{source}") for source in declared} == set(inside) - {
+        f"{folder}/fmi-ls-manifest.xml"
+    }
+    assert declared["QuarterCar_ref.csv"] == "result"
+    assert inside[f"{folder}/QuarterCar_ref.csv"] == files["QuarterCar_ref.csv"]
 
 
 def test_the_library_shows_the_functions_of_fmi_3_alone(native_fmu: Packer, tmp_path: Path) -> None:
@@ -318,7 +336,8 @@ def test_a_controller_woken_by_clocks_is_that_of_a_scene(
     interval: float, native_fmu: Packer, tmp_path: Path
 ) -> None:
     """An actuator acts from lift-off to touchdown; every contact is counted once."""
-    case = run(load_scene("woken_by_lift_off", expect=False))
+    outputs = "show.outputs=['last_lift_off', 'last_touchdown']"
+    case = run(load_scene("woken_by_lift_off", [outputs], expect=False))
     host = Awake(native_fmu("QuarterCar", fmi=3), tmp_path)
     host.on_tick = {"lift_off_event": 1500.0, "touchdown_event": 0.0}
     host.run(0.15, interval)
