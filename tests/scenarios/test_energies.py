@@ -78,6 +78,24 @@ def test_each_road_and_force_has_its_own_work() -> None:
     assert np.abs(found["rear_road_supplied_energy"][late]).max() < 0.05 * found[parts[1]].max()
 
 
+@pytest.mark.parametrize("model", [name for name in MODELS if name != "Elastoplastic"])
+def test_every_road_and_force_of_a_model_has_an_entry(model: str) -> None:
+    names = [v.name.removesuffix("_supplied_energy") for v in MODELS[model]]
+    system = build(model, {"body_force.table": "0:0, 1:1"})
+    assert {name.removesuffix("_table") for name in system.signals} <= {*names}
+
+
+def test_an_actuator_supplies_its_force_times_the_deflection() -> None:
+    session = Session("QuarterCar", {"road.shape": "flat"}, tolerance=1e-10)
+    session.set_input("actuator_force", 200.0)
+    session.advance(0.0)
+    deflection = session.value("suspension_deflection")
+    session.advance(0.3)
+    way = float(session.value("suspension_deflection")) - float(deflection)
+    assert session.value("actuator_force_supplied_energy") == pytest.approx(200.0 * way, rel=1e-9)
+    assert session.value("supplied_energy") == session.value("actuator_force_supplied_energy")
+
+
 def test_a_force_that_pushes_a_spring_down_supplies_what_it_stores() -> None:
     """F^2 / 2c, and what the damper takes on the way."""
     given = {"road.shape": "flat", "body_force.table": "0:0, 20:500, 40:500"}

@@ -52,7 +52,9 @@ _VARIABLES = (
     *both_axles((ACTUATOR_FORCE,)),
     *RIGID_BODY_MOTION,
     *both_axles(ON_WHEEL),
-    *energies("front_road", "rear_road", "body_force"),
+    *energies(
+        "front_road", "rear_road", "body_force", "front_actuator_force", "rear_actuator_force"
+    ),
     *SOLVER_OUTPUTS,
 )
 

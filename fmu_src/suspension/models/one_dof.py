@@ -38,7 +38,7 @@ _VARIABLES = (
     body_force(),
     ACTUATOR_FORCE,
     *ON_ROAD,
-    *energies("road", "body_force"),
+    *energies("road", "body_force", "actuator_force"),
     *SOLVER_OUTPUTS,
 )
 

@@ -54,7 +54,7 @@ _VARIABLES = (
     body_force(),
     ACTUATOR_FORCE,
     *ON_WHEEL,
-    *energies("road", "body_force"),
+    *energies("road", "body_force", "actuator_force"),
     *SOLVER_OUTPUTS,
 )
 
