@@ -16,7 +16,6 @@ from .primitives import Arc as Arc
 from .primitives import Axis as Axis
 from .primitives import Curve as Curve
 from .primitives import Drawing as Drawing
-from .primitives import Frame as Frame
 from .primitives import Mark as Mark
 from .primitives import Plane as Plane
 from .primitives import Scheme as Scheme
@@ -30,5 +29,6 @@ from .rules import velocity as velocity
 from .sheet import events_of as events_of
 from .shortcuts import shortcut_flights as shortcut_flights
 from .shortcuts import with_shortcuts as with_shortcuts
+from .storage import Frame as Frame
 from .two_planes import QuarterCarPlanes as QuarterCarPlanes
 from .yielding import ElastoplasticPlane as ElastoplasticPlane

@@ -19,9 +19,10 @@ from phaseplane.constructions.construction import Window
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.laws import Jumps, Strut
 from phaseplane.constructions.lienard import Epsilon, Lienard
-from phaseplane.constructions.primitives import Curve, Frame
+from phaseplane.constructions.primitives import Curve
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.roads import Signal
 
 

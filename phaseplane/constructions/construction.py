@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 
-from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 
 CONTACT, FLIGHT = "contact", "flight"
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from phaseplane.constructions.geometry import at_height
-from phaseplane.constructions.primitives import Curve, Frame, Plane
+from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.storage import Frame
 
 
 @dataclass(frozen=True, slots=True)

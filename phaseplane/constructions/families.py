@@ -7,9 +7,10 @@ from dataclasses import replace
 
 from phaseplane.constructions.equation import EquationPlane
 from phaseplane.constructions.marching import march
-from phaseplane.constructions.primitives import Curve, Drawing, Frame
+from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.storage import Frame
 
 
 def family(

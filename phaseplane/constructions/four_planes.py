@@ -38,8 +38,9 @@ from phaseplane.constructions.laws import (
     check_number,
     check_positive,
 )
-from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.characteristics import Characteristic, linear
 from phaseplane.suspension.roads import Signal
 

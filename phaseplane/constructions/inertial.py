@@ -31,9 +31,10 @@ from phaseplane.constructions.laws import (
     check_positive,
 )
 from phaseplane.constructions.lienard import Lienard
-from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.roads import Signal
 

@@ -11,8 +11,9 @@ from math import ceil, copysign, floor
 
 from phaseplane.constructions.geometry import bisected
 from phaseplane.constructions.laws import Strut
-from phaseplane.constructions.primitives import Curve, Frame, Plane
+from phaseplane.constructions.primitives import Curve, Plane
 from phaseplane.constructions.sheet import reach, round_step, state_point, trail
+from phaseplane.constructions.storage import Frame
 
 Epsilon = Callable[[float, float], float]
 """epsilon(y-bar; y_i), m."""

@@ -13,12 +13,12 @@ from math import inf, isfinite, pi
 from typing import NamedTuple
 
 from phaseplane.constructions.construction import JOLT, Construction, Window
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import turn_angles
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.constructions.switching import first_end
 
 _LEAST_PART = 1e-9  # of a step: anything shorter is rounding

@@ -14,9 +14,10 @@ from functools import cached_property
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.lienard import Lienard
-from phaseplane.constructions.primitives import Curve, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 
 
 def one_plane_scheme(excitation: str) -> Scheme:

@@ -10,12 +10,12 @@ from math import isfinite
 
 from phaseplane.constructions.construction import Construction, Window
 from phaseplane.constructions.marching import drawing
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import state_point
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 
 def overlay(

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
 
-from phaseplane.constructions.primitives import Axis, Curve, Frame, Plane
+from phaseplane.constructions.primitives import Axis, Curve, Plane
+from phaseplane.constructions.storage import Frame
 
 
 def plane_at(

@@ -18,10 +18,11 @@ from phaseplane.constructions.construction import Window
 from phaseplane.constructions.laws import check_finite, check_number, check_positive
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
-from phaseplane.constructions.primitives import Curve, Frame, Scheme
+from phaseplane.constructions.primitives import Curve, Scheme
 from phaseplane.constructions.schemes import with_mark
 from phaseplane.constructions.sheet import plane_at
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.suspension.roads import Signal, constant
 
 ELASTIC = "elastic"

@@ -19,9 +19,10 @@ from xml.etree import ElementTree
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from phaseplane.constructions.geometry import meet
-from phaseplane.constructions.primitives import Drawing, Frame, Plane
+from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.stepping import signed_frequency
+from phaseplane.constructions.storage import Frame
 
 _FORMAT = {"format": "5.0", "app": "classic"}
 _COLOURS = {"P": (0, 90, 181), "D": (213, 94, 0), "A": (140, 110, 0)}

@@ -12,10 +12,11 @@ from dataclasses import dataclass
 from typing import NamedTuple, cast
 
 from phaseplane.constructions.construction import Construction, Window
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
+from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.switched import SwitchedPlane
 from phaseplane.constructions.switching import first_end
 from phaseplane.exercises.letters import lettered

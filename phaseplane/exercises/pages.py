@@ -10,9 +10,9 @@ from importlib.resources import files
 from math import atan2, ceil, cos, pi, sin
 from typing import Any
 
-from phaseplane.constructions.primitives import Arc, Axis, Drawing, Frame, Plane
+from phaseplane.constructions.primitives import Arc, Axis, Drawing, Plane
 from phaseplane.constructions.sheet import round_step
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.protocol import display, protocol
 from phaseplane.exercises.readings import columns

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from io import StringIO
 from math import hypot
 
-from phaseplane.constructions.primitives import Axis, Drawing, Frame, Mark, Plane
+from phaseplane.constructions.primitives import Axis, Drawing, Mark, Plane
+from phaseplane.constructions.storage import Frame
 from phaseplane.exercises.letters import lettered
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from matplotlib.figure import Figure
 
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing
+from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.page import Page

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
-from phaseplane.constructions.primitives import Curve, Drawing, Frame, Plane
+from phaseplane.constructions.primitives import Curve, Drawing, Plane
+from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, step_page, step_words

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from phaseplane.constructions.primitives import Drawing, Frame, Plane
+from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN, Look

@@ -13,7 +13,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Figure  # noqa: PLC0414  (used in annotations elsewhere)
 from matplotlib.font_manager import findfont
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text

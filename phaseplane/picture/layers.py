@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Arc, Drawing, Frame, Mark, Scheme, Stroke
+from phaseplane.constructions.primitives import Arc, Drawing, Mark, Scheme, Stroke
 from phaseplane.constructions.rules import REPEATED
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 from .paper import Points, arcs, table
 

@@ -14,8 +14,9 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from phaseplane.constructions.construction import FLIGHT
-from phaseplane.constructions.primitives import Axis, Curve, Drawing, Frame, Mark, Plane, Scheme
+from phaseplane.constructions.primitives import Axis, Curve, Drawing, Mark, Plane, Scheme
 from phaseplane.constructions.sheet import events_of, round_step
+from phaseplane.constructions.storage import Frame
 
 from .layers import Layer, is_main, layers_at
 from .letters import place, text_box

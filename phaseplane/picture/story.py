@@ -8,8 +8,9 @@ from math import ceil
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Drawing, Frame, Mark
+from phaseplane.constructions.primitives import Drawing, Mark
 from phaseplane.constructions.sheet import events_of
+from phaseplane.constructions.storage import Frame
 
 from . import dimensions
 from .page import CURVES, Arrow, Page, joined

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from phaseplane.constructions.primitives import Drawing, Frame, Plane
-from phaseplane.constructions.storage import StoredFrames
+from phaseplane.constructions.primitives import Drawing, Plane
+from phaseplane.constructions.storage import Frame, StoredFrames
 
 from .layers import is_main
 from .page import CURVES, graduation_of, motions_of, reach_of

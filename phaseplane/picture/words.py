@@ -12,8 +12,9 @@ from functools import lru_cache
 from operator import mul
 from unicodedata import normalize
 
-from phaseplane.constructions.primitives import Axis, Drawing, Frame, Plane, Scheme
+from phaseplane.constructions.primitives import Axis, Drawing, Plane, Scheme
 from phaseplane.constructions.sheet import Event, events_of
+from phaseplane.constructions.storage import Frame
 
 from .quantities import Quantity, unit_text
 

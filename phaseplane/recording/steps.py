@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
-from phaseplane.constructions.primitives import Drawing, Frame
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.sheet import events_of
+from phaseplane.constructions.storage import Frame
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.page import Page
@@ -74,7 +76,7 @@ def send_steps(
         _send_letters(recording, f"{path}/letters", drawing, layers, page, columns, shown)
 
 
-def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple]]:
+def _parts(layers: Sequence[Layer]) -> Iterator[tuple[str, str, tuple[Any, ...]]]:
     """Yield each entity: its name, its root, and its style, columns and items in a step."""
     lines = [layer for layer in layers if layer.kind == "lines"]
     if lines:

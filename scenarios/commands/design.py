@@ -8,7 +8,7 @@ import click
 
 from ..design.job import Study, fit_parameters
 from ..design.job import optimise as find_optimum
-from ..results.folder import as_json
+from ..results.plain import as_json
 from .console import DONE, FAILED, complain, json_option, progress_bar
 
 _output = click.option(

@@ -8,14 +8,8 @@ import click
 
 from ..draw import exercises
 from ..errors import InputError, one_line
-from ..results.folder import (
-    OUTPUT,
-    Place,
-    as_json,
-    check_replaceable,
-    replaced_whole,
-    write_summary,
-)
+from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.plain import as_json
 from ..scene.loading import load_scene
 from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
 

@@ -10,7 +10,7 @@ from ..draw.modes import modes as make_modes
 from ..draw.modes import modes_in_words
 from ..draw.portraits import portrait as make
 from ..draw.portraits import portrait_in_words
-from ..results.folder import as_json
+from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies.ladder import ladder as climb
 from ..studies.ladder import ladder_in_words

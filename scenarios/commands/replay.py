@@ -28,7 +28,8 @@ from ..errors import (
     check_recording,
     one_line,
 )
-from ..results.folder import DAMAGED, as_json, read_results, read_summary
+from ..results.folder import DAMAGED, read_results, read_summary
+from ..results.plain import as_json
 from ..results.report import drift_words
 from ..results.tables import read_table
 from ..scene.layers import Setting, find_scene

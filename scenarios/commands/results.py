@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..errors import InputError, one_line
-from ..results.folder import OUTPUT, as_json, read_summary
+from ..results.folder import OUTPUT, read_summary
 from ..results.inspection import (
     contents,
     contents_in_words,
@@ -15,6 +15,7 @@ from ..results.inspection import (
     difference_in_words,
     first_difference,
 )
+from ..results.plain import as_json
 from ..scene.names import meant
 from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
 

@@ -20,12 +20,12 @@ from ..results.folder import (
     OUTPUT,
     Place,
     Results,
-    as_json,
     check_replaceable,
     read_summary,
     replaced_whole,
     write_results,
 )
+from ..results.plain import as_json
 from ..results.report import failures, report
 from ..results.standing import Standing
 from ..scene.layers import Setting

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from ..errors import RunError
-from ..results.folder import as_json
+from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies import rules as study
 from ..studies.reports import study_accuracy, study_stability

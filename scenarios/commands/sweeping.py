@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ..results.folder import as_json
+from ..results.plain import as_json
 from ..sweeps.job import run_sweep
 from ..sweeps.report import sweep_in_words
 from .console import DONE, FAILED, complain, json_option, progress_bar, warn

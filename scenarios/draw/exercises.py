@@ -20,7 +20,8 @@ from .constructions import constructed
 from .planes import planes_of
 
 if TYPE_CHECKING:
-    from phaseplane.constructions.primitives import Drawing, Frame, Plane
+    from phaseplane.constructions.primitives import Drawing, Plane
+    from phaseplane.constructions.storage import Frame
 
     from ..scene.schema import Scene
 

@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import RunError, one_line
-from .folder import SUMMARY, as_json, draft_beside
+from .folder import SUMMARY, draft_beside
+from .plain import as_json
 
 
 class Standing:

@@ -14,7 +14,8 @@ from phaseplane.suspension.engine import Integrator, why_stopped
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import MODELS
 
-from ..draw.constructions import constructed, planes_of
+from ..draw.constructions import constructed
+from ..draw.planes import planes_of
 from ..errors import InputError, one_line
 from ..simulate.fmu_cache import kept
 from .workbench import Prepared, Run, UnableError, Workbench
