@@ -17,7 +17,8 @@ PACKAGES = [
     "phaseplane", "phaseplane.constructions", "phaseplane.portrait", "phaseplane.figures",
     "phaseplane.equations", "phaseplane.exercises", "phaseplane.recording", "phaseplane.vehicle_fmus",
     "phaseplane.vehicle_fmus.native",
-    "phaseplane.scenarios.simulate", "phaseplane.scenarios.draw",
+    "phaseplane.scenarios.simulate", "phaseplane.scenarios.draw", "phaseplane.scenarios.results",
+    "phaseplane.scenarios.measures",
 ]  # fmt: skip
 
 

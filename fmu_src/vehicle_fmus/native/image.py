@@ -12,11 +12,11 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
-from phaseplane.suspension.trace import Number
+from phaseplane.suspension.trace import Number, number
 
 from .declarations import NUMBERS
 from .kernel_sources import Sources
-from .translate import in_c, number
+from .translate import in_c
 
 _PER_LINE = 8
 

@@ -23,7 +23,7 @@ from phaseplane.suspension.outputs import (
 from phaseplane.suspension.session import driven, initial_names
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, System
-from phaseplane.suspension.trace import Node, Number, Tape
+from phaseplane.suspension.trace import Node, Number, Tape, number
 from phaseplane.suspension.variable import number as number_in
 from phaseplane.suspension.variables import (
     SOLVER_PARAMETERS,
@@ -36,7 +36,7 @@ from phaseplane.suspension.variables import (
 
 from .image import image
 from .kernel_sources import plain_integrator, plain_module, sources, values_of_constants
-from .translate import needed, number, translated
+from .translate import needed, translated
 
 _ROOTS = [
     *(("Integrator", name) for name in (
