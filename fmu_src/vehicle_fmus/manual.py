@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from html import escape
 from pathlib import Path
 from string import Template
@@ -20,6 +20,7 @@ _OWN = Template("""<h2>System</h2>
 directions b and characteristics f of this description:</p>
 <pre>$file</pre>
 """)
+_CHOSEN = "Parameters chosen when this FMU was packed"
 _HEADINGS: dict[str, Callable[[Variable], bool]] = {
     "Parameters fixed before the run": lambda v: v.causality == "parameter" and not v.tunable,
     "Parameters that may change between communication steps": lambda v: v.tunable,
@@ -35,6 +36,7 @@ def page(
     own: Path | None = None,
     *,
     native: int = 0,
+    fixed: Collection[str] = (),
 ) -> str:
     """Return documentation/index.html of a model.
 
@@ -45,6 +47,7 @@ def page(
     colophon : the tools that made the FMU
     own : the file of a system of one's own, which stands in place of equations that it does not give
     native : 2 or 3 for a native FMU of that version of FMI, which needs nothing from its host
+    fixed : names of the parameters that keep the values with which such an FMU is packed
     """
     return Template(_part("index")).substitute(
         model=model,
@@ -52,7 +55,7 @@ def page(
         equations=_equations(model, own),
         stepping="" if model in SOURCES else _part("stepping"),
         needs=_part("native" if native else "needs") + (_part("events") if native == 3 else ""),
-        variables=variable_table(variables(model), start),
+        variables=variable_table(variables(model), start, fixed),
         colophon=escape(colophon),
     )
 
@@ -67,11 +70,18 @@ def _part(name: str) -> str:
     return (DOCUMENTATION / f"{name}.html").read_text("utf-8")
 
 
-def variable_table(declared: tuple[Variable, ...], start: dict[str, Value]) -> str:
+def variable_table(
+    declared: tuple[Variable, ...], start: dict[str, Value], fixed: Collection[str] = ()
+) -> str:
     """Return name, unit, start value and meaning of every variable, as HTML tables."""
     parts = []
-    for heading, belongs in _HEADINGS.items():
-        rows = [variable for variable in declared if belongs(variable)]
+    chosen = [variable for variable in declared if variable.name in fixed]
+    free = [variable for variable in declared if variable.name not in fixed]
+    groups = {_CHOSEN: chosen} | {
+        heading: [variable for variable in free if belongs(variable)]
+        for heading, belongs in _HEADINGS.items()
+    }
+    for heading, rows in groups.items():
         if not rows:
             continue
         parts.append(f"<h3>{heading}</h3>\n<table>")

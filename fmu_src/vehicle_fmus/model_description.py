@@ -12,6 +12,9 @@ from xml.etree.ElementTree import Element, SubElement
 from phaseplane.suspension.units import UNITS
 from phaseplane.suspension.variables import Value, Variable, variables
 
+CHOSEN = "; chosen when the FMU was packed"
+"""How the description ends of a parameter that keeps the value with which a native FMU was packed."""
+
 
 def completed(
     description: bytes, model: str, about: Mapping[str, str], start: Mapping[str, Value]

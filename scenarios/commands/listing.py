@@ -1,19 +1,29 @@
-"""`phaseplane list`: the scenes and sweeps in the package."""
+"""`phaseplane list`: the scenes and sweeps in the package, or the parameters of an FMU."""
 
 from __future__ import annotations
 
 import click
+from phaseplane.suspension.variables import Variable
 
 from ..results.plain import as_json
+from ..scene.fmus import Fmu, fmu_named
 from ..scene.layers import case_titles
 from ..sweeps.shipped import sweep_titles
 from .console import json_option
 
 
 @click.command("list")
+@click.argument("fmu", required=False)
 @json_option
-def list_cases(as_data: bool) -> None:
-    """List the scenes and sweeps in the package."""
+def list_cases(fmu: str | None, as_data: bool) -> None:
+    """List the scenes and sweeps in the package, or the parameters of FMU.
+
+    FMU is a file or a model. Parameters are listed by when they can be set: never, if a native FMU was
+    packed with them, before a run, or during it.
+    """
+    if fmu is not None:
+        _list_parameters(fmu_named(fmu), as_data)
+        return
     titles = {"scenes": case_titles(), "sweeps": sweep_titles()}
     if as_data:
         click.echo(as_json(titles))
@@ -23,3 +33,23 @@ def list_cases(as_data: bool) -> None:
         click.echo(f"phaseplane {command}")
         for name, title in named.items():
             click.echo(f"  {name:<{width}}  {title}")
+
+
+def _list_parameters(fmu: Fmu, as_data: bool) -> None:
+    parameters = fmu.parameters().values()
+    groups: dict[str, list[Variable]] = {
+        "chosen when the FMU was packed": [v for v in parameters if v.name in fmu.fixed],
+        "set before a run": [v for v in parameters if v.name not in fmu.fixed and not v.tunable],
+        "also set during a run": [v for v in parameters if v.name not in fmu.fixed and v.tunable],
+    }
+    groups = {words: listed for words, listed in groups.items() if listed}
+    if as_data:
+        values = {words: {v.name: v.start for v in listed} for words, listed in groups.items()}
+        click.echo(as_json(values))
+        return
+    width = max((len(v.name) for listed in groups.values() for v in listed), default=0)
+    for words, listed in groups.items():
+        click.echo(words)
+        for v in listed:
+            value = f"{v.start:g}" if isinstance(v.start, float) else str(v.start) or "none"
+            click.echo(f"  {v.name:<{width}}  {value} {'' if v.unit == '1' else v.unit}".rstrip())

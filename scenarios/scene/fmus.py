@@ -13,6 +13,7 @@ from phaseplane.suspension.units import UNITS, nearest
 from phaseplane.suspension.variable import Checked
 from phaseplane.suspension.variables import MODELS, ParameterError, Value, Variable
 from phaseplane.vehicle_fmus.content import content_key
+from phaseplane.vehicle_fmus.model_description import CHOSEN
 
 from ..errors import InputError, SystemFileError, one_line, shown
 from .equation import EQUATION, equation_variables
@@ -50,6 +51,7 @@ class Fmu:
     variables : its public variables
     system : the file of a system of one's own; None for other models
     rates : pairs of outputs of which the description says that one is the derivative of the other
+    fixed : names of the parameters that keep the values with which a native FMU was packed
     """
 
     model: str
@@ -57,18 +59,24 @@ class Fmu:
     variables: tuple[Variable, ...]
     system: Path | None = None
     rates: tuple[tuple[str, str], ...] = ()
+    fixed: frozenset[str] = frozenset()
 
     def __reduce__(self) -> Any:
         """Read the file of a system again where it is unpickled, so that its model is known there."""
         if self.system is not None:
             return find_fmu, (str(self.system),)
-        return Fmu, (self.model, self.path, self.variables, None, self.rates)
+        return Fmu, (self.model, self.path, self.variables, None, self.rates, self.fixed)
 
     @property
     def is_ours(self) -> bool:
-        """Whether it is a model of this package and version, which can check its values itself."""
-        names = [v.name for v in MODELS.get(self.model, ())]
-        return names == [v.name for v in self.variables]
+        """Whether it is a model of this package and version, which can check its values itself.
+
+        Of its outputs a native FMU may have some only.
+        """
+        there = {v.name for v in self.variables}
+        ours = MODELS.get(self.model, ())
+        names = [v.name for v in ours if v.name in there or v.causality != "output"]
+        return bool(ours) and names == [v.name for v in self.variables]
 
     @property
     def content(self) -> str:
@@ -114,7 +122,7 @@ class Fmu:
         duration : duration of the run, s
         """
         declared = self.parameters()
-        named = extent.LENGTH in parameters or not (
+        named = extent.LENGTH in parameters or extent.LENGTH in self.fixed or not (
             self.is_ours and extent.LENGTH in declared
             and declared[extent.LENGTH].start == extent.DEFAULT_LENGTH
         )  # fmt: skip
@@ -214,10 +222,12 @@ def _described(path: Path) -> Fmu:
         if rate.derivative is not None and rate.causality == rate.derivative.causality == "output"
     )
     kind = description.coSimulation or description.modelExchange
-    fmu = Fmu(kind.modelIdentifier, path, variables, rates=rates)
+    fixed = frozenset(v.name for v in variables if v.description.endswith(CHOSEN))
+    fmu = Fmu(kind.modelIdentifier, path, variables, rates=rates, fixed=fixed)
     if not fmu.is_ours:
         return fmu
-    return Fmu(fmu.model, path, tuple(map(_started, MODELS[fmu.model], variables)))
+    ours = {v.name: v for v in MODELS[fmu.model]}
+    return replace(fmu, rates=(), variables=tuple(_started(ours[v.name], v) for v in fmu.variables))
 
 
 def _started(ours: Variable, described: Variable) -> Variable:

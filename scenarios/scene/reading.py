@@ -162,7 +162,15 @@ def _parameters(
 def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable]) -> Value:
     try:
         refuse_unknown([name], declared, f"{fmu.model} has no parameter")
-        return declared[name].checked(raw)
+        value = declared[name].checked(raw)
+        if name in fmu.fixed and value != declared[name].start:
+            now, packed = (str(v).lower() if isinstance(v, bool) else shown(v)
+                           for v in (value, declared[name].start))  # fmt: skip
+            raise ParameterError(
+                f"{name} = {now}: this FMU was packed for {packed}, on which its structure depends; "
+                f"pack another with phaseplane build --native --set {name}=..."
+            )
+        return value
     except ParameterError as error:
         why = str(error)
     except OverflowError:

@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from phaseplane.suspension.models import ALL
 from phaseplane.suspension.variables import Value, Variable, variables
 
-from ..model_description import in_words, model_structure, unit_definitions
+from ..model_description import CHOSEN, in_words, model_structure, unit_definitions
 from .model import Translation
 
 CATEGORIES = {
@@ -90,7 +90,7 @@ def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str,
     """
     words = in_words(variable)
     if fixed:
-        words += "; chosen when the FMU was packed"
+        words += CHOSEN
     common = {
         "name": variable.name,
         "valueReference": str(k),

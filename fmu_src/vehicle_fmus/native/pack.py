@@ -113,7 +113,7 @@ def _members(
     members = {
         "modelDescription.xml": described(model, start, in_c, about, token),
         "documentation/index.html": page(
-            model, dict(start), about["generationTool"], own, native=fmi
+            model, dict(start), about["generationTool"], own, native=fmi, fixed=in_c.fixed
         ).encode(),
         "documentation/licenses/license.txt": (DOCUMENTATION / "license.txt").read_bytes(),
         "documentation/licenses/fmi_headers.txt": _licence(_C / layer[1]),

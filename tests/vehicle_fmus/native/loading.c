@@ -26,11 +26,13 @@
 #define CLOSE(library) dlclose(library)
 #endif
 
-#if defined __GLIBC__ && __GLIBC_PREREQ(2, 33)
+#define IN_USE 0L /* bytes of the heap, where the C library tells */
+#ifdef __GLIBC__
+#if __GLIBC_PREREQ(2, 33)
 #include <malloc.h>
-#define IN_USE ((long) mallinfo2().uordblks) /* bytes of the heap */
-#else
-#define IN_USE 0L
+#undef IN_USE
+#define IN_USE ((long) mallinfo2().uordblks)
+#endif
 #endif
 
 #define MOST 64

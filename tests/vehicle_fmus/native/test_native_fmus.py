@@ -138,6 +138,12 @@ def test_the_archive_has_all_that_it_is_made_of(native_fmu: Packer, tmp_path: Pa
     with zipfile.ZipFile(native_fmu("QuarterCar")) as archive:
         names = set(archive.namelist())
         archive.extractall(tmp_path)
+    page = (tmp_path / "documentation/index.html").read_text("utf-8")
+    chosen = page[
+        page.index("chosen when this FMU was packed") : page.index("fixed before the run")
+    ]
+    assert "<td>road.shape</td>" in chosen
+    assert "<td>sprung_mass</td>" not in chosen
     assert {"sources/all.c", "sources/model.c", "sources/core.c", "sources/fmi2Functions.h",
             "documentation/index.html", "documentation/licenses/fmi_headers.txt", "model.png",
             "modelDescription.xml"} <= names  # fmt: skip

@@ -1,0 +1,65 @@
+"""Files of native FMUs in scenes and lists: what was chosen when they were packed is known."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from phaseplane.scenarios.cli import main
+from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.vehicle_fmus.native import compilers, pack
+
+
+@pytest.fixture(scope="module")
+def car(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    if shutil.which("cc") is None:
+        pytest.skip("no C compiler")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compilers, "FLAGS", ("-std=c99", "-O1", "-ffp-contract=off", "-w"))
+        patch.setattr(compilers, "has_zig", lambda: False)
+        (file,) = pack.build(
+            ["QuarterCar"], tmp_path_factory.mktemp("car"),
+            parameters={"QuarterCar": {"friction": 30.0}},
+        )  # fmt: skip
+    return file
+
+
+def invoked(*arguments: str) -> tuple[int, str, str]:
+    done = CliRunner().invoke(main, arguments)
+    return done.exit_code, done.stdout, done.stderr
+
+
+def test_it_is_known_as_a_model_of_the_package(car: Path) -> None:
+    found = find_fmu(str(car))
+    assert found.is_ours
+    assert {"road.shape", "lift_off", "spring.table"} <= found.fixed
+    assert not {"sprung_mass", "friction"} & found.fixed
+    assert found.parameters()["friction"].start == 30.0
+
+
+def test_its_parameters_are_listed_by_when_they_can_be_set(car: Path) -> None:
+    status, text, _ = invoked("list", str(car))
+    assert status == 0
+    chosen, before, during = text.partition("set before a run")
+    assert "  road.shape" in chosen
+    assert "  lift_off" in chosen
+    assert "  sprung_mass" not in chosen
+    assert "  sprung_mass" in before + during
+    assert "  friction" in during
+
+
+def test_a_scene_is_refused_another_structure_and_told_what_to_do(car: Path) -> None:
+    status, _, why = invoked("run", str(car), "--set", "lift_off=false")
+    assert status == 2
+    assert "packed for true" in why
+    assert "phaseplane build --native --set lift_off=" in why
+    assert why.count("\n") == 1
+
+
+def test_a_scene_runs_it_and_measures_between_its_rows(car: Path, tmp_path: Path) -> None:
+    folder = str(tmp_path / "out")
+    status, text, why = invoked("run", str(car), "--set", "duration=0.3 s", "-o", folder)
+    assert status == 0, why
+    assert "lift-off" in text
