@@ -37,13 +37,15 @@ CONTENTS = {
         "systems",
         "controllers",
         "fmus",
+        "guides/omsimulator",
+        "guides/simulink",
         "python",
         "constructions",
         "figures",
         "recordings",
     ),
-    "How it works": ("how_it_works", "kernel"),
-    "How well it works": ("validation", "accuracy"),
+    "How it works": ("how_it_works", "kernel", "translator"),
+    "How well it works": ("validation", "accuracy", "hosts"),
     "Reference": ("reference/commands", "reference/scenes", "reference/models", "reference/python"),
 }
 PROJECT = ("CONTRIBUTING", "CHANGELOG")
