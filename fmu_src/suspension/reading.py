@@ -159,7 +159,7 @@ class Readers(dict[str, Read]):
 def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
     match reading:
         case Line():
-            return _of_line(reading, run)
+            return _of_line(reading, run.state)
         case OfContact(_, tyre, "airborne_time"):
             return lambda: integrator.limited_time_at(tyre, run.time)
         case OfContact(c, _, "airborne"):
@@ -177,7 +177,8 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
         case OfFlow(element, "yielding"):
             return lambda: integrator.yielding(element)
         case OfFlow(element):
-            return lambda: run.state.permanent_sets[element]
+            state = run.state
+            return lambda: state.permanent_sets[element]
         case OfLedger("supplied", signals):
             return lambda: sum(run.energies().supplied[k] for k in signals)
         case OfLedger(what):
@@ -191,35 +192,35 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
     return lambda: run.ok
 
 
-def _of_line(line: Line, run: Run) -> Read:
+def _of_line(line: Line, state: State) -> Read:
     """Return the reader of sum b x + sum c u + offset; as short as it can be."""
-    moved, signals, offset = _of_terms(line, run), line.signals, line.offset
+    moved, signals, offset = _of_terms(line, state), line.signals, line.offset
     order = VELOCITY if line.quantity == VELOCITY else DISPLACEMENT
     if not signals:
         return (lambda: moved() + offset) if offset else moved
     if len(signals) == 1 and not offset:
         (name, factor), *_ = signals
-        return lambda: moved() + factor * run.state.signals[name][order]
+        return lambda: moved() + factor * state.signals[name][order]
 
     def read() -> float:
         value = moved()
         for name, factor in signals:
-            value += factor * run.state.signals[name][order]
+            value += factor * state.signals[name][order]
         return value + offset
 
     return read
 
 
-def _of_terms(line: Line, run: Run) -> Callable[[], float]:
+def _of_terms(line: Line, state: State) -> Callable[[], float]:
     """Return the reader of sum b x."""
     terms = line.terms
     if not terms:
         return lambda: 0.0
     if line.quantity == ACCELERATION:
-        return _computed(terms, lambda: run.state.a)
+        return _computed(terms, lambda: state.a)
     if line.quantity == FORCE:
-        return _computed(terms, lambda: run.state.forces)
-    x = run.state.q if line.quantity == DISPLACEMENT else run.state.v  # which change in place
+        return _computed(terms, lambda: state.forces)
+    x = state.q if line.quantity == DISPLACEMENT else state.v  # which change in place
     (i, b), *more = terms
     if not more:
         return (lambda: x[i]) if b == 1.0 else (lambda: b * x[i])

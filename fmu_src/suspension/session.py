@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from math import inf, isfinite, nan
 from typing import Any
+from weakref import proxy
 
 from .engine import KINDS, Integrator, Run, why_stopped
 from .equilibrium import static_equilibrium
@@ -165,7 +166,8 @@ class Session:
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*self._run.contacts())
         self.state = State(system, integrator)
-        self.readers = Readers(outputs(self.model), system, integrator, self)  # while `ok`
+        # of use while `ok`; they do not hold the session, which so goes with its last owner
+        self.readers = Readers(outputs(self.model), system, integrator, proxy(self))
 
     # -- inputs and stepping -------------------------------------------------------------------------
 

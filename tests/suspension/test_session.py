@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from math import isnan
+from weakref import ref
 
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.suspension.roads import bump
 from phaseplane.suspension.session import Session, SimulationError, simulate
-from phaseplane.suspension.variables import MODELS, ParameterError, variables
+from phaseplane.suspension.variables import MODELS, ParameterError, outputs, variables
 
 MOTION = ("body_displacement", "wheel_displacement", "wheel_velocity", "contact_force")
 OUTPUTS = [v.name for v in variables("QuarterCar") if v.causality == "output"]
@@ -213,3 +215,18 @@ def test_errors_that_add_up_are_told_once(tolerance: float) -> None:
     assert len(said[0]) == 1
     assert "energy balance is off by" in said[0][0]
     assert said[1] == []
+
+
+def test_a_session_goes_with_its_last_owner() -> None:
+    """At once, with all its memory: no cycle waits for the collector."""
+    session = Session("QuarterCar", {})
+    session.advance(0.1)
+    for name in outputs("QuarterCar"):
+        session.value(name)
+    known = ref(session)
+    gc.disable()
+    try:
+        del session
+        assert known() is None
+    finally:
+        gc.enable()
