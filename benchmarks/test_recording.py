@@ -5,12 +5,14 @@ pytest -s -m slow benchmarks/test_recording.py
 
 from __future__ import annotations
 
+import os
 import resource
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from statistics import median
-from time import process_time, sleep
+from subprocess import DEVNULL, Popen
+from time import perf_counter, process_time, sleep
 
 import pytest
 import rerun as rr
@@ -19,6 +21,7 @@ from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
 from recorded import quarter_car
 from rerun.chunk import RrdReader
+from rerun.experimental import ViewerClient
 
 from phaseplane.constructions import delta, march
 from phaseplane.constructions.primitives import Drawing, Frame
@@ -27,6 +30,7 @@ from phaseplane.picture.quantities import read_off
 from phaseplane.picture.words import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.columns import xy
+from phaseplane.recording.server import free_port, viewer_program
 
 pytestmark = pytest.mark.slow
 
@@ -126,6 +130,59 @@ def test_a_frame_costs_at_most_two_kilobytes() -> None:
     each = (three - one) / 2000
     print(f"\n{each:.0f} bytes per frame, {one - 1000 * each:.0f} bytes once")
     assert each <= 2000
+
+
+@pytest.mark.parametrize(("steps", "most"), [(10_000, 8.0), (100_000, 25.0)])
+def test_a_frame_of_a_long_recording_costs_the_viewer_little(
+    steps: int, most: float, tmp_path: Path
+) -> None:
+    """The processor time of a frame, ms, without that of the rasteriser in software."""
+    path = tmp_path / "long.rrd"
+    step = 0.0025 if steps < 20_000 else 0.0005
+    record(Content("long", march(quarter_car(), delta, step=step, steps=steps)), path)
+    port, frames = free_port("127.0.0.1", 0), 60
+    command = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port)]
+    with Popen(
+        [*command, "--window-size", "1366x768"], stdout=DEVNULL, stderr=DEVNULL,
+        env={**os.environ, "XDG_RUNTIME_DIR": str(tmp_path), "RERUN_APP_ONLY": "true"},
+    ) as process:  # fmt: skip
+        try:
+            viewer = connected(f"rerun+http://127.0.0.1:{port}/proxy")
+            begun = perf_counter()
+            viewer.open(str(path))
+            viewer.set_time("step", sequence=steps // 2, play_state="paused")
+            viewer.save_screenshot(str(tmp_path / "picture.png"))
+            print(f"\n{steps} steps: open and drawn after {perf_counter() - begun:.2f} s")
+            sleep(3.0)  # until what is around the cursor is loaded
+            before = busy(process.pid)
+            viewer.capture_profile_trace(str(tmp_path / "trace.puffin"), num_frames=frames)
+            cost = (busy(process.pid) - before) / frames
+        finally:
+            process.kill()
+    print(f"{cost:.1f} ms a frame")
+    assert cost <= most
+
+
+def connected(url: str) -> ViewerClient:
+    """Return the viewer at an address as soon as it answers."""
+    while True:
+        try:
+            viewer = ViewerClient(url)
+            viewer.get_state()
+        except (RuntimeError, ConnectionError):
+            sleep(0.2)
+        else:
+            return viewer
+
+
+def busy(process: int) -> float:
+    """Return the processor time of the threads of a viewer, except those that rasterise, ms."""
+    threads = Path(f"/proc/{process}/task").iterdir()
+    return sum(
+        1e-6 * int((thread / "schedstat").read_text().split()[0])
+        for thread in threads
+        if not (thread / "comm").read_text().startswith("llvmpipe")
+    )
 
 
 @pytest.mark.parametrize("realtime", [True, False])

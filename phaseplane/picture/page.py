@@ -459,13 +459,22 @@ class Page:
         planes = self.drawing.planes
         return next((p for p in planes if p.displacement.label == named), planes[0])
 
-    def trails(self, steps: int | None = None, strength: float = 1.0) -> None:
-        """Draw the motion in all planes, up to a number of steps or to its end."""
+    def trails(
+        self, steps: int | None = None, strength: float = 1.0, most: int | None = None
+    ) -> None:
+        """Draw the motion in all planes, up to a number of steps or to its end.
+
+        Parameters
+        ----------
+        most : vertices of each curve, which is thinned to them
+        """
         ways = [way[:steps] for way in self.ways]
         if ways and len(ways[0]) > 2 * _RECENT:  # a long motion would be a blot
-            self.lines("trail", [joined(way[:-_RECENT]) for way in ways], 0.4, 0.5 * strength)
+            past = [_thinned(joined(way[:-_RECENT]), most) for way in ways]
+            self.lines("trail", past, 0.4, 0.5 * strength)
             ways = [way[-_RECENT:] for way in ways]
-        self.lines("trail", [joined(way) for way in ways if len(way)], 1.0, strength)
+        recent = [_thinned(joined(way), most) for way in ways if len(way)]
+        self.lines("trail", recent, 1.0, strength)
 
     # A step.
 
@@ -568,6 +577,10 @@ class Page:
 def joined(way: Points) -> Points:
     """Return the ways of several steps as one polyline."""
     return np.append(way[:, :-1].ravel(), way[-1, -1])
+
+
+def _thinned(points: Points, most: int | None) -> Points:
+    return np.append(points[:: max(1, len(points) // most)], points[-1]) if most else points
 
 
 def _wanted(layer: Layer, item: int, repeated: bool, turn: bool) -> bool:

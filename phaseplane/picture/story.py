@@ -13,8 +13,8 @@ from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 
 from . import dimensions
-from .page import CURVES, Arrow, Page, joined
-from .paper import Box, Points, around, table
+from .page import CURVES, Arrow, Page
+from .paper import Box, around, table
 from .quantities import Quantity
 from .views import room_for_letters
 from .words import (
@@ -34,6 +34,7 @@ _AWAY = (
 )
 _TELLING = 12  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
+_VERTICES = 1000  # of a motion in each tick
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _HELP = (
@@ -189,14 +190,8 @@ def _introduction(drawing: Drawing) -> str:
 def _page(stays: Page, index: int) -> Page:
     """Return a page with the motion up to a step."""
     page = stays.following()
-    if index:
-        page.lines("trail", [_thinned(way[:index]) for way in stays.ways], 1.0, 0.8)
+    page.trails(index, 0.8, _VERTICES)
     return page
-
-
-def _thinned(way: Points, most: int = 1000) -> Points:
-    points = joined(way)
-    return np.append(points[:: max(1, len(points) // most)], points[-1])
 
 
 def _lettered(stays: Page, frame: Frame, index: int) -> Page:

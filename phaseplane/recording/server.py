@@ -53,7 +53,7 @@ def serving(
     ------
     OSError : if the server cannot listen at the address, or a file is not a recording.
     """
-    data, page = _free_port(address, _PORTS[0]), _free_port(address, _PORTS[1])
+    data, page = free_port(address, _PORTS[0]), free_port(address, _PORTS[1])
     host = _host(address)
     origin = f"http://{host}:{page}"
     process = subprocess.Popen(
@@ -147,7 +147,7 @@ def _host(address: str) -> str:
     return socket.gethostname() if address in ("0.0.0.0", "::") else address
 
 
-def _free_port(address: str, wanted: int) -> int:
+def free_port(address: str, wanted: int) -> int:
     """Return the wanted port if it is free, else another one."""
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
     for port in (wanted, 0):

@@ -179,6 +179,16 @@ def test_a_column_has_the_same_hue_in_the_chart_and_in_the_plots(name: str, numb
     assert style_of(part_of(name, number)).hue == hue_of(name, number)
 
 
+def test_what_is_long_past_is_faint_in_a_story() -> None:
+    made = march(quarter_car(), delta, step=0.0025, steps=500)
+    stays = pages_of(Content("quarter car", made))[0]
+    *_, last = story_of(made, stays, arms_page(made), {}, (12, 490))
+    past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
+    assert past.weight < 0.5 * recent.weight
+    assert past.strength < 0.6 * recent.strength
+    assert [strip[-1] for strip in past.strips] == [strip[0] for strip in recent.strips]
+
+
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     made = march(quarter_car(), delta, step=0.0025, steps=10)
     names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
