@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import ceil
 
 from matplotlib.figure import Figure
 
@@ -14,6 +15,8 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.views import frame_at, view_of
 from phaseplane.picture.words import time_words, typeset
+
+_NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
 
 def phase_planes(
@@ -79,7 +82,7 @@ def construction_sheet(
     Parameters
     ----------
     frames : indices of the steps drawn with all lines; indices beyond the end are ignored
-    through : whether later points are also marked and numbered
+    through : whether later points are also marked and numbered, or some of them if they are many
     title : written above, before the title of the drawing
     look : how it is printed
 
@@ -98,10 +101,14 @@ def construction_sheet(
         page.step(one, turn=True, thin=0.6)
     page.trails()
     page.events()
-    page.numbers(drawing.frames[wanted[0] :] if through else chosen)
+    later = drawing.frames[wanted[-1] + 1 :] if through else []
+    apart = ceil(len(later) / _NUMBERED)
+    page.numbers([*chosen, *later[:: max(1, apart)]])
     last, end = chosen[-1].step + 1, drawing.frames[-1].step + 1
     words = f"Points {chosen[0].step} to {last} with all auxiliary lines"
-    if through and end > last:
+    if later:
         words += f", {last + 1} to {end} along the curves"
+    if apart > 1:
+        words += f", one in {apart} numbered"
     page.title, page.words = title, f"{typeset(drawing.title)}\n{words}"
     return figure_of(page, look)

@@ -208,6 +208,15 @@ def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
     assert "21 to 60 along the curves" in figure.texts[0].get_text()
 
 
+def test_figure_13_of_a_long_motion_numbers_some_points() -> None:
+    drawing = march(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=500)
+    figure = figures.figure13(drawing)
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    numbered = {text for text in texts if text.isdigit() and int(text) > 20}
+    assert 60 <= len(numbered) <= 82
+    assert "21 to 500 along the curves, one in 6 numbered" in figure.texts[0].get_text()
+
+
 @pytest.mark.parametrize(
     ("draw", "unit", "names"),
     [
