@@ -59,6 +59,21 @@ def test_strong_damping_and_light_wheels_keep_the_tolerance(name: str, contact: 
     assert {t: e for t, e in found.items() if not e < 3.0} == {}
 
 
+@pytest.mark.parametrize("name", ["damper x 2e6", "tyre damper x 1e4", "tyre damper x 1e6"])
+def test_between_steps_strong_dampers_take_the_force_that_is_left_for_them(name: str) -> None:
+    """Their rates are known to 1e-6 of all rates at best, which they multiply beyond all forces."""
+    system = build("QuarterCar", DAMPED[name][0])
+    times, forces = array("d", np.linspace(0.0, 0.3, 1501)), []
+    for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": 1e-6}):
+        integrator = Integrator(system, **options)  # type: ignore[arg-type]
+        q, v, a = (np.zeros(2 * len(times)) for _ in range(3))
+        found = np.zeros(len(system.elements) * len(times))
+        assert integrator.run(times, q, v, a, found) == 0
+        forces.append(found)
+    truth, found = forces
+    assert np.abs(found - truth).max() < 3e-4 * np.abs(truth).max()
+
+
 def test_a_run_that_is_out_of_balance_ends_with_the_reason() -> None:
     """Order 6 leaves what is so strongly damped ringing, and its works mean nothing."""
     parameters = DAMPED["damper x 2e6"][0]

@@ -46,6 +46,7 @@ cdef class Integrator(March):
     cdef _log_events(self)
     @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
+    @cython.locals(h=double)
     cpdef void sample_forces(self, double t) noexcept nogil
     cdef void _show_last_branches(self) noexcept nogil
     @cython.locals(late=double)

@@ -408,7 +408,10 @@ class Integrator(March):
         dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
         """
         self._show_last_branches()
-        self.net.read_forces(t, self.read_low, self.read_v, self.read_a, self.read_f, self.read_set)
+        h = self.dense.end - self.dense.start
+        self.net.read_forces(
+            t, h, self.read_low, self.read_v, self.read_a, self.read_f, self.read_set
+        )
         self.net.exchange_branches()
 
     @property

@@ -4,7 +4,8 @@ from .elements cimport Elements
 from .linear cimport decompose, solve
 
 cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE, _SEGMENT
-cdef double _HIGH, _CORNER
+cdef int _NEWTON
+cdef double _HIGH, _CORNER, _SLAVED, _PARTS
 
 @cython.final
 cdef class Network(Elements):
@@ -17,7 +18,7 @@ cdef class Network(Elements):
     cdef void find_datum(self, double t, double reach) noexcept nogil
     # results of the last evaluation
     cdef double *scratch, *modes, *modes2, *multiplier, *multiplier_rate, *spread, *reaction, *coupling, *kick
-    cdef double *pushed
+    cdef double *pushed, *rate, *lack
     # the system read
     cdef list load_names, signal_sizes, element_shapes
 
@@ -67,8 +68,12 @@ cdef class Network(Elements):
     @cython.locals(i=int)
     cdef bint is_damped(self, double *stiffness, double *damping, double share,
                         double omega) noexcept nogil
+    @cython.locals(r=int, i=int, k=int, b=double, mobility=double)
+    cdef bint _decays_within(self, double h) noexcept nogil
+    @cython.locals(n=int, i=int, k=int, _iteration=int, mass=double, change=double)
+    cdef void _slave_rates(self, double h, double *q, double *v, double *a) noexcept nogil
     @cython.locals(e=int, p=int)
-    cdef void read_forces(self, double t, double *q, double *v, double *a,
+    cdef void read_forces(self, double t, double h, double *q, double *v, double *a,
                           double *forces, double *sets) noexcept nogil
     @cython.locals(n=int, i=int, k=int, e=int, energy=double)
     cdef double energy(self, double *v) noexcept nogil

@@ -23,6 +23,8 @@ _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS = 0, 1, 2, 3, 5  # as in element
 _LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
 _HIGH = 10.0  # times the scale of the motion
+_SLAVED = 4.0  # decay within a step from which a damper's force is not read from its rate
+_PARTS, _NEWTON = 20.0, 4  # of the step, and iterations, when its rate is read from the force
 
 
 class Network(Elements):
@@ -56,6 +58,7 @@ class Network(Elements):
         self._find_roads()
         self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
         self.kick = memory.zeros(elements)
+        self.rate, self.lack = memory.zeros(n), memory.zeros(n)
         self.pushed = memory.zeros(elements)  # impulse of each at the last jump between samples
         self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
         self.coupling = memory.zeros(elements * elements)
@@ -417,11 +420,58 @@ class Network(Elements):
             self.modes[i] = damping[i] - share * (stiffness[i] - omega * omega * self.mass[i])
         return decompose(self.modes, 0, self.n) == 0
 
-    def read_forces(self, t, q, v, a, forces, sets):
-        """Find accelerations, forces and permanent sets at time t in the present branches."""
+    def _decays_within(self, h):
+        """Return whether a damper stops its masses within a small part of h, with `row_c`."""
+        for r in range(self.rows):
+            if self.row_c[r] != 0.0:
+                mobility = 0.0
+                for i in range(self.n):
+                    for k in range(self.n):
+                        b = self.row_direction[r * self.n + i] * self.row_direction[r * self.n + k]
+                        mobility += b * self.flexibility[i * self.n + k]
+                if self.row_c[r] * mobility * h > _SLAVED:
+                    return 1
+        return 0
+
+    def _slave_rates(self, h, q, v, a):
+        """Let strong dampers take the force that is left for them, by M a' = p - sum b f(q, v').
+
+        The rate w of a damper c is read within a step of length h to an error that c may multiply beyond
+        all forces; accelerations a are not. Solved is M (a + (v' - v) / tau) = p - sum b f(q, v'), with
+        tau = h / 20, by Newton's method: where c tau is small against the mass, v' = v.
+        """
+        n = self.n
+        for i in range(n):
+            self.rate[i] = v[i]
+        for _iteration in range(_NEWTON):
+            self.net_force(self.lack)
+            self.assemble(self.row_k, self.row_c, self.modes2, self.modes)
+            for i in range(n):
+                for k in range(n):
+                    mass = self.mass[i * n + k]
+                    change = (self.rate[k] - v[k]) * _PARTS / h
+                    self.lack[i] -= mass * (a[k] + change)
+                    self.modes[i * n + k] += mass * _PARTS / h
+            if decompose(self.modes, 0, n) != 0:
+                return
+            solve(self.modes, 0, n, self.lack)
+            if self.stuck:
+                self.stick(self.modes, 0, self.lack, self.rate, 1, self.kick)
+            for i in range(n):
+                self.rate[i] += self.lack[i]
+            self.row_states(q, self.rate)
+            self.row_forces()
+
+    def read_forces(self, t, h, q, v, a, forces, sets):
+        """Find accelerations, forces and permanent sets at time t in the present branches.
+
+        q, v and a are read within a step of length h, or at its ends.
+        """
         self.all_signals(t)
         self.row_states(q, v)
         self.row_forces()
+        if self._decays_within(h):
+            self._slave_rates(h, q, v, a)
         for e in range(self.elements):
             forces[e] = self.element_force(e)
             if forces[e] > self.limit[e] and self.friction[e] == 0.0:
