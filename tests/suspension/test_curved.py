@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from kernels import motion
-from phaseplane.suspension.characteristics import cubic, damper, linear
+from phaseplane.suspension.characteristics import cubic, damper, linear, monotone_table
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import Element, System
@@ -109,3 +109,68 @@ def test_a_row_that_sticks_and_is_curved_moves_with_its_road() -> None:
 def test_a_system_too_large_is_refused() -> None:
     with pytest.raises(ValueError, match="33 coordinates: at most 32"):
         Integrator(chain(33))
+
+
+POINTS = [(-0.1, -900.0), (-0.05, -300.0), (-0.02, -90.0), (0.0, 0.0), (0.03, 200.0), (0.1, 1000.0)]
+
+
+def on_a_smooth_table() -> System:
+    """One kilogram, weakly damped, on a spring that is a monotone cubic through a few points."""
+    spring = Element("spring", (1.0,), monotone_table(POINTS), linear(10.0))
+    return System(("x",), ((1.0,),), (spring,), scales=(0.05,))
+
+
+def swing(tolerance: float) -> tuple[int, int, float]:
+    """Steps and switches of a motion through all points, and its largest error relative to it."""
+    law = monotone_table(POINTS)
+    times = np.linspace(0.0, 1.0, 101)
+    integrator = Integrator(on_a_smooth_table(), tolerance=tolerance)
+    integrator.set_state([0.08], [0.0])
+    found = np.empty(len(times))
+    assert integrator.run(times, found) == 0
+    true = solve_ivp(
+        lambda _, y: [y[1], -law.force(y[0]) - 10.0 * y[1]], (0.0, 1.0), [0.08, 0.0], "DOP853", times,
+        rtol=1e-12, atol=1e-13, max_step=2e-4,
+    ).y[0]  # fmt: skip
+    return integrator.step_count, len(integrator.log), np.abs(found - true).max() / 0.08
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5, 1e-7])
+def test_points_of_a_smooth_table_are_no_switches(tolerance: float) -> None:
+    steps_taken, switches, error = swing(tolerance)
+    assert steps_taken > 0
+    assert switches == 0
+    assert error < 2.0 * tolerance
+
+
+def passed_within_steps(tolerance: float) -> int:
+    """In how many steps a point of the table lies well between both ends."""
+    integrator = Integrator(on_a_smooth_table(), tolerance=tolerance)
+    integrator.set_state([0.08], [0.0])
+    ends = [0.08]
+    while integrator.time < 1.0:
+        assert integrator.advance(integrator.time + 1e-12) == 0
+        integrator.sample(integrator.time)
+        ends.append(integrator.sample_q[0])
+    return sum(
+        any(min(x - min(a, b), max(a, b) - x) > 0.1 * abs(b - a) for x, _ in POINTS)
+        for a, b in pairwise(ends)
+    )
+
+
+def test_steps_pass_points_of_a_smooth_table_if_the_tolerance_allows() -> None:
+    assert passed_within_steps(1e-2) > 0
+    assert passed_within_steps(1e-9) == 0
+
+
+def test_a_fixed_step_of_higher_order_ends_on_every_point() -> None:
+    integrator = Integrator(on_a_smooth_table(), step=0.01, order=8)
+    integrator.set_state([0.08], [0.0])
+    assert integrator.advance(0.2) == 0
+    assert len(integrator.log) >= 4
+
+
+@pytest.mark.parametrize("options", [{}, {"method": "equilibrium", "step": 1e-3}])
+def test_a_smooth_table_has_the_same_bits_compiled_or_not(options: dict[str, object]) -> None:
+    times = np.linspace(0.01, 0.3, 30).tolist()
+    motion(on_a_smooth_table(), times, [0.08], [0.0], **options)

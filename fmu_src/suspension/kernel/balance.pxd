@@ -8,16 +8,16 @@ cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS
 cdef class Balance:
     cdef Network net
     cdef int n, instants, last, bends
-    cdef bint loads_hold
+    cdef bint loads_hold, joined
     cdef double *fraction, *tangent_k, *tangent_c
     cdef double *constant, *loads, *load_rate, *under, *carrier, *force, *force_k, *force_c
     cdef double[1024] stiffness, damping, flexibility
-    cdef double[32] q, v, a, j, f, fk, fb
+    cdef double[32] q, v, a, j, f
     cdef int *bent_row, *bent_first, *bent_piece, *bent_factor, *bent_law
 
     @cython.locals(i=int)
     cdef void enter(self) noexcept nogil
-    @cython.locals(r=int, e=int, first=int, count=int)
+    @cython.locals(r=int, e=int, k=int, p=int, first=int, count=int)
     cdef void _list_bends(self) noexcept nogil
     @cython.locals(i=int, force=double, k=double, c=double, damping=double, slope=double)
     cdef inline void bend(self, int p, double d, double w) noexcept nogil
@@ -35,6 +35,8 @@ cdef class Balance:
                     double *j) noexcept nogil
     cdef void end(self, double t, double *q, double *v, double *a,
                   double *j) noexcept nogil
+    cdef void end_step(self, double t, double *q, double *v, double *a,
+                       double *j) noexcept nogil
     @cython.locals(i=int)
     cdef void accelerations(self, double t, double *q, double *v,
                             double *a) noexcept nogil
@@ -50,6 +52,9 @@ cdef class Balance:
                    x=double)
     cdef void _add_bend_rates(self, int n) noexcept nogil
 
-@cython.locals(i=int, j=int)
-cdef void multiply(double *m, int at, double *x, int first, int n, double *out,
-                   int to) noexcept nogil
+@cython.locals(i=int, j=int, product=double)
+cdef inline void multiply(double *m, int at, double *x, int first, int n, double *out,
+                          int to) noexcept nogil
+@cython.locals(i=int, j=int, x=double, y=double)
+cdef inline void resist(double *b, double *v, double *k, double *q, int first, int n,
+                        double *loads, int at, double *out) noexcept nogil

@@ -44,11 +44,12 @@ class Balance:
         self.stiffness, self.damping = [0.0] * 1024, [0.0] * 1024  # of the straight pieces
         self.flexibility = [0.0] * 1024
         self.q, self.v, self.a, self.j = [0.0] * 32, [0.0] * 32, [0.0] * 32, [0.0] * 32
-        self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.f = [0.0] * 32
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
         self.loads_hold = 0  # whether the loads of the present branches are constant, and known
         self.bends = 0  # number of rows with a curved force
+        self.joined = False  # whether one of them is of joined pieces
         self.bent_row, self.bent_first = memory.marks(rows), memory.marks(rows + 1)
         laws = 2 * self.net.elements
         self.bent_law = memory.marks(laws)
@@ -75,6 +76,7 @@ class Balance:
     def _list_bends(self):
         """List the curved pieces, row by row."""
         self.bends = count = 0
+        self.joined = False
         if self.net.always_straight:
             return
         for r in range(self.net.rows):
@@ -91,6 +93,10 @@ class Balance:
                     self.bent_factor[count] = self.net.piece_now(e, _MODULATION)
                     self.bent_law[count] = _MODULATION if self.net.modulated[e] else _DAMPER
                     count += 1
+            for k in range(first, count):
+                p = self.bent_piece[k]
+                if self.net.run_last[p] > self.net.run_first[p]:
+                    self.joined = True
             if count > first:
                 self.bent_row[self.bends], self.bent_first[self.bends] = r, first
                 self.bends += 1
@@ -216,6 +222,15 @@ class Balance:
         self.loads_at_end(t)
         self._solve(q, v, a, j)
 
+    def end_step(self, t, q, v, a, j):
+        """Find them as `end` at the end of a step whose loads `prepare` has just found."""
+        if self.net.stuck:
+            self.end(t, q, v, a, j)
+            return
+        if self.loads_hold and self.bends:
+            self.net.all_signals(t)
+        self._solve(q, v, a, j)
+
     def accelerations(self, t, q, v, a):
         """Find accelerations at any state within a step, at time t."""
         self.net.all_signals(t)
@@ -259,20 +274,14 @@ class Balance:
     def _solve_motion(self, n):
         self._find_force(n, self.instants - 1)
         multiply(self.flexibility, 0, self.f, 0, n, self.a, 0)
-        multiply(self.damping, 0, self.a, 0, n, self.fb, 0)
-        multiply(self.stiffness, 0, self.v, 0, n, self.fk, 0)
-        for i in range(n):
-            self.f[i] = self.load_rate[i] - (self.fb[i] + self.fk[i])
+        resist(self.damping, self.a, self.stiffness, self.v, 0, n, self.load_rate, 0, self.f)
         if self.bends:
             self._add_bend_rates(n)
         multiply(self.flexibility, 0, self.f, 0, n, self.j, 0)
 
     def _find_force(self, n, k):
         """Set `f` to all forces on the masses at the state `q`, `v`, with the loads at instant k."""
-        multiply(self.damping, 0, self.v, 0, n, self.fb, 0)
-        multiply(self.stiffness, 0, self.q, 0, n, self.fk, 0)
-        for i in range(n):
-            self.f[i] = self.loads[n * k + i] - (self.fb[i] + self.fk[i])
+        resist(self.damping, self.v, self.stiffness, self.q, 0, n, self.loads, n * k, self.f)
         for p in range(self.bends):
             r = self.bent_row[p]
             at = 2 * (self.net.rows * k + p)
@@ -311,7 +320,18 @@ class Balance:
 def multiply(m, at, x, first, n, out, to):
     """Set out[to:] = m x[first:]; the symmetric matrix starts at `at`."""
     for i in range(n):
-        out[to + i] = m[at + i] * x[first]
-    for j in range(1, n):
-        for i in range(n):
-            out[to + i] += m[at + n * j + i] * x[first + j]
+        product = m[at + i] * x[first]
+        for j in range(1, n):
+            product += m[at + n * j + i] * x[first + j]
+        out[to + i] = product
+
+
+def resist(b, v, k, q, first, n, loads, at, out):
+    """Set `out` to loads[at:] - B v[first:] - K q[first:], with symmetric matrices."""
+    for i in range(n):
+        x = b[i] * v[first]
+        y = k[i] * q[first]
+        for j in range(1, n):
+            x += b[n * j + i] * v[first + j]
+            y += k[n * j + i] * q[first + j]
+        out[i] = loads[at + i] - (x + y)

@@ -1,6 +1,6 @@
 cimport cython
 from libc.math cimport fabs, isfinite
-from .balance cimport Balance, multiply
+from .balance cimport Balance, multiply, resist
 from .network cimport Network
 
 cdef int _SUBSTEPS, _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _ITERATIONS
@@ -17,7 +17,7 @@ cdef class Columns:
     cdef double[4] s, half, third, sixth
     cdef double[4096] inverse
     cdef double[128] q, v, a
-    cdef double[32] f, fk, fb, end_q, end_v, error_q, error_v
+    cdef double[32] f, fk, end_q, end_v, error_q, error_v
     cdef double *yield_of, *coupling, *carried
     cdef double[64] d, w, x0, x, dx, rest
     cdef double *matrix, *x1, *x2, *x3
@@ -26,7 +26,7 @@ cdef class Columns:
     @cython.locals(n=int, c=int, i=int)
     cdef int attempt(self, double h, double *q, double *v, double *a,
                      double *j) noexcept nogil
-    @cython.locals(c=int, k=int, first=int, status=int)
+    @cython.locals(c=int, k=int, first=int, columns=int, status=int)
     cdef inline int _advance(self, int n, bint rows) noexcept nogil
     @cython.locals(n=int, c=int, status=int)
     cdef int _prepare(self, double h) noexcept nogil
@@ -41,7 +41,8 @@ cdef class Columns:
     cdef int _hold(self, int n, int c) noexcept nogil
     @cython.locals(i=int, p=int, o=int, bends=int, rows=int)
     cdef void _couple(self, int n, int c) noexcept nogil
-    @cython.locals(i=int, m=int, at=int, instant=int, status=int)
+    @cython.locals(i=int, at=int, instant=int, status=int, s=double, half=double, third=double,
+                   sixth=double, a=double, v=double)
     cdef inline int _substep(self, int n, bint rows, int c, int k) noexcept nogil
     @cython.locals(i=int, p=int, u=double)
     cdef inline int _solve_rows(self, int n, int c, int k, int instant) noexcept nogil

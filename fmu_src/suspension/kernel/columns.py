@@ -32,7 +32,7 @@ import cython
 if not cython.compiled:
     from math import fabs, isfinite
 
-    from .balance import multiply
+    from .balance import multiply, resist
 
 _SUBSTEPS = 5  # in the longest column
 _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
@@ -84,7 +84,7 @@ class Columns:
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
         self.inverse = [0.0] * 4096
         self.q, self.v, self.a = [0.0] * 128, [0.0] * 128, [0.0] * 128
-        self.f, self.fk, self.fb = [0.0] * 32, [0.0] * 32, [0.0] * 32
+        self.f, self.fk = [0.0] * 32, [0.0] * 32
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
         self.rest = [0.0] * 64  # lack of equilibrium of each curved row, per mass
@@ -140,10 +140,11 @@ class Columns:
     def _advance(self, n, rows):
         """Step all columns over the whole macro step; the shorter ones finish first."""
         first = 0
-        for k in range(self.substeps[self.columns - 1]):
+        columns = self.columns
+        for k in range(self.substeps[columns - 1]):
             while k == self.substeps[first]:
                 first += 1
-            for c in range(first, self.columns):
+            for c in range(first, columns):
                 status = self._substep(n, rows, c, k)
                 if status != 0:
                     return status
@@ -265,18 +266,21 @@ class Columns:
         """Take substep k of a column by (15.12), (15.13), to the equilibrium at its end."""
         at = n * c
         instant = self.instant[_SUBSTEPS * c + k]
+        s, half, third, sixth = self.s[c], self.half[c], self.third[c], self.sixth[c]
         for i in range(at, at + n):
-            self.q[i] = self.q[i] + self.s[c] * self.v[i] + self.third[c] * self.a[i]
-            self.v[i] += self.half[c] * self.a[i]
-        multiply(self.balance.damping, 0, self.v, at, n, self.fb, 0)
-        multiply(self.balance.stiffness, 0, self.q, at, n, self.fk, 0)
-        for i in range(n):
-            self.f[i] = self.balance.loads[n * instant + i] - (self.fb[i] + self.fk[i])
+            a, v = self.a[i], self.v[i]
+            self.q[i] = self.q[i] + s * v + third * a
+            self.v[i] = v + half * a
+        resist(
+            self.balance.damping, self.v, self.balance.stiffness, self.q, at, n,
+            self.balance.loads, n * instant, self.f,
+        )  # fmt: skip
         multiply(self.inverse, n * n * c, self.f, 0, n, self.a, at)
         status = self._solve_rows(n, c, k, instant) if rows else 0
         for i in range(at, at + n):
-            self.v[i] += self.half[c] * self.a[i]
-            self.q[i] += self.sixth[c] * self.a[i]
+            a = self.a[i]
+            self.v[i] += half * a
+            self.q[i] += sixth * a
         return status
 
     def _solve_rows(self, n, c, k, instant):

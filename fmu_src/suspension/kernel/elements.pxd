@@ -29,7 +29,7 @@ cdef class Elements(Laws):
     cdef void forget_branches(self) noexcept nogil
     @cython.locals(e=int)
     cdef int enter_elements(self, double[::1] x, int at) noexcept nogil
-    @cython.locals(e=int, kind=int, p=int, several=bint)
+    @cython.locals(e=int, kind=int, p=int, first=int, last=int, several=bint)
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)
     cdef void row_states(self, double *q, double *v) noexcept nogil
@@ -52,9 +52,9 @@ cdef class Elements(Laws):
     @cython.locals(p=int)
     cdef bint damper_is_straight(self, int e) noexcept nogil
 
-    @cython.locals(now=int, law=int, spring=int)
+    @cython.locals(now=int, law=int, spring=int, above=int)
     cdef double bound(self, int e, int kind, int side) noexcept nogil
-    @cython.locals(at=int, back=bint)
+    @cython.locals(at=int, back=bint, first=int, p=int)
     cdef int enter(self, int e, int kind, int side, double t,
                    double *q, double *v) noexcept nogil
     @cython.locals(e=int, at=int, off=int, d=double, w=double, force=double)

@@ -34,14 +34,15 @@ class Elements(Laws):
     Parameters
     ----------
     system : `systems.System`
+    joins : as of `laws.Laws`
 
     Raises
     ------
     ValueError : if a direction has the wrong length, or two elements rub along one direction.
     """
 
-    def __init__(self, system):
-        Laws.__init__(self, system)
+    def __init__(self, system, joins):
+        Laws.__init__(self, system, joins)
         self.n = len(system.mass)
         self._read_rows(system)
         memory = self.memory
@@ -137,7 +138,9 @@ class Elements(Laws):
                     several = self.friction[e] > 0.0
                 else:
                     # flow ends where the rate changes sign
-                    several = self.count[_LAWS * e + kind] > 1 or (
+                    first = self.first[_LAWS * e + kind]
+                    last = first + self.count[_LAWS * e + kind] - 1
+                    several = self.run_last[first] < last or (
                         kind == _DAMPER and self.yields[e] != 0
                     )
                 if several:
@@ -306,8 +309,9 @@ class Elements(Laws):
         law = _LAWS * e + kind
         if side < 0:
             return self.piece[(self.first[law] + now) * _PIECE] if now > 0 else -1e300
-        if now + 1 < self.count[law]:
-            return self.piece[(self.first[law] + now + 1) * _PIECE]
+        above = self.run_last[self.first[law] + now] + 1
+        if above < self.first[law] + self.count[law]:
+            return self.piece[above * _PIECE]
         return 1e300
 
     def enter(self, e, kind, side, t, q, v):
@@ -334,7 +338,10 @@ class Elements(Laws):
             self.branch[at] = 1 if side > 0 else 0
             self.book_exchange(e, t, q, v)
         else:
-            self.branch[at] += side
+            first = self.first[_LAWS * e + kind]
+            p = first + self.branch[at]
+            p = self.run_last[p] + 1 if side > 0 else self.run_first[p - 1]
+            self.branch[at] = p - first
         self.departing[at] = -side
         return self.branch[at]
 

@@ -3,7 +3,7 @@ from libc.math cimport exp, fabs, log1p, pow, sinh, tanh
 from .signals cimport Signals
 
 cdef int _LAWS, _PIECE, _FORCE, _SLOPE, _INTEGRAL
-cdef double _LOG_2, _NEAR, _FARTHEST
+cdef double _LOG_2, _NEAR, _FARTHEST, _SMOOTH
 
 cdef class Laws(Signals):
     cdef double *piece
@@ -11,11 +11,19 @@ cdef class Laws(Signals):
     cdef int *straight  # whether each piece is straight
     cdef double value, slope  # of the law last asked for
     cdef double *low, *high  # range in which each piece is curved
+    cdef bint joins
+    cdef int *run_first, *run_last
     cdef list functions  # in Python, one for each piece, or None
     cdef readonly object failure
 
     @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
     cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
+    @cython.locals(first=int, last=int, p=int)
+    cdef void _join(self, int law) noexcept nogil
+    @cython.locals(x=double, before=double, after=double)
+    cdef bint _meets_smoothly(self, int p) noexcept nogil
+    @cython.locals(k=int, last=int)
+    cdef int place(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
     cdef double own(self, int p, int what, double s) noexcept with gil

@@ -18,6 +18,7 @@ if not cython.compiled:
 _LAWS = 3  # of each element: spring, damper, modulation of the damper
 _PIECE = 12  # numbers stored for one piece of a law
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # what is asked of a function in Python
+_SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
 _NEAR = 1e-5  # relative distance for its second derivative
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _LOG_2 = 0.6931471805599453
@@ -29,10 +30,12 @@ class Laws(Signals):
     Parameters
     ----------
     system : `systems.System`
+    joins : whether curved pieces that meet with one slope, as in a smooth table, are one branch
     """
 
-    def __init__(self, system):
+    def __init__(self, system, joins):
         Signals.__init__(self, system.signals)
+        self.joins = joins
         memory = self.memory
         count = [pieces for element in system.elements for pieces in pieces_of(element)]
         self.count = memory.integers(count)
@@ -43,6 +46,8 @@ class Laws(Signals):
         self.failure = None  # what a function has raised
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
+        # the first and the last of the pieces that each is joined with
+        self.run_first, self.run_last = memory.marks(sum(count)), memory.marks(sum(count))
 
     def enter_laws(self, e, x, at):
         """Read the pieces of the laws of element e from x[at:]; return where they end."""
@@ -65,10 +70,44 @@ class Laws(Signals):
                         self.low[p] = self.piece[k]
                     if p + 1 < self.first[law] + self.count[law]:
                         self.high[p] = self.piece[k + _PIECE]
+            self._join(law)
         return at + _PIECE * (last - first)
 
+    def _join(self, law):
+        """Find which pieces of a law are joined."""
+        first = self.first[law]
+        last = first + self.count[law] - 1
+        for p in range(first, last + 1):
+            self.run_first[p] = self.run_last[p] = p
+        for p in range(first + 1, last + 1):
+            if self.joins and self._meets_smoothly(p):
+                self.run_first[p] = self.run_first[p - 1]
+        for p in range(last - 1, first - 1, -1):
+            if self.run_first[p + 1] != p + 1:
+                self.run_last[p] = self.run_last[p + 1]
+
+    def _meets_smoothly(self, p):
+        """Return whether curved piece p has the slope of the curved piece before it where it begins."""
+        if self.straight[p - 1] or self.straight[p]:
+            return 0
+        if self.piece[(p - 1) * _PIECE + 11] != 0.0 or self.piece[p * _PIECE + 11] != 0.0:
+            return 0
+        x = self.piece[p * _PIECE]
+        before, after = self.law_slope(p - 1, x), self.law_slope(p, x)
+        return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
+
+    def place(self, p, x):
+        """Return the piece at x of those that p is joined with."""
+        k = self.run_first[p]
+        last = self.run_last[p]
+        while k < last and x >= self.piece[(k + 1) * _PIECE]:
+            k += 1
+        return k
+
     def law(self, p, x):
-        """Return the force of piece p at x."""
+        """Return the force of piece p, or of those it is joined with, at x."""
+        if self.run_last[p] > self.run_first[p]:
+            p = self.place(p, x)
         at = p * _PIECE
         s = x - self.piece[at + 1]
         if self.straight[p]:
@@ -103,6 +142,9 @@ class Laws(Signals):
             self.slope = self.piece[at + 3]
             self.value = self.piece[at + 2] + (x - self.piece[at + 1]) * self.slope
             return
+        if self.run_last[p] > self.run_first[p]:
+            p = self.place(p, x)
+            at = p * _PIECE
         s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
         c1, c2, c3 = self.piece[at + 3], self.piece[at + 4], self.piece[at + 5]
         value = self.piece[at + 2] + s * (c1 + s * (c2 + s * c3))
@@ -121,6 +163,8 @@ class Laws(Signals):
         self.slope = slope
 
     def law_slope(self, p, x):
+        if self.run_last[p] > self.run_first[p]:
+            p = self.place(p, x)
         at = p * _PIECE
         if self.straight[p]:
             return self.piece[at + 3]
@@ -135,6 +179,8 @@ class Laws(Signals):
         return slope
 
     def law_curvature(self, p, x):
+        if self.run_last[p] > self.run_first[p]:
+            p = self.place(p, x)
         at = p * _PIECE
         if x < self.low[p] or x > self.high[p]:
             return 0.0
@@ -154,6 +200,8 @@ class Laws(Signals):
         return curvature
 
     def potential(self, p, x):
+        if self.run_last[p] > self.run_first[p]:
+            p = self.place(p, x)
         at = p * _PIECE
         end = min(max(x, self.low[p]), self.high[p])
         if x != end:
@@ -180,12 +228,12 @@ class Laws(Signals):
         return energy
 
     def piece_at(self, law, x):
-        """Return the piece of a law at x; at a corner the upper one."""
+        """Return the piece of a law at x, at a corner the upper one; of joined pieces, the first."""
         k = 0
         first = self.first[law]
         while k + 1 < self.count[law] and self.piece[(first + k + 1) * _PIECE] <= x:
             k += 1
-        return k
+        return self.run_first[first + k] - first
 
     def intercept(self, p):
         """Return the force of the straight piece p extended to zero."""

@@ -4,6 +4,7 @@ The powers are integrated over the dense output of each step by four-point Gauss
 which has the order of that output, 8. Deflection and rate of a row at the four points are sums over its
 value and derivatives at both ends of the step. With a straight damper, f + c w, the work in a step is
 f times the integral of w plus c times that of w^2, for all elements of a row from the same two numbers.
+While roads stand still these two follow from the ends alone, as does the energy of straight springs.
 """
 
 from __future__ import annotations
@@ -53,6 +54,12 @@ class Ledger:
         # of each element: force at rest and damping of what dissipates, and whether it is curved
         self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
         self.curved = memory.marks(elements)
+        # of each row: whether it dissipates, and by a curved law; the integrals of w and w^2 over a step
+        self.lossy, self.needs_points = memory.marks(rows), memory.marks(rows)
+        self.way, self.square = memory.zeros(rows), memory.zeros(rows)
+        # the energy that it stores, e0 + e1 d + e2 d^2; or whether that is the sum of its elements
+        self.e0, self.e1, self.e2 = memory.zeros(rows), memory.zeros(rows), memory.zeros(rows)
+        self.by_element = memory.marks(rows)
         # of each row at the points: deflection, rate; of each signal: value, rate
         self.d, self.w = memory.zeros(_POINTS * rows), memory.zeros(_POINTS * rows)
         signals = max(self.net.signals, 1)
@@ -70,8 +77,12 @@ class Ledger:
             self.work[i] = self.brought[i] = 0.0
 
     def enter(self):
-        """Read what dissipates in the present branches."""
+        """Read what dissipates and what stores energy in the present branches."""
+        for r in range(self.net.rows):
+            self.lossy[r] = self.needs_points[r] = self.by_element[r] = 0
+            self.e0[r] = self.e1[r] = self.e2[r] = 0.0
         for e in range(self.net.elements):
+            self._enter_energy(e)
             at = _KINDS * e
             f = self.net.branch[at + _FRICTION] * self.net.friction[e]
             c = 0.0
@@ -89,6 +100,25 @@ class Ledger:
                 if self.net.yields[e] and self.net.branch[at + _SPRING] != _ELASTIC:
                     f += self.net.flow_force(e)
             self.loss[e], self.loss_rate[e] = f, c
+            if self.curved[e]:
+                self.needs_points[self.net.element_row[e]] = 1
+            if f != 0.0 or c != 0.0:
+                self.lossy[self.net.element_row[e]] = 1
+
+    def _enter_energy(self, e):
+        """Add the potential of element e to that of its row, if it is a parabola."""
+        r = self.net.element_row[e]
+        if self.net.branch[_KINDS * e + _CONTACT]:
+            self.e0[r] += self.net.free_potential(e, 0.0)
+            self.e1[r] += self.net.limit[e]
+        elif self.net.yields[e] or not self.net.spring_is_straight(e):
+            self.by_element[r] = 1
+        else:
+            p = self.net.piece_now(e, _SPRING)
+            k = self.net.law_slope(p, 0.0)
+            self.e0[r] += self.net.potential(p, 0.0)
+            self.e1[r] += self.net.intercept(p)
+            self.e2[r] += 0.5 * k
 
     def book(self):
         """Add the works of the last step, with the branches of that step."""
@@ -106,7 +136,10 @@ class Ledger:
         else:
             self.net.all_signals(self.dense.end)
         for r in range(self.net.rows):
-            self._read_row(r, h, moving)
+            if moving or self.needs_points[r]:
+                self._read_row(r, h, moving)
+            elif self.lossy[r]:
+                self._sum_row(r, h)
         for e in range(self.net.elements):
             self._book_element(e, h)
         if moving:
@@ -149,6 +182,8 @@ class Ledger:
         """Find deflection and rate of a row at the points."""
         self._read_ends(self.net.row_direction, self.net.n * r, h)
         s = self.net.row_signal[r]
+        way = 0.0
+        square = 0.0
         for k in range(_POINTS):
             d = 0.0
             w = 0.0
@@ -163,21 +198,41 @@ class Ledger:
                 d -= self.net.road[4 * s]
             self.d[_POINTS * r + k] = d
             self.w[_POINTS * r + k] = w
+            way += self.weight[k] * w
+            square += self.weight[k] * w * w
+        self.way[r], self.square[r] = h * way, h * square
+
+    def _sum_row(self, r, h):
+        """Find the integrals of w and w^2 alone, of a row on a road that stands still."""
+        self._read_ends(self.net.row_direction, self.net.n * r, h)
+        self.way[r] = self.ends[4] - self.ends[0]
+        square = 0.0
+        if self.dense.cubic:
+            c1, c2, c3 = self.ends[1], self.ends[2], 0.5 * (self.ends[6] - self.ends[2])
+            if self.dense.to_end:
+                c3 = 3.0 * (self.way[r] - c1 - 0.5 * c2)
+            # of c1 + c2 x + c3 x^2
+            square = c1 * (c1 + c2 + c3 / 1.5) + c2 * (c2 / 3.0 + 0.5 * c3) + 0.2 * c3 * c3
+        else:
+            for k in range(_POINTS):
+                w = 0.0
+                for m in range(_ENDS):
+                    w += self.rate[_ENDS * k + m] * self.ends[m]
+                square += self.weight[k] * w * w
+        self.square[r] = square / h
 
     def _book_element(self, e, h):
         """Add what element e has dissipated."""
         f, c = self.loss[e], self.loss_rate[e]
         if f == 0.0 and c == 0.0 and not self.curved[e]:
             return
-        at = _POINTS * self.net.element_row[e]
-        work = 0.0
-        for k in range(_POINTS):
-            w = self.w[at + k]
-            power = (f + c * w) * w
-            if self.curved[e]:
-                power += self.net.damper_force_at(e, self.d[at + k], w) * w
-            work += self.weight[k] * power
-        work *= h
+        r = self.net.element_row[e]
+        work = f * self.way[r] + c * self.square[r]
+        if self.curved[e]:
+            for k in range(_POINTS):
+                w = self.w[_POINTS * r + k]
+                force = self.net.damper_force_at(e, self.d[_POINTS * r + k], w)
+                work += self.weight[k] * h * force * w
         self.work[e] += work
         if work < 0.0:
             self.supplied -= work
@@ -281,8 +336,7 @@ class Ledger:
     def strike_balance(self, t, q, v):
         """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
         self.net.all_signals(t)
-        self.net.row_states(q, v)
-        self.stored = self.net.energy(v) - self.net.exchange
+        self.stored = self._energy(q, v) - self.net.exchange
         self.most_stored = max(self.most_stored, fabs(self.stored))
         balance = self.stored - self.initial_energy
         for i in range(self.net.elements):
@@ -291,6 +345,34 @@ class Ledger:
             balance -= self.work[i]
         self.residual_start = self.residual_end
         self.residual_end = balance
+
+    def _energy(self, q, v):
+        """Return kinetic energy plus the potential of all rows."""
+        n = self.net.n
+        twice = 0.0
+        for i in range(n):
+            for k in range(n):
+                twice += v[i] * self.net.mass[i * n + k] * v[k]
+        energy = 0.5 * twice
+        for r in range(self.net.rows):
+            s = self.net.row_signal[r]
+            d = -self.net.road[4 * s] if s >= 0 else 0.0
+            for i in range(n):
+                d += self.net.row_direction[r * n + i] * q[i]
+            energy += self.e0[r] + d * (self.e1[r] + d * self.e2[r])
+            if self.by_element[r]:
+                for e in range(self.net.elements):
+                    if self.net.element_row[e] == r:
+                        energy += self._energy_of_curved(e, d)
+        return energy
+
+    def _energy_of_curved(self, e, d):
+        """Return the potential of element e at d, unless it is in that of its row."""
+        if self.net.branch[_KINDS * e + _CONTACT]:
+            return 0.0
+        if self.net.yields[e] or not self.net.spring_is_straight(e):
+            return self.net.element_energy(e, d)
+        return 0.0
 
     def carry_on(self, residual):
         """Continue the present balance from an earlier residual, J."""

@@ -9,10 +9,10 @@ from .watch cimport Watch
 
 cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL, _HALTED, _AT_SWITCHES, _AT_STEPS
 cdef int _LAWS, _PIECE, _SEGMENT, _HALF
-cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED
+cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED, _KNOTS
 cdef double _LINK
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _READ_PHASE, _ROAD_PHASE
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
 
 cdef class March:
     cdef Network net
@@ -80,7 +80,7 @@ cdef class March:
     cdef int _advance(self, double until, bint stop) noexcept nogil
     @cython.locals(target=double, omega=double, road=double, h=double, rounding=double)
     cdef double _proposed_step(self) noexcept nogil
-    @cython.locals(i=int, flips=int, to_end=bint, landed=bint, status=int, runs_away=bint,
+    @cython.locals(i=int, flips=int, knots=int, to_end=bint, landed=bint, status=int, runs_away=bint,
                    h=double, longer=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)
@@ -89,11 +89,14 @@ cdef class March:
     cdef void _count_limited(self, double h) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
+    @cython.locals(knot=double)
+    cdef double _knot_that_matters(self, double h) noexcept nogil
     @cython.locals(factor=double)
     cdef double _factor_for_error(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil
-    @cython.locals(reads=bint, _iteration=int, status=int, step=double, best=double, late=double, new=double)
+    @cython.locals(reads=bint, _iteration=int, status=int, step=double, best=double, late=double, new=double,
+                   near=double)
     cdef int _land(self, double h) noexcept nogil
     cdef int _end_at(self, double step, bint reads) noexcept nogil
     @cython.locals(i=int)

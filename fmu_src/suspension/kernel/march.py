@@ -44,7 +44,13 @@ _EXCESS = 1.5  # allowed error of a step over its share, before the step is repe
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _ROAD_PHASE = 1.5  # as in signals
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
-_READ_PHASE = 3.0  # phase of the fastest motion up to which the septic is as accurate as the step
+_READ_PHASE = (
+    3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
+)
+_KNOTS = 4  # attempts to end a step on the first of them
+_JUMP = 12.0  # times the error found may be that of a step in which a second derivative jumps
+_LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
+_NEAR_END = 0.005  # of an attempt: so close to its end its septic is far more accurate than halfway
 
 
 class March:
@@ -82,7 +88,8 @@ class March:
             )
         self.wanted = method, step, tolerance, order
         columns = _columns(system, *self.wanted)
-        self.net = Network(system)
+        # a fixed step of higher order keeps it only if it ends where the second derivative jumps
+        self.net = Network(system, joins=step == 0.0 or columns == 1)
         self.stepper = Stepper(self.net, method, columns, tolerance, theta)
         self.switches = Switches(self.stepper)
         if beyond_stable not in POLICIES:
@@ -103,7 +110,7 @@ class March:
         self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow most
         self.most_error = _EXCESS if method == "extrapolated" else 1.0
         self.whole = Dense(memory, n, False, False)  # an attempt in which a switch is located
-        self.reads_switches = self.controlled and method == "extrapolated" and columns < 4
+        self.reads_switches = self.controlled and method == "extrapolated"
         # results at the last sampled instant, which Python sees as `sample_q` and the like
         self.read_q, self.read_v, self.read_a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.read_low = memory.zeros(n)  # displacements from the datum
@@ -471,6 +478,7 @@ class March:
             return _UNSTABLE
         flips = 0
         longer = 0.0  # the next step, by the error of the last attempt
+        knots = 0  # how often it was shortened to a point of a smooth table
         while True:
             joint = self.net.next_joint()
             end = joint if joint < latest else latest
@@ -487,9 +495,16 @@ class March:
                 if self.fixed_step > 0.0 or h < 1e-14:
                     return status
                 continue
-            if self.controlled and self.stepper.error > self.most_error:
-                h *= self._factor_for_error()
-                continue
+            if self.controlled:
+                if self.stepper.balance.joined and knots < _KNOTS:
+                    knots += 1
+                    at = self._knot_that_matters(h)
+                    if at < 1.0:
+                        h *= at
+                        continue
+                if self.stepper.error > self.most_error:
+                    h *= self._factor_for_error()
+                    continue
             at = self.switches.first(self.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
                 # branches are left at once, one after the other
@@ -571,6 +586,17 @@ class March:
             self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
             self._note_changes()
 
+    def _knot_that_matters(self, h):
+        """Return where the attempt passes a point of a smooth table that it should end on, or 2.
+
+        The second derivative of the force jumps there, of which the result of the extrapolation shows
+        much more than the difference of its columns.
+        """
+        if self.stepper.error <= self.most_error / _JUMP:
+            return 2.0
+        knot = self.switches.first_knot(self.time, h, _LEAST_KNOT)
+        return knot if knot < 1.0 - _LEAST_KNOT else 2.0
+
     def _factor_for_error(self):
         """Return the factor of the step that brings the error to the tolerance."""
         if self.stepper.error <= self.no_error:
@@ -610,21 +636,21 @@ class March:
     def _land(self, h):
         """End the attempt on the switch found, by Newton's method, at last along Taylor's series.
 
-        Under error control with two or three columns, in a linear branch, the state is read from the
-        septic through the ends of the attempt. This is accurate unless a motion decays within the step,
-        as under strong damping. Otherwise the step is repeated, and as short steps are more accurate, it
-        may then not reach the bound; it is accepted, but ends on no switch. Neither does a step that is
+        Under error control the state is read from the septic through the ends of the attempt, where that
+        is accurate enough. Otherwise the step is repeated, and as short steps are more accurate, it may
+        then not reach the bound; it is accepted, but ends on no switch. Neither does a step that is
         shortened because a gap opens in it.
         """
         step = self.switches.at * h
-        reads = (
-            self.reads_switches
-            and self.stepper.is_plain()
-            and h * self.stepper.quickest < _READ_PHASE
-        )
+        reads = self.reads_switches and self.stepper.can_read(self.switches.at, h)
+        near = h  # how far from its end the stored attempt may be read
         if reads:
             self._keep_attempt(h)
         status = self._end_at(step, reads)
+        if self.reads_switches and not (reads or self.net.stuck):
+            self._keep_attempt(step)
+            reads = step * self.stepper.quickest < _READ_PHASE
+            near = _NEAR_END * step
         self.switches.recedes = False
         best = 1e300
         for _iteration in range(0 if self.switches.only_opens else 8):
@@ -642,7 +668,7 @@ class March:
             if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(self.time + new, -late)
             else:
-                status = self._end_at(new, reads)
+                status = self._end_at(new, reads and fabs(late) < near)
             step = new
         self.landed = step
         return status

@@ -33,14 +33,15 @@ class Network(Elements):
     Parameters
     ----------
     system : `systems.System`
+    joins : as of `laws.Laws`
 
     Raises
     ------
     ValueError : if shapes do not match or the mass matrix is not positive definite.
     """
 
-    def __init__(self, system):
-        Elements.__init__(self, system)
+    def __init__(self, system, joins=False):
+        Elements.__init__(self, system, joins)
         n, elements = self.n, self.elements
         names = list(system.signals)
         self.loads = len(system.loads)

@@ -8,8 +8,8 @@ from .increments cimport Increments
 from .network cimport Network
 
 cdef int _DIVERGED, _MOST, _MEAN, _TANGENT, _WILSON, _EXACT
-cdef double _NEGLIGIBLE, _SHARE, _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _SAFE_PHASE, _DAMPED_PHASE
-cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE
+cdef double _NEGLIGIBLE, _SHARE, _SLOW_PHASE, _MOST_BETTER, _SAFE_PHASE, _DAMPED_PHASE
+cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE, _READ_PHASE, _READ_SHARE, _BENT_BETTER
 
 @cython.final
 cdef class Stepper:
@@ -24,6 +24,7 @@ cdef class Stepper:
     cdef double *multiplier, *multiplier_rate
     cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *origin
     cdef double *drift, *drift_end, *middle_q, *middle_v, *middle_a, *septic_q, *septic_v, *septic_a
+    cdef double *lack
     # workspace
     cdef double *stiffness, *damping, *stiffness_known, *softest, *velocity_scale, *start_a
 
@@ -68,5 +69,10 @@ cdef class Stepper:
     cdef void _check_middle(self, double h) noexcept nogil
     @cython.locals(i=int, size=double)
     cdef void _begin_errors(self) noexcept nogil
-    @cython.locals(error=double)
-    cdef void _note_error(self, double size) noexcept nogil
+    cdef inline void _note_error(self, double size) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _find_error(self, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _find_lack(self, double h) noexcept nogil
+    @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)
+    cdef bint can_read(self, double x, double h) noexcept nogil

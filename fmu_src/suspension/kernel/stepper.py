@@ -31,10 +31,13 @@ _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 _LEAST_LENGTH = 1e-290  # m, instead of none
-_STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
-_BENT_BETTER = (
-    0.3  # the least share of that difference that is taken for the error with curved forces
+# the least share of that difference that is taken for the error with curved forces
+_BENT_BETTER = 0.3
+_READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
+_READ_PHASE = (
+    3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
 )
+_STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
 _MOST = 5  # substeps in one macro step
 _NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
 # Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
@@ -119,6 +122,7 @@ class Stepper:
             memory.zeros(n),
             memory.zeros(n),
         )
+        self.lack = memory.zeros(n)
         self.adds = self.method in (_MEAN, _TANGENT)
         self.increments = Increments(self.net, self.method == _TANGENT) if self.adds else None
         self.propagator = Propagator(self.net) if self.method == _EXACT else None
@@ -242,18 +246,23 @@ class Stepper:
             return status
         if self.columns_now.extrapolate(self.qb, self.vb) != 0:
             return _DIVERGED
-        self.balance.end(t + h, self.qb, self.vb, self.ab, self.jb)
+        self.balance.end_step(t + h, self.qb, self.vb, self.ab, self.jb)
+        if self.controlled:
+            self._find_error(h)
+        return 0
+
+    def _find_error(self, h):
+        """Find the error of the attempt, in units of the one allowed."""
         self._begin_errors()
         for i in range(self.n):
             self._note_error(fabs(self.columns_now.error_q[i]))
             self._note_error(fabs(self.columns_now.error_v[i]) * self.velocity_scale[i])
         self._expect_better(h)
-        if self.controlled:
-            if self.balance.bends:
-                self._check_middle(h)
-            if h * self.quickest > _STIFF_PHASE:
-                self._check_reading(h)
-        return 0
+        if self.balance.bends:
+            self._check_middle(h)
+        if h * self.quickest > _STIFF_PHASE:
+            self._check_reading(h)
+        self.error /= self.allowed
 
     def _enough(self, h):
         """Return the error of accelerations that does not matter in a step, m/s^2; 0 for a fixed one."""
@@ -358,6 +367,7 @@ class Stepper:
                 * self.velocity_scale[i]
                 * (fabs(self.septic_v[i] - self.middle_v[i]) - rounding)
             )
+        self.error /= self.allowed
         return 0
 
     def _read_middle(self, h):
@@ -382,12 +392,36 @@ class Stepper:
         It shows a knee of a curved force that all substeps miss. An error e of the septic, which
         vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is at most 0.12 h e''.
         """
+        self._find_lack(h)
+        for i in range(self.n):
+            lack = _SHARE * h * self.lack[i]
+            self._note_error(h / 32.0 * lack)
+            self._note_error(0.12 * self.velocity_scale[i] * lack)
+
+    def _find_lack(self, h):
+        """Find the residual of the septic in the equation of motion halfway, m/s^2."""
         self._read_middle(h)
         self.balance.accelerations(self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a)
         for i in range(self.n):
-            lack = _SHARE * h * fabs(self.septic_a[i] - self.middle_a[i])
-            self._note_error(h / 32.0 * lack)
-            self._note_error(0.12 * self.velocity_scale[i] * lack)
+            self.lack[i] = fabs(self.septic_a[i] - self.middle_a[i])
+
+    def can_read(self, x, h):
+        """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.
+
+        An error e of it goes with (x (1 - x))^4; halfway its second derivative is -32 e / h^2.
+        """
+        if self.net.stuck or h * self.quickest > _READ_PHASE:
+            return 0
+        if self.balance.bends == 0:
+            self._find_lack(h)
+        u = x * (1.0 - x)
+        of_q = 8.0 * h * h * u * u * u * u
+        of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
+        for i in range(self.n):
+            error = max(of_q, of_v * self.velocity_scale[i]) * self.lack[i]
+            if not error <= _READ_SHARE * self.allowed:
+                return 0
+        return 1
 
     def _begin_errors(self):
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
@@ -402,10 +436,9 @@ class Stepper:
         self.allowed = max(self.allowed, _ROUNDING * size) + _LEAST_LENGTH
 
     def _note_error(self, size):
-        """Update the largest error, in units of the tolerance."""
-        error = size / self.allowed
-        if not error <= self.error:
-            self.error = error
+        """Update the largest error, m."""
+        if not size <= self.error:
+            self.error = size
 
 
 @cache

@@ -4,7 +4,7 @@ from .bernstein cimport Crossing
 from .network cimport Network
 from .stepper cimport Stepper
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _PIECE
 cdef double _NEVER
 
 @cython.final
@@ -24,7 +24,14 @@ cdef class Switches:
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(ps=int, pd=int, pm=int, factor=double)
     cdef void _note_contact(self, int e) noexcept nogil
-    @cython.locals(k=int, r=int, degree=int)
+    @cython.locals(r=int)
+    cdef void _read_attempt(self, double t, double h) noexcept nogil
+    @cython.locals(e=int, kind=int, p=int, k=int, m=int, at=int, degree=int, first=double,
+                   found=double)
+    cdef double first_knot(self, double t, double h, double least) noexcept nogil
+    @cython.locals(bound=double, at=double)
+    cdef double _passes(self, int p, int side, int degree, double least) noexcept nogil
+    @cython.locals(k=int, degree=int)
     cdef double first(self, double t, double h) noexcept nogil
     @cython.locals(r=int, s=int, k=int)
     cdef void carry_on(self) noexcept nogil
@@ -38,6 +45,9 @@ cdef class Switches:
     @cython.locals(at=int, d1=double, d2=double, d3=double, x=double, y=double, dx=double,
                    dy=double, low=double, high=double)
     cdef bint _stays_far(self, int k, double h) noexcept nogil
+    @cython.locals(at=int, d1=double, d2=double, x=double, y=double, dx=double, dy=double,
+                   low=double, high=double)
+    cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
     @cython.locals(k=double, c=double)

@@ -16,6 +16,7 @@ if not cython.compiled:
     from math import fabs
 
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
+_PIECE = 12  # as in laws
 _NEVER = 1e299  # larger bounds do not exist
 
 
@@ -92,15 +93,12 @@ class Switches:
         self.at = 2.0
         if self.watched == 0:
             return 2.0
-        if not (self.roads_known and self.stepper.balance.loads_hold):
-            self._read_roads(t, h)
-        for r in range(self.net.rows):
-            if not self.start_known:
-                self._read_row(r, 0)
-            self._read_row(r, 1)
-        self.start_known = 1
+        self._read_attempt(t, h)
         for k in range(self.watched):
-            if self.watched_kind[k] == _SPRING and self._stays_far(k, h):
+            if self.watched_kind[k] in (_SPRING, _MODULATION):
+                if self._stays_far(k, h):
+                    continue
+            elif self.watched_kind[k] == _DAMPER and self._rate_stays_far(k, h):
                 continue
             if self.watched_kind[k] == _CONTACT and self._is_open(self.watched_element[k]):
                 self._search_gap(k, h)
@@ -112,6 +110,54 @@ class Switches:
             if self.crossing.high > self.high[k]:
                 self._search(k, 1, self.high[k], degree, h)
         return self.at
+
+    def _read_attempt(self, t, h):
+        """Read signals and rows at both ends of the attempt just made."""
+        if not (self.roads_known and self.stepper.balance.loads_hold):
+            self._read_roads(t, h)
+        for r in range(self.net.rows):
+            if not self.start_known:
+                self._read_row(r, 0)
+            self._read_row(r, 1)
+        self.start_known = 1
+
+    def first_knot(self, t, h, least):
+        """Return where the attempt first passes from one joined piece to another, as `first`.
+
+        Passages before the fraction `least` do not count.
+        """
+        first = 2.0
+        if not self.stepper.balance.bends:
+            return first
+        self._read_attempt(t, h)
+        for e in range(self.net.elements):
+            for kind in range(_CONTACT):
+                p = self.net.piece_now(e, kind)
+                if self.net.run_first[p] == self.net.run_last[p]:
+                    continue
+                at = 8 * self.net.element_row[e]
+                k = self.net.place(p, self.row[at + 1] if kind == _DAMPER else self.row[at])
+                degree = self._polynomial(e, kind, h)
+                self.crossing.extent(degree)
+                for m in range(k, self.net.run_first[p], -1):
+                    found = self._passes(m, -1, degree, least)
+                    if found > 0.0:
+                        first = min(first, found)
+                        break
+                for m in range(k + 1, self.net.run_last[p] + 1):
+                    found = self._passes(m, 1, degree, least)
+                    if found > 0.0:
+                        first = min(first, found)
+                        break
+        return first
+
+    def _passes(self, p, side, degree, least):
+        """Return where the polynomial passes the start of piece p; 0 if at once, 2 if it does not."""
+        bound = self.net.piece[_PIECE * p]
+        if not (self.crossing.low < bound if side < 0 else self.crossing.high > bound):
+            return 2.0
+        at = self.crossing.exit(bound, side, degree, False)
+        return at if at >= least else 0.0
 
     def carry_on(self):
         """After the last attempt was accepted, take its end as the start of the next one."""
@@ -189,6 +235,18 @@ class Switches:
         y = self.row[at + 4]
         dx = d1 * fabs(self.row[at + 1]) + d2 * fabs(self.row[at + 2]) + d3 * fabs(self.row[at + 3])
         dy = d1 * fabs(self.row[at + 5]) + d2 * fabs(self.row[at + 6]) + d3 * fabs(self.row[at + 7])
+        low, high = self.low[k], self.high[k]
+        return x - dx > low and y - dy > low and x + dx < high and y + dy < high
+
+    def _rate_stays_far(self, k, h):
+        """Return whether all coefficients of a rate's quintic are within its bounds."""
+        at = 8 * self.net.element_row[self.watched_element[k]]
+        d1 = 0.4 * h
+        d2 = 0.05 * h * h
+        x = self.row[at + 1]
+        y = self.row[at + 5]
+        dx = d1 * fabs(self.row[at + 2]) + d2 * fabs(self.row[at + 3])
+        dy = d1 * fabs(self.row[at + 6]) + d2 * fabs(self.row[at + 7])
         low, high = self.low[k], self.high[k]
         return x - dx > low and y - dy > low and x + dx < high and y + dy < high
 
