@@ -108,7 +108,7 @@ def _members(
     token = f"{{{UUID(hex=digest_of(what)[:32])}}}"
     flags = " ".join(flag for flag in FLAGS if flag != "-w")
     sources["all.c"] = _ALL.format(model=model, flags=flags, token=token, layer=layer[0]).encode()
-    picture = picture_file("HalfCar" if own else model).read_bytes()
+    picture = picture_file(model).read_bytes()
     described = {2: description.description, 3: description3.description}[fmi]
     members = {
         "modelDescription.xml": described(model, start, in_c, about, token),
