@@ -25,7 +25,9 @@ COMMANDS = {
     "exercise": Entry(
         "exercise.exercise", "Write an exercise: construct the first steps of SCENE by hand."
     ),
-    "list": Entry("listing.list_cases", "List the scenes and sweeps in the package."),
+    "list": Entry(
+        "listing.list_cases", "List the scenes and sweeps in the package, or parameters of FMU."
+    ),
     "new": Entry("new.new", "Write a commented scene to start from."),
     "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),
     "show": Entry("results.show", "Summarise RESULTS: a run's folder or a table."),

@@ -134,10 +134,6 @@ class Formula:
         """Return the function of these names in this order; other parameters keep their values."""
         return _guarded(self._made(self._tree, names, _NUMBERS))
 
-    def mentions(self, name: str) -> bool:
-        """Whether a name occurs in the text."""
-        return _mentions(self._tree, name)
-
     @cached_property
     def on_arrays(self) -> Callable[..., npt.NDArray[np.float64]]:
         """f(v, x, t) of numpy arrays; NaN outside the domain of f."""
