@@ -210,6 +210,28 @@ def test_without_early_return_the_clocks_tick_at_the_end_of_the_step(
         assert located <= seen < located + 0.01
 
 
+def test_a_contact_that_a_parameter_makes_is_an_event_at_once(
+    native_fmu: Packer, tmp_path: Path
+) -> None:
+    """A softer tyre is longer under no load: the wheel, in the air so far, stands on the road."""
+    host = Awake(native_fmu("QuarterCar", fmi=3), tmp_path)
+    host.run(0.05, 0.05)
+    assert host.one.getBoolean([host.reference["airborne"]]) == [True]
+    stiffness = host.value("tyre.stiffness")
+    host.one.setFloat64([host.reference["tyre.stiffness"]], [0.4 * stiffness])
+    assert not host.step(0.06)
+    assert host.ticks[-1] == (0.05, "touchdown_event")
+    assert host.one.getBoolean([host.reference["airborne"]]) == [False]
+    while not host.step(0.06):
+        pass
+    session = Session("QuarterCar", {})
+    session.advance(0.05)
+    session.set_parameter("tyre.stiffness", 0.4 * stiffness)
+    session.advance(0.06)
+    for name in ("body_displacement", "wheel_velocity", "last_touchdown"):
+        assert host.value(name) == session.value(name)
+
+
 def test_stops_and_yielding_are_events(native_fmu: Packer, tmp_path: Path) -> None:
     what = "with stops, friction and a sampled road"
     fmu = native_fmu("QuarterCar", *STRUCTURES[what].settings.items(), fmi=3)

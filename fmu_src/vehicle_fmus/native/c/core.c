@@ -16,6 +16,8 @@ typedef struct State {
     char is_set[VARIABLES];
     double derived[DERIVED];
     double start, tolerance;
+    double handed; /* end of the step for which the courses of the inputs were found, until one is set */
+    int kept;      /* whether `behind` is of that step */
     int initialised; /* whether initialisation has ended */
     int ready;       /* whether machine and conduct belong to the parameters */
     int ok, tuned, warned, passed_over;
@@ -254,6 +256,7 @@ static int take_parameters(Instance *one) {
     now->machine = now->behind;
     machine_wire(&now->machine);
     Run_compare_contacts(run);
+    if (run->waiting > 0) enter_due(one, run->time);
     return 0;
 }
 
@@ -323,7 +326,8 @@ static int go_on(Instance *one, double until) {
             seen = time;
         }
         if (integrator->time >= until) break;
-        if (!run->sampled) now->behind = now->machine;
+        if (!run->sampled && !now->kept) now->behind = now->machine;
+        now->kept = 1;
         if (step(one, until, run->sampled)) return 1;
     }
     if (one->update && seen < until) update_at(one, until, until);
@@ -346,10 +350,13 @@ static int advance(Instance *one, double until) {
         if (stop_here(one)) return 1;
         run->sampled = 1;
     }
-    if (Run_hand_over(run, until) && run->time == run->start) {
+    /* a host that goes on from a switch to the same end changes nothing */
+    if (until != now->handed) now->kept = 0;
+    if (until != now->handed && Run_hand_over(run, until) && run->time == run->start) {
         if (start_moving(one)) return 1;
         now->machine.integrator.event_count = now->machine.integrator.event_base = 0;
     }
+    now->handed = until;
     if (run->time > run->start) note_switches(one, -INFINITY);
     if (run->time == run->start && run->start < until) {
         for (int c = 0; c < run->tyres; c++) {
@@ -365,6 +372,7 @@ static int begin(Instance *one) {
     Run *run = &now->conduct.run;
     now->ready = 0;
     now->ok = 1;
+    now->handed = -INFINITY;
     now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
     memset(now->ticks, 0, sizeof now->ticks);
     if (make_machine(one, &now->machine, now->start)) return 1;
@@ -406,6 +414,7 @@ static void set_value(Instance *one, unsigned k, double value) {
         }
         now->inputs[k] = value;
         now->is_set[k] = 1;
+        now->handed = -INFINITY;
         if (now->initialised) {
             Run_set_input(&now->conduct.run, v->index, value);
         } else {
