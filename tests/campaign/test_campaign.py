@@ -19,8 +19,8 @@ from phaseplane.suspension.models import SYSTEMS, build
 
 HERE = Path(__file__).resolve().parent
 HUNDREDS = 300
-# refused for want of digits (docs/validation.md), or off by 3.9 tolerances (75)
-KNOWN = {15, 55, 75, 104, 138, 145, 226}
+# a velocity is off by 44 tolerances at 1e-3; `mean` finds no equilibrium (docs/validation.md)
+KNOWN = {145}
 
 
 @pytest.mark.parametrize("model", make_drawn.SYSTEMS)
