@@ -151,7 +151,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["compare", "a.csv", "b.parquet", "--column", "xx"], "did you mean 'x'?"),
         (["compare", "a.csv", "b.parquet", "--tolerance", "-1"], "-1"),
         (["schema", "QuaterCar"], "MODEL 'QuaterCar': must be one of OneDof, QuarterCar"),
-        (["schema", "QuaterCar", "--json"], "an .fmu file; did you mean 'QuarterCar'?"),
+        (["schema", "QuaterCar", "--json"], ".py file; did you mean 'QuarterCar'?"),
         (["schema", "QuarterCar", "--sweep"], "not both"),
         (["schema", "speed_bump"], "speed_bump is a scene: 'phaseplane run speed_bump' runs it"),
         (["run", "QuarterCar"], "QuarterCar is a model: 'phaseplane new"),
