@@ -308,11 +308,14 @@ def _raise_first(findings: Sequence[str]) -> None:
 def _definition(text: str) -> Definition:
     """Return the definition in a TOML file."""
     try:
-        content = tomllib.loads(text).get("system")
+        file = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise ParameterError(f"not TOML: {error}") from None
+    content = file.get("system")
     if not isinstance(content, dict):
-        raise ParameterError("there is no table [system]")
+        model = file.get("fmu")
+        scene = f"; the file is a scene, whose model is {model}" if isinstance(model, str) else ""
+        raise ParameterError(f"there is no table [system]{scene}")
     definition = _read(content)
     check_units(definition)
     return definition

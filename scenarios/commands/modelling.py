@@ -19,6 +19,7 @@ from .console import FiniteRange, dark_option, figure_option, json_option, set_o
 
 @click.command()
 @click.argument("scene")
+@click.argument("smaller", nargs=-1, metavar="[SMALLER]...")
 @set_option
 @click.option(
     "--tolerance",
@@ -28,14 +29,24 @@ from .console import FiniteRange, dark_option, figure_option, json_option, set_o
     help="Largest error of the outputs compared, over their peaks.",
 )
 @json_option
-def ladder(scene: str, overrides: tuple[str, ...], tolerance: float, as_data: bool) -> None:
+def ladder(
+    *,
+    scene: str,
+    smaller: tuple[str, ...],
+    overrides: tuple[str, ...],
+    tolerance: float,
+    as_data: bool,
+) -> None:
     """Find the smallest model that is accurate for SCENE.
 
-    Run SCENE with every model that has its outputs and compare the results.
+    Run SCENE with every smaller model of the package that has its outputs, and with the scenes
+    or systems SMALLER, and compare the results. SCENE can be a system of your own if SMALLER are
+    given; outputs of the same name are compared, and --set applies to all.
     """
-    loaded = load_scene(scene, overrides, expect=False)
-    warn(loaded.warnings)
-    told = climb(loaded, tolerance)
+    whole, *named = (load_scene(name, overrides, expect=False) for name in (scene, *smaller))
+    for loaded in (whole, *named):
+        warn(loaded.warnings)
+    told = climb(whole, tolerance, named)
     click.echo(as_json(told) if as_data else ladder_in_words(told))
 
 

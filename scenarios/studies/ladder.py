@@ -3,12 +3,14 @@
 From the half car with four degrees of freedom down to one (AP57 section 2): elements that never act can
 be left out; with M3 = 0 the axles are uncoupled; if the excitation is well below the wheels' natural
 frequency, the tyres can be rigid. Each rung has such an argument and is compared with the full model.
+Nothing can be left out of a system of one's own without knowing what it stands for, so its smaller models
+are named by the user.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -77,37 +79,37 @@ class Rung:
     argument: str
 
 
-def ladder(scene: Scene, tolerance: float) -> dict[str, Any]:
+def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dict[str, Any]:
     """Return all rungs of a scene with their errors and times, and the smallest accurate one.
 
     Parameters
     ----------
-    scene : a scene of a model of this package
+    scene : a scene of a model of this package, or of a system of one's own
     tolerance : largest error of the outputs compared, over their peaks
+    smaller : scenes of smaller models, which are run for the duration of `scene`
 
     Raises
     ------
-    InputError : if there is no smaller model, or the FMU is not of this package.
+    InputError : if there is no smaller model, a scene is not run by its model alone, or the models
+        have no output of motion in common.
     RunError : if the scene itself does not run to its end.
     """
-    if scene.fmu.path is not None or scene.fmu.model not in ("HalfCar", "HalfCarRigidTyres",
-                                                             "QuarterCar"):  # fmt: skip
+    for each in (scene, *smaller):
+        _check(each)
+    if scene.fmu.model not in _DESCENDS and not smaller:
         raise InputError(
-            f"{scene.fmu.model} has no smaller model; allowed: HalfCar, HalfCarRigidTyres, QuarterCar"
+            f"{scene.fmu.model} has no smaller model; allowed: {', '.join(_DESCENDS)}, or name the "
+            f"files of smaller models: phaseplane ladder {scene.name} SMALLER..."
         )
-    names = _outputs_compared(scene)
-    whole = Rung(
-        "as it stands",
-        (Part(scene.fmu.model, scene.all_parameters),),
-        _DEGREES[scene.fmu.model],
-        "",
-    )
+    names = _outputs_compared(scene, smaller)
+    whole = _as_it_stands(scene, "as it stands")
     try:
         truth, seconds = _run(whole, scene, (*names, *_telling(scene)))
     except Exception as error:
         raise RunError(f"{scene.name}: {one_line(error)}") from error
     rungs = [_told(whole, seconds, 0.0, "", tolerance)]
-    for rung in _below(scene, truth):
+    named = (_as_it_stands(replace(s, duration=scene.duration), s.name) for s in smaller)
+    for rung in (*_below(scene, truth), *named):
         try:
             columns, seconds = _run(rung, scene, names)
             worst = compared(
@@ -131,22 +133,47 @@ def ladder(scene: Scene, tolerance: float) -> dict[str, Any]:
 
 
 _DEGREES = {"OneDof": 1, "QuarterCar": 2, "HalfCarRigidTyres": 2, "HalfCar": 4}
+_DESCENDS = ("HalfCar", "HalfCarRigidTyres", "QuarterCar")
+_MOTION = ("displacement", "velocity", "acceleration", "deflection")
 
 
-def _outputs_compared(scene: Scene) -> tuple[str, ...]:
-    wanted = scene.show.outputs
-    return tuple(
-        name
-        for name, output in scene.fmu.outputs().items()
-        if type(output.start) is float
-        and (name in wanted if isinstance(wanted, tuple) else name.endswith(_COMPARED))
-        # the centre of gravity follows from the axles
-        and (
-            isinstance(wanted, tuple)
-            or scene.fmu.model == "QuarterCar"
-            or name[:4] in ("fron", "rear")
+def _check(scene: Scene) -> None:
+    if not scene.fmu.is_ours or scene.fmu.path is not None:
+        raise InputError(
+            f"{scene.name}: {scene.fmu.model} cannot be on a ladder; allowed: models of this package, "
+            "and systems in .toml or .py files"
         )
-    )
+    if scene.controller is not None:
+        raise InputError(
+            f"{scene.name} has a controller, without which the ladder would run; remove [controller]"
+        )
+
+
+def _as_it_stands(scene: Scene, name: str) -> Rung:
+    model, parameters = scene.fmu.model, scene.all_parameters
+    degrees = len(build(model, parameters).coordinates)
+    return Rung(name, (Part(model, parameters),), degrees, "")
+
+
+def _outputs_compared(scene: Scene, smaller: Sequence[Scene]) -> tuple[str, ...]:
+    """Return the outputs the scene names, or else those of the motion that the models share."""
+    wanted = scene.show.outputs
+    numbers = [name for name, output in scene.fmu.outputs().items() if type(output.start) is float]
+    if isinstance(wanted, tuple):
+        names = [name for name in numbers if name in wanted]
+    elif scene.fmu.model in _DESCENDS:
+        # the centre of gravity of a half car follows from its axles
+        axles = ("",) if scene.fmu.model == "QuarterCar" else ("front_", "rear_")
+        names = [name for name in numbers if name.endswith(_COMPARED) and name.startswith(axles)]
+    else:
+        common = set(numbers).intersection(*(other.fmu.outputs() for other in smaller))
+        names = [name for name in numbers if name in common and name.endswith(_MOTION)]
+    if not names:
+        raise InputError(
+            f"{scene.name}: the models have no displacement, velocity, acceleration or deflection of "
+            "the same name; give coordinates that are the same motion the same name"
+        )
+    return tuple(names)
 
 
 def _told(
@@ -168,8 +195,10 @@ def _told(
 
 
 def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
-    """Yield the smaller models, largest first."""
+    """Yield the smaller models of a model of this package, largest first."""
     model, p = scene.fmu.model, scene.all_parameters
+    if model not in _DESCENDS:
+        return
     idle = {what: values for what, values in _off(p, truth) if values}
     if idle:
         p = {**p, **{name: value for values in idle.values() for name, value in values.items()}}

@@ -7,6 +7,7 @@ from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
+import pytest
 from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 
@@ -67,6 +68,69 @@ def test_a_model_without_a_smaller_one_is_refused(tmp_path: Path) -> None:
     result = CliRunner().invoke(main, ["ladder", str(tmp_path / "scene.toml")])
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
     assert "OneDof has no smaller model" in result.stderr
+
+
+def system(name: str, rates: tuple[float, ...]) -> str:
+    """A body on springs at either side, driven by one force; a bounce alone if there is one spring."""
+    roll = 'roll = { mass = "inertia", angle = true }\n' if len(rates) > 1 else ""
+    text = (
+        f'duration = "2 s"\n[system]\nname = "{name}"\n[system.parameters]\n'
+        'mass = "80 kg"\ninertia = "8 kg.m2"\narm = "0.7 m"\n'
+        f'[system.coordinates]\nbounce = {{ mass = "mass" }}\n{roll}'
+        "[system.loads.shaker]\ndirection = { bounce = 1 }\n"
+        "sine = { amplitude = 300, frequency = 4 }\n"
+    )
+    for side, (rate, sign) in enumerate(zip(rates, ("", "-"), strict=False)):
+        turn = f', roll = "{sign}arm"' if roll else ""
+        text += (
+            f"[system.elements.side{side}]\ndirection = {{ bounce = 1{turn} }}\n"
+            f"spring = {{ rate = {rate} }}\ndamper = {{ rate = {900 * 2 // len(rates)} }}\n"
+        )
+    return text
+
+
+def test_a_system_of_ones_own_is_compared_with_the_systems_named(tmp_path: Path) -> None:
+    """Bounce and roll are uncoupled while the springs are equal, so the bounce alone is accurate."""
+    (tmp_path / "bounce.toml").write_text(system("Bounce", (60e3,)))
+    smaller = str(tmp_path / "bounce.toml")
+    equal = climbed(tmp_path, system("Equal", (30e3, 30e3)), smaller)
+    assert equal["compared"] == [f"bounce_{what}" for what in ("displacement", "velocity",
+                                                              "acceleration")]  # fmt: skip
+    assert [(rung["name"], rung["degrees"]) for rung in equal["rungs"]] == [
+        ("as it stands", 2), ("bounce", 1)
+    ]  # fmt: skip
+    assert equal["proposal"] == "bounce"
+    assert by_name(equal)["bounce"]["error"] < 1e-4
+    uneven = climbed(tmp_path, system("Uneven", (20e3, 40e3)), smaller)
+    assert uneven["proposal"] == "as it stands"
+    assert by_name(uneven)["bounce"]["error"] > 0.02
+
+
+def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
+    """It runs for as long as the scene does, and an output it has not is told."""
+    (tmp_path / "long.toml").write_text('extends="ap57"\nduration="9 s"')
+    told = climbed(tmp_path, 'extends="ap57"\nduration="0.2 s"', str(tmp_path / "long.toml"))
+    assert list(by_name(told)) == ["as it stands", "rigid tyre", "long"]
+    assert by_name(told)["long"]["error"] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["own.toml"], "name the files of smaller models: phaseplane ladder own SMALLER..."),
+        (["own.toml", "ap57"], "give coordinates that are the same motion the same name"),
+        (["own.toml", "van_der_pol"], "van_der_pol: Equation cannot be on a ladder"),
+        (["skyhook"], "skyhook has a controller, without which the ladder would run"),
+    ],
+)
+def test_what_cannot_be_on_a_ladder_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("own.toml").write_text(system("Own", (30e3, 30e3)))
+    result = CliRunner().invoke(main, ["ladder", *arguments])
+    assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)
+    assert words in result.stderr
 
 
 def test_the_wheels_own_frequency_is_that_of_the_springs_in_force(tmp_path: Path) -> None:

@@ -46,6 +46,9 @@ def test_a_payload_may_rest_on_the_bump_stop():
     assert static_equilibrium(loaded) == (0.0, 0.0)
     stop = next(e.spring for e in loaded.elements if e.name == "bump_stop")
     assert stop.corners == pytest.approx((0.01,))  # the stop is left 10 mm above
+    words = payload_words(checked_parameters("QuarterCar", {**given, "payload": 400.0}))
+    sink = (400.0 * G + 180e3 * 0.01) / 200e3
+    assert words.endswith(f"bump stop compressed by {1e3 * (sink - 0.01):.4g} mm")
 
 
 def test_payloads_of_a_half_car_lie_over_its_axles():
