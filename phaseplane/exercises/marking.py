@@ -2,17 +2,18 @@
 
 So an error counts once, where it was made. A point is right within a tolerance for reading. One farther
 off is compared with what follows from known mistakes: the one that leads there names the rule that was
-broken. A point a little farther off that no mistake explains is a reading error.
+broken. A point a little farther off that no mistake explains is a reading error, and so is any point
+from whose right place, not from what was read, the next step goes on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, cast
 
 from phaseplane.constructions.construction import Construction, Window
-from phaseplane.constructions.primitives import Drawing
+from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
@@ -103,19 +104,37 @@ def mark(
         raise ValueError(
             f"point 0 is {1e3 * off:.3g} mm from the start point of the sheet; is this another exercise?"
         )
-    marks = []
+    marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
     memory = construction.initial[len(planes) :]
     for before, frame, after in zip(readings, frames, readings[1:], strict=False):
-        states = before.states + memory
         faultless = tuple(frame.points[plane.state] for plane in planes) + memory
         mode = _mode(construction, frame, faultless)
         window = Window(frame.time, frame.duration)
-        step = _ended(construction, rule, _Step(states, mode, window), nominal)
-        marks.append(_judged(construction, rule, step, before, after, tolerance))
+        starts = [before] + [
+            replace(before, states=one.expected)
+            for one in marks[-1:]
+            if one.distance > 1e3 * tolerance
+        ]
+        found = []
+        for start in starts:
+            step = _Step(start.states + memory, mode, window)
+            step = _ended(construction, rule, step, nominal)
+            found.append(_judged(construction, rule, step, start, after, tolerance))
+        if found[0].verdict != RIGHT and found[-1].verdict == RIGHT:
+            marks[-1] = _misread(marks[-1], before, planes, tolerance)
+            found.reverse()
+        marks.append(found[0])
     last = readings[-1]
     faultless = tuple(frames[last.number].points[plane.state] for plane in planes)
     return Marks(tuple(marks), 1e3 * _apart(last.states, faultless))
+
+
+def _misread(mark: Mark, read: Reading, planes: Sequence[Plane], tolerance: float) -> Mark:
+    """Return the mark of a point that is right on paper, since the next step starts from it."""
+    known = _named(_misreadings(planes, mark.expected), read.states, mark.expected, tolerance)
+    words = "the next step starts from the right place: only the reading is wrong"
+    return mark._replace(verdict=READING, said="; ".join(filter(None, (known, words))))
 
 
 def _mode(construction: Construction, frame: Frame, states: States) -> str:
@@ -254,14 +273,19 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
             yield words, found
     found = stepped(right)
     if found is not None:
-        for words, change in _MISREAD:
-            yield (
-                words,
-                tuple(
-                    plane.displacement.origin + change(p - plane.displacement.origin)
-                    for plane, p in zip(planes, found, strict=True)
-                ),
-            )
+        yield from _misreadings(planes, found)
+
+
+def _misreadings(planes: Sequence[Plane], states: States) -> Iterator[tuple[str, States]]:
+    """Yield known mistakes in reading state points, with what is read by them."""
+    for words, change in _MISREAD:
+        yield (
+            words,
+            tuple(
+                plane.displacement.origin + change(p - plane.displacement.origin)
+                for plane, p in zip(planes, states, strict=True)
+            ),
+        )
 
 
 _MISREAD: tuple[tuple[str, Callable[[complex], complex]], ...] = (
@@ -296,6 +320,10 @@ def _wrong_feet(
         feet(lambda p, n: p[f"Q{n}"]),
     )
     yield (
+        "D was taken in the origin: delta was left out",
+        feet(lambda _, n: _origin(construction, n)),
+    )
+    yield (
         "the excitation was left out: D taken in A*",
         feet(lambda p, n: p[f"A{n}*"]),
     )
@@ -313,9 +341,12 @@ def _foot(construction: Construction, number: str) -> str:
     return next(plane.foot for plane in construction.planes if plane.number == number)
 
 
+def _origin(construction: Construction, number: str) -> complex:
+    return next(p for p in construction.planes if p.number == number).displacement.origin
+
+
 def _mirrored(construction: Construction, points: Points, number: str) -> complex:
-    plane = next(plane for plane in construction.planes if plane.number == number)
-    return 2.0 * plane.displacement.origin - points[plane.foot]
+    return 2.0 * _origin(construction, number) - points[_foot(construction, number)]
 
 
 def _other_branch(construction: Construction, step: _Step) -> Callable[[Points], Points]:

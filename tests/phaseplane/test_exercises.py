@@ -130,7 +130,7 @@ def test_a_protocol_has_every_point_in_the_order_of_drawing():
     assert f"x = {plane.displacement.read(frame.points['A']):.4g}" in way.value
     rows = list(csv.DictReader(StringIO(protocol_csv(entries))))
     assert len(rows) == len(entries)
-    assert rows[2]["found"].startswith("From P parallel to the y axis")
+    assert rows[2]["found"].startswith("From P parallel to the x axis")
     assert protocol_text(entries).count("\n") == len(entries) + 1
 
 
@@ -221,6 +221,23 @@ def test_a_little_beside_the_point_is_an_error_of_reading(task):
 
 
 @pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda z: z + 6e-3, "the next step starts from the right place"),
+        (lambda z: z.conjugate(), "the sign of the velocity is wrong"),
+    ],
+)
+def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
+    construction, drawing = task
+    points = student(drawing, construction, 8)
+    points[4] = change(points[4])
+    marks = judged(construction, drawing, points)
+    assert [m.number for m in marks.marks if m.verdict != RIGHT] == [4]
+    assert marks.marks[3].verdict == READING
+    assert words in marks.marks[3].said
+
+
+@pytest.mark.parametrize(
     ("mistake", "words"),
     [
         ("turned", "turned the other way"),
@@ -228,6 +245,7 @@ def test_a_little_beside_the_point_is_an_error_of_reading(task):
         ("tangent", "follows the rule tangent, not delta"),
         ("mirrored", "wrong side of the axis"),
         ("no_curve", "the auxiliary curve was not used"),
+        ("no_delta", "delta was left out"),
         ("sign", "sign of the velocity is wrong"),
         ("exchanged", "displacement and velocity are exchanged"),
     ],
@@ -243,12 +261,12 @@ def test_the_rule_that_was_broken_is_named(task, mistake, words):
         wrong = stepper.step("contact", state, window)[1][0]
     elif mistake == "tangent":
         wrong = Stepper(construction, rule_named("tangent")).step("contact", state, window)[1][0]
-    elif mistake in ("mirrored", "no_curve"):
+    elif mistake in ("mirrored", "no_curve", "no_delta"):
         turn = stepper.rates[0] * window.duration
 
         def foot(p: complex) -> complex:
             points = construction.points("contact", (p,), window)
-            return -points["D"] if mistake == "mirrored" else points["Q"]
+            return {"mirrored": -points["D"], "no_curve": points["Q"], "no_delta": 0j}[mistake]
 
         middle = turned(state[0], foot(state[0]), 0.5 * turn)
         wrong = turned(state[0], foot(middle), turn)
