@@ -19,6 +19,7 @@ Epsilon = Callable[[float, float], float]
 """epsilon(y-bar; y_i), m."""
 
 _BESIDE = 1e-9  # of the range of y-bar: distance of the points on both sides of a jump
+_DRAWN = 1e-3  # of the length of a curve: about the width of a line; what is closer looks the same
 _POINTS = 64  # intervals of an auxiliary curve, even so that y-bar = 0 is included
 
 
@@ -132,8 +133,8 @@ class Lienard:
 
         Returns
         -------
-        a labelled curve per level, those that coincide as one with the labels of all; a single curve
-        without a label if epsilon does not depend on y
+        a labelled curve per level, those that cannot be told apart in a drawing as one with the labels
+        of all; a single curve without a label if that is true of all
         """
         plane = self.plane
         points = trail(plane, frames)
@@ -154,7 +155,7 @@ class Lienard:
         factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, f" {axis.unit}".rstrip())
         found: list[tuple[tuple[complex, ...], list[str]]] = []
         for vertices, y in zip(family, values, strict=True):
-            known = (labels for other, labels in found if _same(vertices, other, 1e-9 * size))
+            known = (labels for other, labels in found if _same(vertices, other, _DRAWN * size))
             label = f"{axis.label} = {factor * y:g}{unit}"
             here = next(known, None)
             if here is None:

@@ -20,17 +20,23 @@ from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import Frame
 
 
-def one_plane_scheme(excitation: str) -> Scheme:
-    """Return AP57 figure 2 in the order of drawing; `excitation` describes the step from A* to D."""
+def one_plane_scheme(excitation: str, letter: str = "y") -> Scheme:
+    """Return AP57 figure 2 in the order of drawing.
+
+    Parameters
+    ----------
+    excitation : describes the step from A* to D
+    letter : of the axis of displacement
+    """
     return scheme(
         (
-            "The state point P and its foot Q on the y axis.",
+            f"The state point P and its foot Q on the {letter} axis.",
             marks("state", "P"),
             marks("foot", "Q"),
             strokes("foot", "P-Q"),
         ),
         (
-            "From P parallel to the y axis to the auxiliary curve: A. Down to the axis: A*.",
+            f"From P parallel to the {letter} axis to the auxiliary curve: A. Down to the axis: A*.",
             marks("construction", "A A*"),
             strokes("construction", "P-A A-A*"),
         ),

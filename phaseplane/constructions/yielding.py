@@ -71,7 +71,7 @@ class ElastoplasticPlane(OnePlane):
     title: ClassVar[str] = "Oscillator with a spring that yields in its phase plane"
     schemes: ClassVar[Mapping[str, Scheme]] = {
         mode: with_mark(
-            one_plane_scheme("From A* along the u axis by f/k, averaged over the step: D."),
+            one_plane_scheme("From A* along the u axis by f/k, averaged over the step: D.", "u"),
             "excitation",
             "R",
         )

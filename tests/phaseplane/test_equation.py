@@ -134,6 +134,20 @@ def test_between_auxiliary_curves_the_point_is_interpolated():
     )
 
 
+def test_auxiliary_curves_that_look_the_same_are_one():
+    """For a small swing of a pendulum the curves differ by x^3 / 6: by less than the width of a line."""
+
+    def pendulum(v, x, t):
+        return sin(x)
+
+    small, large = (
+        EquationPlane(pendulum, True, initial_displacement=x, scale=0.1 / x) for x in (0.02, 1.0)
+    )
+    (curve,) = small.curves(march(small, step=0.1, steps=20).frames)
+    assert curve.label == ""
+    assert len(large.curves(march(large, step=0.1, steps=20).frames)) > 2
+
+
 def test_an_equation_that_runs_away_says_when():
     one = EquationPlane(lambda v, x, t: -(x**3), initial_displacement=1.0, initial_velocity=1.0)
     with pytest.raises(ArithmeticError, match=r"diverges after .* s; try a step shorter"):
