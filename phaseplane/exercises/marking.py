@@ -117,10 +117,10 @@ def mark(
             if one.distance > 1e3 * tolerance
         ]
         found = []
-        for start in starts:
-            step = _Step(start.states + memory, mode, window)
+        for origin in starts:
+            step = _Step(origin.states + memory, mode, window)
             step = _ended(construction, rule, step, nominal)
-            found.append(_judged(construction, rule, step, start, after, tolerance))
+            found.append(_judged(construction, rule, step, origin, after, tolerance))
         if found[0].verdict != RIGHT and found[-1].verdict == RIGHT:
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
             found.reverse()

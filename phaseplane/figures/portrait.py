@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 from typing import Literal
 
 import numpy as np
@@ -27,6 +28,7 @@ from phaseplane.figures.style import (
 )
 from phaseplane.portrait import Portrait, Section, Window
 
+_LINE = 95  # letters of the title on a line as wide as the figure
 _KINDS = {
     "saddle": ("X", RED),
     "centre": ("o", BLUE),
@@ -97,7 +99,7 @@ def portrait(
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
     if title:
-        figure.suptitle(title, color=colours.ink, fontsize=11.0)
+        figure.suptitle(fill(title, _LINE), color=colours.ink, fontsize=11.0)
     figure.legend(
         handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
+from matplotlib.text import Text
 
 from phaseplane.figures import portrait
 from phaseplane.figures.style import palette_for
@@ -112,6 +113,18 @@ def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
     for arrow in arrows:
         (x0, v0), (x1, v1) = arrow.xyann, arrow.xy
         assert (x1 - x0) * (v0 + v1) > 0.0
+
+
+def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
+    system = PhaseSystem(lambda v, x, t: x)
+    title = "A pendulum, released at 90 degrees in a lift that accelerates: " + 8 * "x + omega "
+    figure = portrait(whole_portrait(system, good_window(system, 1.0)), title=title)
+    figure.canvas.draw()
+    (heading,) = (t for t in figure.findobj(Text) if t.get_text().startswith("A pendulum"))
+    box, whole = heading.get_window_extent(), figure.bbox
+    assert whole.x0 < box.x0 < box.x1 < whole.x1
+    assert box.y0 > figure.axes[0].bbox.y1
+    assert box.y1 < whole.y1
 
 
 def test_every_basin_of_a_pendulum_has_curves() -> None:
