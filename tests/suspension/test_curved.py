@@ -143,6 +143,28 @@ def test_points_of_a_smooth_table_are_no_switches(tolerance: float) -> None:
     assert error < 2.0 * tolerance
 
 
+@pytest.mark.parametrize("start", [0.08, 0.09])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-5, 1e-6])
+def test_a_long_swing_through_a_smooth_table_is_as_right_as_on_a_cubic_spring(
+    tolerance: float, start: float
+) -> None:
+    """Undamped errors of phase add up, which on a spring without points comes to 56 tolerances."""
+    law = monotone_table(POINTS)
+    spring = Element("spring", (1.0,), law)
+    times = np.linspace(0.0, 1.6, 161)  # 24 periods
+    integrator = Integrator(
+        System(("x",), ((1.0,),), (spring,), scales=(0.05,)), tolerance=tolerance
+    )
+    integrator.set_state([start], [0.0])
+    found = np.empty(len(times))
+    assert integrator.run(times, found) == 0
+    true = solve_ivp(
+        lambda _, y: [y[1], -law.force(y[0])], (0.0, 1.6), [start, 0.0], "DOP853", times,
+        rtol=1e-11, atol=1e-13, max_step=2e-3,
+    ).y[0]  # fmt: skip
+    assert np.abs(found - true).max() < 60.0 * tolerance * start
+
+
 def passed_within_steps(tolerance: float) -> int:
     """In how many steps a point of the table lies well between both ends."""
     integrator = Integrator(on_a_smooth_table(), tolerance=tolerance)

@@ -48,7 +48,7 @@ _READ_PHASE = (
     3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
 )
 _KNOTS = 4  # attempts to end a step on the first of them
-_JUMP = 12.0  # times the error found may be that of a step in which a second derivative jumps
+_JUMP = 60.0  # times the error found may be that of a step in which a second derivative jumps
 _LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
 _NEAR_END = 0.005  # of an attempt: so close to its end its septic is far more accurate than halfway
 
