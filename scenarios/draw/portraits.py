@@ -100,12 +100,12 @@ def portrait(
     try:
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
-        shown = (
-            computed.Window(*window)
-            if window
-            else computed.window_of_equilibria(system, subject.reach, subject.least)
-        )
-        with np.errstate(all="ignore"):  # motions that diverge
+        with np.errstate(all="ignore"):  # motions that diverge, forces beyond the largest number
+            shown = (
+                computed.Window(*window)
+                if window
+                else computed.window_of_equilibria(system, subject.reach, subject.least)
+            )
             made = computed.whole_portrait(
                 system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
             )

@@ -64,6 +64,12 @@ def test_a_damped_pendulum_ends_in_its_foci() -> None:
     assert "limit cycle  crosses" not in told
 
 
+def test_a_force_beyond_the_largest_number_raises_no_warning() -> None:
+    done = of_equation("exp(1000*x)", "--json")
+    assert done.exit_code == 0, done.exception
+    assert done.stderr == ""
+
+
 def test_an_equation_that_is_not_real_everywhere_has_a_portrait(tmp_path: Path) -> None:
     done = of_equation("sqrt(x)", "--figure", str(tmp_path / "root.png"))
     assert done.exit_code == 0
