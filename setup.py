@@ -67,7 +67,7 @@ DIRECTIVES = {
 MODULES = (
     "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense", "exact",
     "increments", "balance", "columns", "stepper", "switches", "ledger", "watch", "march", "handover",
-    "integrator", "rest", "run",
+    "integrator", "rest", "run", "lines",
 )  # fmt: skip
 
 

@@ -69,6 +69,7 @@ def _choose() -> tuple[ModuleType, str]:
 _integrator, why_uncompiled = _choose()
 compiled: bool = not why_uncompiled
 Integrator = _integrator.Integrator
+Lines = _integrator.Lines
 Rows = _integrator.Rows
 Run = _integrator.Run
 Network = _integrator.Network

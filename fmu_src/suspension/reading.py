@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol
 
 from .outputs import (
@@ -23,6 +23,8 @@ from .systems import System
 from .variable import Value, Variable
 
 Read = Callable[[], Value]
+ReadMany = Callable[[Sequence[int]], list[Value]]
+"""Returns the values of several variables, each given by its number."""
 
 
 class Contacts(NamedTuple):
@@ -94,7 +96,7 @@ class State:
             self._signals = _Signals(self._time, self._sources)
         return self._signals
 
-    def _find_forces(self) -> None:
+    def find_forces(self) -> None:
         """Compute forces, accelerations and permanent sets from the equation of motion."""
         if not self._known:
             self._integrator.sample_forces(self._time)
@@ -103,19 +105,19 @@ class State:
     @property
     def forces(self) -> Sequence[float]:
         """Force of every element."""
-        self._find_forces()
+        self.find_forces()
         return self._f
 
     @property
     def a(self) -> Sequence[float]:
         """Accelerations."""
-        self._find_forces()
+        self.find_forces()
         return self._a
 
     @property
     def permanent_sets(self) -> Sequence[float]:
         """Deflection at which the force of each yielding element would be zero."""
-        self._find_forces()
+        self.find_forces()
         return self._set
 
 
@@ -154,6 +156,15 @@ class Readers(dict[str, Read]):
         reading = reading_of(self._declared[name], self._system)
         read = self[name] = _reader(reading, self._integrator, self._run)
         return read
+
+    def line(self, name: str) -> tuple[int, tuple[Any, ...], list[tuple[int, float]], float] | None:
+        """Return the sum that an output is, as `kernel.lines` takes it, or None for other outputs."""
+        reading = reading_of(self._declared[name], self._system) if name in self._declared else None
+        if not isinstance(reading, Line):
+            return None
+        numbers = list(self._system.signals)
+        signals = [(numbers.index(signal), c) for signal, c in reading.signals]
+        return reading.quantity, reading.terms, signals, reading.offset
 
 
 def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
@@ -206,7 +217,7 @@ def _of_line(line: Line, state: State) -> Read:
         value = moved()
         for name, factor in signals:
             value += factor * state.signals[name][order]
-        return value + offset
+        return value + offset if offset else value
 
     return read
 
@@ -240,8 +251,9 @@ def _computed(
     return (lambda: x()[i]) if b == 1.0 else (lambda: b * x()[i])
 
 
-def _sum(terms: Iterable[tuple[int, float]], x: Sequence[float]) -> float:
-    total = 0.0
-    for i, b in terms:
+def _sum(terms: Sequence[tuple[int, float]], x: Sequence[float]) -> float:
+    (i, b), *more = terms
+    total = b * x[i]  # a sum of negative zeros is one
+    for i, b in more:
         total += b * x[i]
     return total

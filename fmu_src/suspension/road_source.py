@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import isfinite, nan
 
 from .models.road import signals
+from .reading import ReadMany
 from .session import SimulationError
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown
 
@@ -87,6 +89,11 @@ class RoadSource:
             return self.readers[name]() if self.ok or name == "ok" else nan
         refuse_unknown([name], (*self.readers, *self.parameters), "no variable")
         return self.parameters[name]
+
+    def many(self, names: Sequence[str]) -> ReadMany:
+        """Return the function that reads variables by their indices in `names`, many in one call."""
+        of = [self.readers.get(name) or partial(self.value, name) for name in names]
+        return lambda which: [of[k]() for k in which]
 
     def snapshot(self) -> bytes:
         """Return the whole state as bytes (JSON)."""

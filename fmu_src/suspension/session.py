@@ -13,15 +13,15 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from math import inf, isfinite, nan
 from typing import Any
 from weakref import proxy
 
-from .engine import KINDS, Integrator, Run, why_stopped
+from .engine import KINDS, Integrator, Lines, Run, why_stopped
 from .equilibrium import static_equilibrium
 from .models import build, inputs
-from .reading import Contacts, Energies, Readers, State
+from .reading import Contacts, Energies, Readers, ReadMany, State
 from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import Checked, number
@@ -454,6 +454,23 @@ class Session:
             return float(self._run.input_now(self._inputs.index(name)))
         refuse_unknown([name], (*declared, *self._inputs, *self.parameters), "no variable")
         return self._tuned.get(name, self.parameters[name])
+
+    def many(self, names: Sequence[str]) -> ReadMany:
+        """Return the function that reads variables by their indices in `names`, many in one call.
+
+        It is of use while `ok`, and until `readers` is another.
+        """
+        of: list[Any] = []
+        lines: list[Any] = []
+        for name in names:
+            if line := self.readers.line(name):
+                of.append(len(lines))
+                lines.append(line)
+            else:
+                output = name in outputs(self.model)
+                of.append(self.readers[name] if output else partial(self.value, name))
+        found = Lines(self._run, lines, self.state.find_forces)
+        return partial(found.read, of)
 
     # -- whole state ---------------------------------------------------------------------------------
 

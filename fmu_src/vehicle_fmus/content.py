@@ -22,16 +22,24 @@ NOT_CARRIED = ("batch.py", "series.py", "slots.py", "trace.py")
 
 
 def content_key(model: str) -> str:
-    """Return a hash of everything an FMU of the model is made of, the key of a cached FMU."""
+    """Return a hash of everything an FMU of the model is made of, the key of a cached FMU.
+
+    The files are read once in a process, which has loaded their modules, too.
+    """
+    return _content_key(model, json.dumps(production()))
+
+
+@cache
+def _content_key(model: str, about: str) -> str:
     own = Path(__file__).parent
     files = {
         f"vehicle_fmus/{path.relative_to(own).as_posix()}": path.read_bytes()
         for path in sorted(own.rglob("*"))
         if path.is_file() and path.suffix != ".pyc"
     }
-    about = {"model": model.encode(), "about": json.dumps(production()).encode()}
     files["picture"] = picture_file(model).read_bytes()
-    return digest_of({**files, **suspension_sources(), **about})[:24]
+    named = {"model": model.encode(), "about": about.encode()}
+    return digest_of({**files, **suspension_sources(), **named})[:24]
 
 
 def picture_file(model: str) -> Path:

@@ -47,6 +47,17 @@ def test_equal_content_is_packed_once(tmp_path: Path, monkeypatch: pytest.Monkey
     assert [path.name for path in first.parent.parent.glob(".draft*")] == []
 
 
+def test_the_content_is_hashed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    hashed: list[object] = []
+    digest_of = content.digest_of
+    monkeypatch.setattr(content, "digest_of", lambda files: (hashed.append(1), digest_of(files))[1])
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1234567890")  # under which no other test has asked
+    keys = {content.content_key("QuarterCar") for _ in range(3)}
+    assert (len(keys), len(hashed)) == (1, 1)
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1234567891")
+    assert content.content_key("QuarterCar") not in keys
+
+
 def test_only_the_last_used_are_kept_and_nothing_else_is_touched(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,6 +9,7 @@ import cython
 from .arrays import Memory
 from .elements import KINDS
 from .handover import Handover
+from .lines import Lines
 from .march import March
 from .network import Network, laws_of
 from .rest import Rest
@@ -17,7 +18,7 @@ from .run import Run
 if not cython.compiled:
     from math import sqrt
 
-__all__ = ["FAILURES", "KINDS", "Integrator", "Network", "Rest", "Rows", "Run"]
+__all__ = ["FAILURES", "KINDS", "Integrator", "Lines", "Network", "Rest", "Rows", "Run"]
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {

@@ -86,10 +86,9 @@ class VehicleSlave(Fmi2Slave):
         starts = _start_values(self.resources)
         self._parameters = dict(checked_parameters(self.model, starts))
         self._input_names = {v.name for v in declared if v.causality == "input"}
-        self._output_names = {v.name for v in declared if v.causality == "output"}
         self._inputs: dict[str, float] = {}  # only those that the host has set
         self._bound: Mapping[str, Callable[[], Any]] = {}
-        self._readers: list[Callable[[], Any]] = []  # by value reference
+        self._read: Callable[[list[int]], list[Any]]  # by value reference, of what is bound
         self._start_time = 0.0
         self._tolerance: float | None = None
         self._stop_time: float | None = None
@@ -196,12 +195,8 @@ class VehicleSlave(Fmi2Slave):
             return [self._value(self._names[vr]) for vr in vrs]
         if session.readers is not self._bound:  # another session, or one rebuilt for a parameter
             self._bound = session.readers
-            self._readers = [
-                self._bound[name] if name in self._output_names else partial(session.value, name)
-                for name in self._names
-            ]
-        readers = self._readers
-        return [readers[vr]() for vr in vrs]
+            self._read = session.many(self._names)
+        return self._read(vrs)
 
     get_integer = get_boolean = get_real
 

@@ -1,0 +1,115 @@
+"""Outputs that are sums of motion, forces, roads and loads, any number of them read in one call.
+
+A host reads dozens of them after every step. Here a sum takes tens of nanoseconds; `reading` says in
+Python what each is.
+"""
+
+from __future__ import annotations
+
+from itertools import accumulate
+
+import cython
+
+from .arrays import Memory
+
+if not cython.compiled:
+    from math import cos, sin
+
+_SEGMENT = 10  # as in signals
+_Q, _V, _A = 0, 1, 2  # what a sum is of, as in outputs; otherwise of forces
+
+
+class Lines:
+    """Sums b x + sum c u + offset at the present time of a run, and other outputs among them.
+
+    Parameters
+    ----------
+    run : the run, of which the present integrator is read
+    lines : of each sum: the quantity x, index in x and b of each term, number of the signal u and c of
+        each, and the offset
+    find_forces : brings accelerations and forces to the present time, if they are not there yet
+    """
+
+    def __init__(self, run, lines, find_forces):
+        self.run = run
+        self.integrator = self.run.integrator  # of declared types, whose fields C can read
+        self.net = self.integrator.net
+        self.find_forces = find_forces
+        self.found = False
+        self.memory = memory = Memory()
+        self.quantity = memory.integers([quantity for quantity, *_ in lines])
+        self.offset = memory.doubles([offset for *_, offset in lines])
+        terms = [terms for _, terms, _, _ in lines]
+        self.term_first = memory.integers(accumulate(map(len, terms), initial=0))
+        self.term_index = memory.integers([i for one in terms for i, _ in one])
+        self.term_factor = memory.doubles([b for one in terms for _, b in one])
+        signals = [signals for _, _, signals, _ in lines]
+        self.signal_first = memory.integers(accumulate(map(len, signals), initial=0))
+        self.signal = memory.integers([s for one in signals for s, _ in one])
+        self.signal_factor = memory.doubles([c for one in signals for _, c in one])
+
+    def read(self, of, which):
+        """Return values at the present time.
+
+        Parameters
+        ----------
+        of : for each output the number of its sum, or the function that reads it
+        which : indices in `of`
+        """
+        self.found = False
+        values = []
+        for k in which:
+            one = of[k]
+            values.append(self._sum(one) if isinstance(one, int) else one())
+        return values
+
+    def _sum(self, k):
+        first, end = self.term_first[k], self.term_first[k + 1]
+        quantity = self.quantity[k]
+        if quantity > _V and end > first and not self.found:
+            self.find_forces()
+            self.found = True
+        total = 0.0
+        for m in range(first, end):
+            x = self.term_factor[m] * self._state(quantity, self.term_index[m])
+            total = x if m == first else total + x
+        for m in range(self.signal_first[k], self.signal_first[k + 1]):
+            total += self.signal_factor[m] * self._signal(self.signal[m], quantity == _V)
+        return total + self.offset[k] if self.offset[k] != 0.0 else total
+
+    def _state(self, quantity, i):
+        if quantity == _Q:
+            return self.integrator.read_q[i]
+        if quantity == _V:
+            return self.integrator.read_v[i]
+        return self.integrator.read_a[i] if quantity == _A else self.integrator.read_f[i]
+
+    def _signal(self, s, rate):
+        """Return the value of a signal, from zero, or its rate; at a joint the one after it.
+
+        The integrator may have gone on to a later segment.
+        """
+        net, t = self.net, self.run.time
+        k = net.signal_first[s]
+        last = k + net.signal_count[s] - 1
+        while k < last:
+            middle = (k + last + 1) // 2
+            if net.segment[middle * _SEGMENT] <= t:
+                k = middle
+            else:
+                last = middle - 1
+        at = k * _SEGMENT
+        c1, c2, c3 = net.segment[at + 3], net.segment[at + 4], net.segment[at + 5]
+        p1, p2 = net.segment[at + 8], net.segment[at + 9]
+        amplitude = net.segment[at + 6]
+        x = t - net.segment[at + 1]
+        if rate:
+            value = c1 + x * (2.0 * c2 + x * 3.0 * c3)
+        else:
+            value = net.height[k] + x * (c1 + x * (c2 + x * c3))
+        if amplitude == 0.0:
+            return value
+        angle = net.segment[at + 7] + x * (p1 + x * p2)
+        if rate:
+            return value - amplitude * sin(angle) * (p1 + 2.0 * p2 * x)
+        return value + amplitude * cos(angle)
