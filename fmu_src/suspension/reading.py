@@ -121,6 +121,12 @@ class State:
         return self._set
 
 
+class Clock(Protocol):
+    """What knows the present time, s."""
+
+    time: float
+
+
 class Run(Protocol):
     """The part of a session from which its outputs are read."""
 
@@ -132,8 +138,8 @@ class Run(Protocol):
         """Return the energies at the present time."""
 
     @property
-    def time(self) -> float:
-        """The present time, s."""
+    def clock(self) -> Clock:
+        """What knows the present time."""
 
 
 class Readers(dict[str, Read]):
@@ -172,7 +178,8 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
         case Line():
             return _of_line(reading, run.state)
         case OfContact(_, tyre, "airborne_time"):
-            return lambda: integrator.limited_time_at(tyre, run.time)
+            clock = run.clock
+            return lambda: integrator.limited_time_at(tyre, clock.time)
         case OfContact(c, _, "airborne"):
             airborne = run.contacts.airborne
             return lambda: airborne[c] != 0
@@ -195,7 +202,8 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
         case OfLedger(what):
             return lambda: getattr(run.energies(), what)
         case OfRun("energy_residual"):
-            return lambda: integrator.residual_at(run.time)
+            clock = run.clock
+            return lambda: integrator.residual_at(clock.time)
         case OfRun("stable_step"):
             return integrator.stable_step
         case OfRun("step_count"):

@@ -123,6 +123,11 @@ class Session:
         """The present time, s."""
         return float(self._run.time)
 
+    @property
+    def clock(self) -> Any:
+        """What knows the present time as `time`, apart from this session."""
+        return self._run
+
     def _start_moving(self) -> None:
         """Start from equilibrium on the present road, plus the initial values.
 
@@ -216,38 +221,42 @@ class Session:
         SimulationError : the motion diverged, or a step failed; `ok` is false from then on.
         ParameterError : parameters set during the run are inconsistent.
         """
+        run, now = self._run, self._run.time
         if not self.ok:
-            raise SimulationError(f"the run has already failed, at {self.time:.9g} s")
-        if not isfinite(until) or until < self.time - _AT_REST:
+            raise SimulationError(f"the run has already failed, at {now:.9g} s")
+        if not isfinite(until) or until < now - _AT_REST:
             raise SimulationError(
-                f"cannot step from {self.time:.9g} s to {until:.9g} s: the end of a step must be "
+                f"cannot step from {now:.9g} s to {until:.9g} s: the end of a step must be "
                 "finite and not before its start"
             )
         if self._tuned:
             self._take_parameters()
-        if self._run.sets_in():
+        if run.sets_in():
             self._stop_here()
-            self._run.sampled = True
-        if self._run.sampled:
+            run.sampled = True
+        if run.sampled:
             self._hand_over(until)
-        if self.time == self._run.start < until:
+        if now == run.start < until:
             self.messages += [
                 ("event", f"{_wheel(axle)}wheel in the air at the start")
                 for axle, airborne in zip(self._tyres, self.contacts.airborne, strict=True)
                 if airborne
             ]
         self._integrator.halts = _AT_SWITCHES if to_switch else 0
-        while (switch := self._next_switch(to_switch)) > until and self._integrator.time < until:
-            if not self._run.sampled:
+        switch = self._next_switch() if to_switch else inf
+        while switch > until and self._integrator.time < until:
+            if not run.sampled:
                 self._behind = self._integrator.snapshot()
-            self._step(until, stop=self._run.sampled)
-        self._run.time = min(switch, until)
+            self._step(until, stop=run.sampled)
+            if to_switch:
+                switch = self._next_switch()
+        run.time = min(switch, until)
         self._sample()
 
-    def _next_switch(self, wanted: bool) -> float:
-        """Return the time of the next switch that is known, if it is wanted; inf if none."""
+    def _next_switch(self) -> float:
+        """Return the time of the next switch that is known; inf if none."""
         coming = inf
-        for event in reversed(self.events) if wanted else ():
+        for event in reversed(self.events):
             if event.time <= self.time:
                 break
             coming = event.time
@@ -429,13 +438,14 @@ class Session:
     def _sample(self) -> None:
         """Interpolate the state at the present time."""
         self._energies = None
-        while (c := self._run.next_contact(self.time)) >= 0:
+        now = self._run.time
+        while (c := self._run.next_contact(now)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
             what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"
             self.messages.append(("event", f"{what} at {instants[c]:.9g} s"))
-        self._integrator.sample(self.time)
-        self.state.at(self.time, self._signals)
+        self._integrator.sample(now)
+        self.state.at(now, self._signals)
 
     def value(self, name: str) -> Value:
         """Return an output, input or parameter at the present time; NaN once the run has failed.

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Any, cast
@@ -210,22 +211,28 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
 
 
 def _description_of(unpacked: Path, *, lasting: bool) -> ModelDescription:
-    """Return the model description of an unpacked FMU.
-
-    What FMPy has read of a `lasting` FMU is stored beside it, and read from there by later runs.
+    """Return the model description of an unpacked FMU; of a `lasting` one it is read once.
 
     Raises
     ------
     Exception : if FMPy cannot read it.
     """
+    return _lasting_description(unpacked) if lasting else _read_description(unpacked)
+
+
+def _read_description(unpacked: Path) -> ModelDescription:
+    return read_model_description(str(unpacked), validate=False)
+
+
+@cache
+def _lasting_description(unpacked: Path) -> ModelDescription:
+    """Return what FMPy has read of an FMU; it is stored beside it for later processes."""
     stored = unpacked.parent / f"{unpacked.name}-{fmpy_version}.pickle"
-    if lasting:
-        with suppress(Exception):  # not there, or damaged
-            return cast("ModelDescription", pickle.loads(stored.read_bytes()))
-    description = read_model_description(str(unpacked), validate=False)
-    if lasting:
-        with suppress(OSError):
-            write_all({stored: pickle.dumps(description)})
+    with suppress(Exception):  # not there, or damaged
+        return cast("ModelDescription", pickle.loads(stored.read_bytes()))
+    description = _read_description(unpacked)
+    with suppress(OSError):
+        write_all({stored: pickle.dumps(description)})
     return description
 
 

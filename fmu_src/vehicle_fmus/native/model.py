@@ -412,7 +412,8 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     for what in ("lift_offs", "last_lift_off", "last_touchdown"):
         of_contacts.append([number_of(f"run->{what}[{c}]") for c in range(tyres)])
     contacts = reading.Contacts(*of_contacts)
-    run = SimpleNamespace(time=0.0, ok=True, state=_TracedState(system, tape), contacts=contacts)
+    state, clock = _TracedState(system, tape), SimpleNamespace(time=0.0)
+    run = SimpleNamespace(clock=clock, ok=True, state=state, contacts=contacts)
     found = reading.Readers(outputs(model), system, integrator, run)
     before = len(tape.guards)
     read = {
