@@ -38,6 +38,12 @@ _COLUMNS = {
     ),
 }
 """The columns of each quantity, and their labels."""
+_BODY = "body_acceleration"
+_FLAT = 0.1
+"""The part of the largest acceleration below which that of the body has a panel of its own."""
+
+Row = tuple[str, Quantity, tuple[tuple[str, str], ...]]
+"""The name of a panel, its quantity, and its columns with their labels."""
 
 
 def time_histories(
@@ -93,18 +99,19 @@ def _histories(
     """Draw a column of panels for each axle, with equal scales across."""
     checked = {name: _checked(columns) for name, columns in axles.items()}
     shown = max((shown for _, shown in checked.values()), key=len)
+    rows = _rows(shown, [table for table, _ in checked.values()])
     palette, across = look.palette, len(checked)
     width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
     figure = new_figure(
-        width, 0.9 + 2.2 * len(shown) * min(1.0, 0.4 + width / across / 15.0), palette
+        width, 0.9 + 2.2 * len(rows) * min(1.0, 0.4 + width / across / 15.0), palette
     )
-    grid = figure.subplots(len(shown), across, sharex=True, sharey="row", squeeze=False)
+    grid = figure.subplots(len(rows), across, sharex=True, sharey="row", squeeze=False)
     for k, (axle, (table, _)) in enumerate(checked.items()):
         panels = grid[:, k]
         times = 1e3 * table["time"]
         spans = airborne_spans(table["time"], table["airborne"]) if "airborne" in table else []
-        for axes, quantity in zip(panels, shown, strict=True):
-            _panel(axes, quantity, table, times, palette, points=points)
+        for axes, row in zip(panels, rows, strict=True):
+            _panel(axes, row, table, times, palette, points=points)
             for start, end in spans:
                 axes.axvspan(1e3 * start, 1e3 * end, color=palette.tint, zorder=0.0, gid="airborne")
             if k + 1 < across:
@@ -187,17 +194,39 @@ def _checked(
     return table, shown
 
 
+def _rows(shown: list[Quantity], tables: list[dict[str, npt.NDArray[np.float64]]]) -> list[Row]:
+    """Return the panels, with one for the body's acceleration if it would be flat beside the wheel's."""
+    rows: list[Row] = []
+    for quantity in shown:
+        columns = _COLUMNS[quantity.name]
+        own = tuple(column for column in columns if column[0] == _BODY)
+        if own and any(_flat(table, columns) for table in tables):
+            rest = tuple(column for column in columns if column[0] != _BODY)
+            rows += [(quantity.name, quantity, rest), ("body acceleration", quantity, own)]
+        else:
+            rows.append((quantity.name, quantity, columns))
+    return rows
+
+
+def _flat(
+    table: Mapping[str, npt.NDArray[np.float64]], columns: tuple[tuple[str, str], ...]
+) -> bool:
+    peaks = {name: float(np.max(np.abs(table[name]))) for name, _ in columns if name in table}
+    return 0.0 < peaks.get(_BODY, 0.0) < _FLAT * max(peaks.values())
+
+
 def _panel(
     axes: Axes,
-    quantity: Quantity,
+    row: Row,
     table: Mapping[str, npt.NDArray[np.float64]],
     times: npt.NDArray[np.float64],
     palette: Palette,
     *,
     points: bool,
 ) -> None:
+    heading, quantity, columns = row
     dress(axes, palette, 8.5)
-    for name, words in _COLUMNS[quantity.name]:
+    for name, words in columns:
         if name not in table:
             continue
         element = name.split("_")[0]
@@ -214,7 +243,7 @@ def _panel(
         )
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
-    axes.set_ylabel(f"{quantity.name} [{quantity.unit}]", color=palette.ink)
+    axes.set_ylabel(f"{heading} [{quantity.unit}]", color=palette.ink)
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(

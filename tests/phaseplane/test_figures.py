@@ -237,6 +237,20 @@ def histories() -> dict[str, np.ndarray]:
     }
 
 
+@pytest.mark.parametrize(("wheel", "alone"), [(150.0, True), (50.0, False)])
+def test_a_body_acceleration_that_would_be_flat_has_its_own_panel(wheel, alone):
+    wave = histories()["body_velocity"]
+    figure = time_histories({**histories(), "wheel_acceleration": wheel * wave})
+    assert len(figure.axes) == 3 + alone
+    last = figure.axes[-1]
+    assert [line.get_gid() for line in last.lines if str(line.get_gid()).endswith("tion")] == (
+        ["body_acceleration"] if alone else ["wheel_acceleration", "body_acceleration"]
+    )
+    assert last.get_ylabel().startswith("body acceleration [" if alone else "acceleration [")
+    if alone:
+        assert max(np.abs(last.get_ylim())) < 12.0
+
+
 def test_three_panels_with_units():
     figure = time_histories(histories(), title="A bump")
     labels = [axes.get_ylabel() for axes in figure.axes]
