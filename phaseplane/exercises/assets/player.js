@@ -50,10 +50,21 @@ function phaseplanePlayer(root, data) {
   const dot = (parent, role, at, size = 1) => make("circle", { cx: at[0], cy: -at[1], r: size * em / 5, fill: colour(role) }, parent);
 
   const still = make("g", {}, svg);
-  for (const curve of data.curves) {
+  const inside = ([x, y]) => x > left - em && x < left + width - em && -y > top - em && -y < top + height + em;
+  data.curves.forEach((curve, i) => {
     line(still, curve.role, curve.points, curve.role === "trail" ? 1.4 : 1);
-    if (curve.label) letters(still, curve.role, curve.label, curve.points[curve.points.length - 1], 0.75);
-  }
+    const seen = curve.points.filter(inside);
+    if (!curve.label) return;
+    if (curve.role !== "auxiliary" || !seen.length) {
+      letters(still, curve.role, curve.label, curve.points[curve.points.length - 1], 0.75);
+      return;
+    }
+    // at the end in view that is farther from the axis, where the curves are farther apart; in three rows
+    const [first, last] = [seen[0], seen[seen.length - 1]];
+    const below = Math.abs(first[1]) > Math.abs(last[1]);
+    const [x, y] = below ? first : last;
+    letters(still, curve.role, curve.label, [x, y + (below ? -1 : 1) * (i % 3 + (below ? 1 : 0.3)) * 0.8 * em], 0.75);
+  });
   for (const axes of data.axes) for (const [key, axis] of Object.entries(axes)) {
     line(still, "axis", axis.ends, 1.2);
     const end = axis.ends[1];
