@@ -198,7 +198,7 @@ def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
             state = run.state
             return lambda: state.permanent_sets[element]
         case OfLedger("supplied", signals):
-            return lambda: sum(run.energies().supplied[k] for k in signals)
+            return lambda: _total([run.energies().supplied[k] for k in signals])
         case OfLedger(what):
             return lambda: getattr(run.energies(), what)
         case OfRun("energy_residual"):
@@ -257,6 +257,13 @@ def _computed(
     if more:
         return lambda: _sum(terms, x())
     return (lambda: x()[i]) if b == 1.0 else (lambda: b * x()[i])
+
+
+def _total(values: Sequence[float]) -> float:
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 def _sum(terms: Sequence[tuple[int, float]], x: Sequence[float]) -> float:

@@ -141,7 +141,8 @@ class Session:
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
         self._run.begin_contacts()
-        self._open_account(0.0, (0.0,) * len(self._signals))
+        self._run.begin_account()
+        self._energies = None
 
     def _new_integrator(self, system: System, time: float) -> Any:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
@@ -338,8 +339,7 @@ class Session:
             return
         system = replace(build(self.model, parameters), signals=self._signals)
         self._stop_here()
-        self._energies = None
-        before = self.energies()
+        self._run.find_energies()
         self.parameters = parameters
         if _has_other_laws_alone(system, self._system) and self._integrator.fits(system):
             self._integrator.retune(system)
@@ -348,8 +348,8 @@ class Session:
         else:
             self._replace_integrator(system)
         self._run.compare_contacts()
-        # what is stored otherwise is no work
-        self._open_account(before.dissipated, before.supplied)
+        self._run.carry_account()
+        self._energies = None
 
     def _replace_integrator(self, system: System) -> None:
         """Let a new integrator of another system go on from the present state."""
@@ -410,27 +410,11 @@ class Session:
 
     # -- energies ------------------------------------------------------------------------------------
 
-    def _open_account(self, dissipated: float, supplied: tuple[float, ...]) -> None:
-        """Let the energies go on from here, where the integrator's ledger begins or began anew."""
-        self._energies = None
-        kinetic, stored, *_ = self._integrator.energies()
-        # constant but for the residual
-        self._opening = dissipated + kinetic + sum(stored) - self._integrator.residual_end
-        self._carried = supplied
-
     def energies(self) -> Energies:
-        """Return the energies at the present time.
-
-        Where the last step goes beyond the present, they are those of its interpolant. What is dissipated
-        follows from the balance: all work on the elements that no other entry has.
-        """
+        """Return the energies at the present time; see `kernel.run`."""
         if self._energies is None:
-            kinetic, stored, _, since = self._integrator.energies_at(self.time)
-            held = kinetic + sum(stored)
-            residual = self._integrator.residual_at(self.time)
-            dissipated = self._opening - held + sum(since) + residual
-            supplied = tuple(a + b for a, b in zip(self._carried, since, strict=True))
-            self._energies = Energies(kinetic, sum(stored), dissipated, supplied)
+            self._run.find_energies()
+            self._energies = Energies(*self._run.energies())
         return self._energies
 
     # -- outputs -------------------------------------------------------------------------------------
@@ -495,8 +479,6 @@ class Session:
                 "run": self._run.snapshot(),
                 "integrator": self._integrator.snapshot().hex(),
                 "behind": self._behind.hex(),
-                "opening": self._opening,
-                "carried": self._carried,
             }
         ).encode()
 
@@ -513,7 +495,6 @@ class Session:
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])
         self._forget_events()
-        self._opening, self._carried = kept["opening"], tuple(kept["carried"])
         self.ok, self._tuned = kept["ok"], kept["tuned"]
         self._run.restore(kept["run"])
         self._read_lines()

@@ -48,6 +48,8 @@ cdef class Integrator(March):
     cpdef void sample(self, double t) noexcept nogil
     @cython.locals(h=double)
     cpdef void sample_forces(self, double t) noexcept nogil
+    @cython.locals(k=int)
+    cdef void find_energies(self, double t) noexcept nogil
     cdef void _show_last_branches(self) noexcept nogil
     @cython.locals(late=double)
     cpdef double limited_time_at(self, int e, double t) noexcept nogil

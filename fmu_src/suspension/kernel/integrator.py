@@ -463,31 +463,34 @@ class Integrator(March):
         The kinetic energy, the energy stored in each element, the energy dissipated by each element, and
         the work done by each signal as a road or a load.
         """
-        self.net.all_signals(self.time)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        works = [self.ledger.work[k] for k in range(self.ledger.works)]
-        return self._account(self.net.energy(self.stepper.v), works)
+        return self.energies_at(self.dense.end)
 
     def energies_at(self, t):
         """Return what `energies` does at a time t within the last step, by its interpolant."""
+        self.find_energies(t)
+        ledger, elements = self.ledger, self.net.elements
+        works = [ledger.until[k] for k in range(ledger.works)]
+        kept = [ledger.kept[e] for e in range(elements)]
+        return ledger.kinetic, kept, works[:elements], works[elements:]
+
+    def find_energies(self, t):
+        """Find the entries of the ledger at a time t within the last step, or at its end, in `ledger`."""
         if t >= self.dense.end:
-            return self.energies()
-        ledger = self.ledger
+            for k in range(self.ledger.works):
+                self.ledger.until[k] = self.ledger.work[k]
+            self.net.all_signals(self.time)
+            self.ledger.take_stock(self.stepper.q, self.stepper.v)
+            return
         self._show_last_branches()
-        ledger.find_part(t)
-        until = [ledger.work[k] - ledger.brought[k] - ledger.part[k] for k in range(ledger.works)]
+        self.ledger.find_part(t)
+        for k in range(self.ledger.works):
+            self.ledger.until[k] = (
+                self.ledger.work[k] - self.ledger.brought[k] - self.ledger.part[k]
+            )
         self.dense.read(t)
         self.net.all_signals(t)
-        self.net.row_states(self.dense.q, self.dense.v)
-        found = self._account(self.net.energy(self.dense.v), until)
+        self.ledger.take_stock(self.dense.q, self.dense.v)
         self.net.exchange_branches()
-        return found
-
-    def _account(self, held, works):
-        """Return the entries of the ledger, given all energy held at `row_d`, and all works."""
-        net = self.net
-        stored = [net.element_energy(e, net.row_d[net.element_row[e]]) for e in range(net.elements)]
-        return held - sum(stored), stored, works[: net.elements], works[net.elements :]
 
     def _show_last_branches(self):
         """Exchange the present branches for those of the last step."""

@@ -13,12 +13,12 @@ cdef class Ledger:
     cdef Network net
     cdef Dense dense
     cdef int works
-    cdef double *work, *brought, *part, *scratch, *point, *weight, *value, *rate
+    cdef double *work, *brought, *part, *kept, *until, *scratch, *point, *weight, *value, *rate
     cdef double *loss, *loss_rate, *d, *w, *u, *du
     cdef double *way, *square, *e0, *e1, *e2
     cdef int *curved, *lossy, *needs_points, *by_element
     cdef double[8] ends
-    cdef double initial_energy, stored, most_stored, supplied, residual_start, residual_end
+    cdef double kinetic, initial_energy, stored, most_stored, supplied, residual_start, residual_end
 
     @cython.locals(i=int)
     cdef void start(self) noexcept nogil
@@ -50,6 +50,8 @@ cdef class Ledger:
     @cython.locals(h=double, k=int, t=double, weight=double, power=double, e=int, r=int, s=int, m=int,
                    i=int, w=double)
     cdef void find_part(self, double since) noexcept nogil
+    @cython.locals(e=int)
+    cdef void take_stock(self, double *q, double *v) noexcept nogil
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
     cdef void strike_balance(self, double t, double *q, double *v) noexcept nogil

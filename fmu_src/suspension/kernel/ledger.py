@@ -47,6 +47,9 @@ class Ledger:
         # so far; what jumps of roads have brought in since the last step; in a part of that step
         self.work, self.brought = memory.zeros(self.works), memory.zeros(self.works)
         self.part = memory.zeros(self.works)
+        # the entries at the time looked at last: kinetic energy, energy of each element, works until then
+        self.kinetic = 0.0
+        self.kept, self.until = memory.zeros(elements), memory.zeros(self.works)
         self.scratch = memory.zeros(self.net.n)
         self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
         value, rate = _readings(self.dense.cubic, self.dense.to_end)
@@ -305,6 +308,14 @@ class Ledger:
                     w += self.net.load_direction[m * self.net.n + i] * self.dense.v[i]
                 s = self.net.load_signal[m]
                 self.part[self.net.elements + s] += weight * self.net.road[4 * s] * w
+
+    def take_stock(self, q, v):
+        """Find the kinetic energy and what each element stores, in a state on the present roads."""
+        self.net.row_states(q, v)
+        self.kinetic = self.net.energy(v)
+        for e in range(self.net.elements):
+            self.kept[e] = self.net.element_energy(e, self.net.row_d[self.net.element_row[e]])
+            self.kinetic -= self.kept[e]
 
     def _supply(self, signal, energy):
         self.work[self.net.elements + signal] += energy

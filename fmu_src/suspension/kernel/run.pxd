@@ -15,7 +15,7 @@ cdef class Run:
     cdef public double time
     cdef readonly double start
     cdef public bint sampled
-    cdef int inputs, lines, tyres
+    cdef int inputs, lines, tyres, signals
     # inputs: their values, and the last samples of each
     cdef double *value
     cdef double *sample_time, *sample_value
@@ -31,6 +31,9 @@ cdef class Run:
     cdef int *tyre
     cdef int *airborne, *lift_offs
     cdef double *last_lift_off, *last_touchdown
+    # energies at the time looked at last, and what their account opened with
+    cdef double kinetic, stored, dissipated, opening
+    cdef double *supplied, *carried
     cdef readonly int waiting
     cdef double *waiting_time
     cdef int *waiting_tyre, *waiting_airborne
@@ -64,5 +67,13 @@ cdef class Run:
     cpdef void forget_waiting(self) noexcept nogil
     @cython.locals(found=bint, s=int, r=int, i=int)
     cpdef int find_rest(self) noexcept nogil
+    @cython.locals(s=int)
+    cpdef void begin_account(self) noexcept nogil
+    @cython.locals(s=int, dissipated=double)
+    cpdef void carry_account(self) noexcept nogil
+    @cython.locals(s=int, since=double)
+    cpdef void find_energies(self) noexcept nogil
+    @cython.locals(e=int)
+    cdef void _look(self, double time) noexcept nogil
     @cython.locals(k=int)
     cpdef void hand_on(self, Integrator integrator, int[::1] counterpart) noexcept nogil

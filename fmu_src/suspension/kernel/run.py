@@ -62,6 +62,10 @@ class Run:
         self.airborne, self.lift_offs = memory.marks(self.tyres), memory.marks(self.tyres)
         self.last_lift_off = memory.zeros(self.tyres)
         self.last_touchdown = memory.zeros(self.tyres)
+        # the energies of the run at the time looked at last, J; and of the account what it opened with
+        self.signals = self.integrator.net.signals
+        self.kinetic = self.stored = self.dissipated = self.opening = 0.0
+        self.supplied, self.carried = memory.zeros(self.signals), memory.zeros(self.signals)
         self.waiting = 0
         self.waiting_time = memory.zeros(_WAITING)
         self.waiting_tyre = memory.marks(_WAITING)
@@ -273,6 +277,54 @@ class Run:
             self.rest.q[i] = 0.0
         return self.rest.find() if found else 0
 
+    # -- energies --------------------------------------------------------------------------------------
+
+    def begin_account(self):
+        """Let the energies start, where the integrator's ledger begins."""
+        self.dissipated = 0.0
+        for s in range(self.signals):
+            self.supplied[s] = 0.0
+        self.carry_account()
+
+    def carry_account(self):
+        """Let the energies found last go on, where the integrator's ledger begins anew.
+
+        What the elements store otherwise is no work.
+        """
+        dissipated = self.dissipated
+        for s in range(self.signals):
+            self.carried[s] = self.supplied[s]
+        self._look(self.integrator.time)
+        # constant but for the residual
+        self.opening = dissipated + self.kinetic + self.stored - self.integrator.ledger.residual_end
+
+    def find_energies(self):
+        """Find the energies at the present time.
+
+        Where the last step goes beyond the present, they are those of its interpolant. What is dissipated
+        follows from the balance: all work on the elements that no other entry has.
+        """
+        self._look(self.time)
+        self.dissipated = self.opening - (self.kinetic + self.stored)
+        for s in range(self.signals):
+            since = self.integrator.ledger.until[self.integrator.net.elements + s]
+            self.dissipated += since
+            self.supplied[s] = self.carried[s] + since
+        self.dissipated += self.integrator.residual_at(self.time)
+
+    def _look(self, time):
+        """Let the ledger find its entries at a time, and add up what the elements store."""
+        self.integrator.find_energies(time)
+        self.kinetic = self.integrator.ledger.kinetic
+        self.stored = 0.0
+        for e in range(self.integrator.net.elements):
+            self.stored += self.integrator.ledger.kept[e]
+
+    def energies(self):
+        """Return the kinetic, stored, dissipated and supplied energies found last, J."""
+        supplied = [self.supplied[s] for s in range(self.signals)]
+        return self.kinetic, self.stored, self.dissipated, tuple(supplied)
+
     # -- another integrator --------------------------------------------------------------------------
 
     def hand_on(self, integrator, counterpart):
@@ -301,6 +353,7 @@ class Run:
             memory.seen(self.line_time, self.lines),
             memory.seen(self.line_value, self.lines),
             memory.seen(self.line_slope, self.lines),
+            memory.seen(self.carried, self.signals),
             *self.contacts(),
             memory.seen(self.waiting_time, self.waiting),
             memory.seen_marks(self.waiting_tyre, self.waiting),
@@ -337,7 +390,7 @@ class Run:
     def snapshot(self):
         """Return the state, apart from the integrator's, as numbers."""
         numbers = [
-            self.time, self.start, self.handed, self.interval, self.sampled, self.waiting
+            self.time, self.start, self.handed, self.interval, self.opening, self.sampled, self.waiting
         ]  # fmt: skip
         for part in self._parts():
             numbers += part.tolist()
@@ -345,9 +398,9 @@ class Run:
 
     def restore(self, state):
         """Return to the state of a snapshot of the same run."""
-        self.time, self.start, self.handed, self.interval = state[:4]
-        self.sampled, self.waiting = int(state[4]), int(state[5])
-        at = 6
+        self.time, self.start, self.handed, self.interval, self.opening = state[:5]
+        self.sampled, self.waiting = int(state[5]), int(state[6])
+        at = 7
         for part in self._parts():
             kind = int if part.format == "i" else float
             for k in range(len(part)):

@@ -62,12 +62,9 @@ def description(
     SubElement(root, "DefaultExperiment", EXPERIMENT)
     held = SubElement(root, "ModelVariables")
     for k, variable in enumerate(declared):
-        if variable.name in in_c.left_out:
-            continue
         value = start.get(variable.name, variable.start)
         _variable(held, k, variable, value, variable.name in in_c.fixed)
-    present = tuple(v for v in declared if v.name not in in_c.left_out)
-    root.append(model_structure(present))
+    root.append(model_structure(declared))
     indent(root)
     return bytes(tostring(root, encoding="UTF-8", xml_declaration=True))
 

@@ -55,8 +55,7 @@ def description(
         SubElement(categories, "Category", name=name, description=text)
     SubElement(root, "DefaultExperiment", EXPERIMENT)
     held, structure = SubElement(root, "ModelVariables"), SubElement(root, "ModelStructure")
-    present = {k: v for k, v in enumerate(declared) if v.name not in in_c.left_out}
-    for k, variable in present.items():
+    for k, variable in enumerate(declared):
         value = start.get(variable.name, variable.start)
         fixed, continuous = variable.name in in_c.fixed, variable.name in in_c.continuous
         _variable(held, role(k, variable, fixed, continuous), variable, value)
@@ -70,7 +69,9 @@ def description(
             held, "Clock", name=name, valueReference=str(k), causality="output",
             intervalVariability="triggered", description=text,
         )  # fmt: skip
-    outputs = [k for k, v in present.items() if v.causality == "output"] + [k for k, _ in clocks]
+    outputs = [k for k, v in enumerate(declared) if v.causality == "output"] + [
+        k for k, _ in clocks
+    ]
     for k in outputs:  # see `model_description.model_structure`
         SubElement(structure, "Output", valueReference=str(k), dependencies="")
     for k in outputs:

@@ -17,7 +17,6 @@ from phaseplane.suspension.outputs import (
     VELOCITY,
     Line,
     OfContact,
-    OfLedger,
     reading_of,
 )
 from phaseplane.suspension.session import driven, initial_names
@@ -46,6 +45,7 @@ _ROOTS = [
     *(("Run", name) for name in (
         "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
         "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
+        "begin_account", "carry_account", "find_energies",
     )),
     *(("Network", name) for name in ("signal_at", "next_corner", "set_datum")),
 ]  # fmt: skip
@@ -73,14 +73,12 @@ class Translation:
     ----------
     text : all that depends on the model
     fixed : names of the parameters that keep the values they were packed with
-    left_out : names of the outputs that it does not have
     continuous : names of the outputs that change between switches, too
     tyres : prefixes of the axles whose wheels can leave the road, in the order of their clocks
     """
 
     text: str
     fixed: frozenset[str]
-    left_out: frozenset[str]
     continuous: frozenset[str]
     tyres: tuple[str, ...]
 
@@ -151,9 +149,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     }
     fixed |= {name for names in pinned if len(names) == 1 for name in names}
     prefixes = tuple(axle.prefix for axle in tyres)
-    return Translation(
-        "\n".join(parts), frozenset(fixed), left_out(model, system), continuous, prefixes
-    )
+    return Translation("\n".join(parts), frozenset(fixed), continuous, prefixes)
 
 
 def _system(model: str, p: Mapping[str, Any]) -> System:
@@ -299,7 +295,7 @@ def _set_up(
     known = {id(node): f"derived[{k}]" for k, node in enumerate(derived)}
     outputs, rates = read
     parts = [
-        "/* Which outputs need the forces at the present time, and which the roads. */",
+        "/* Which outputs need the forces at the present time, which the roads, which the energies. */",
         *(_choice(name, which) for name, which in _needs(outputs, known).items()),
         "/* Return an output at the present time. */",
         _finder("find_output", outputs, known),
@@ -327,13 +323,14 @@ def _written(value: Any, known: dict[int, str]) -> str:
 
 
 def _needs(read: _Expressions, known: dict[int, str]) -> dict[str, list[int]]:
-    """Return which outputs need the forces, and which the roads."""
+    """Return which outputs need the forces, which the roads, and which the energies."""
     texts = {k: _written(value, known) for k, (value, _) in read.items()}
     sampled = tuple(f"->read_{x}[" for x in ("a", "f", "set"))
-    forces = [k for k, text in texts.items() if any(name in text for name in sampled)]
+    entries = ("run->kinetic", "run->stored", "run->dissipated", "run->supplied[")
+    marks = {"needs_forces": sampled, "needs_roads": ("roads[",), "needs_energies": entries}
     return {
-        "needs_forces": forces,
-        "needs_roads": [k for k, text in texts.items() if "roads[" in text],
+        name: [k for k, text in texts.items() if any(mark in text for mark in of)]
+        for name, of in marks.items()
     }
 
 
@@ -385,13 +382,6 @@ def _array(tape: Tape, name: str, count: int) -> list[Number]:
     return [tape.given(f"{name}[{i}]", 0.5 + 0.1 * i, f"->{name}[{i}]") for i in range(count)]
 
 
-def left_out(model: str, system: System) -> frozenset[str]:
-    """Return the outputs that a native FMU does not have: those of the ledger, which Python reads."""
-    return frozenset(
-        name for name, v in outputs(model).items() if isinstance(reading_of(v, system), OfLedger)
-    )
-
-
 def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     """Return every output as an expression in C, by value reference, with its name."""
 
@@ -412,14 +402,22 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     for what in ("lift_offs", "last_lift_off", "last_touchdown"):
         of_contacts.append([number_of(f"run->{what}[{c}]") for c in range(tyres)])
     contacts = reading.Contacts(*of_contacts)
-    state, clock = _TracedState(system, tape), SimpleNamespace(time=0.0)
-    run = SimpleNamespace(clock=clock, ok=True, state=state, contacts=contacts)
+    entries: list[Any] = [number_of(f"run->{what}") for what in ("kinetic", "stored", "dissipated")]
+    entries.append(tuple(number_of(f"run->supplied[{s}]") for s in range(len(system.signals))))
+    energies = reading.Energies(*entries)
+    run = SimpleNamespace(
+        clock=SimpleNamespace(time=0.0),
+        ok=True,
+        state=_TracedState(system, tape),
+        contacts=contacts,
+        energies=lambda: energies,
+    )
     found = reading.Readers(outputs(model), system, integrator, run)
     before = len(tape.guards)
     read = {
         k: (found[v.name](), v.name)
         for k, v in enumerate(variables(model))
-        if v.causality == "output" and v.name not in left_out(model, system)
+        if v.causality == "output"
     }
     for key, guard in list(tape.guards.items())[before:]:
         if any("->" in name for name in guard.condition.of):
@@ -431,10 +429,10 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
 
 def _rates(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     """Return the derivatives of outputs that are displacements or velocities, as expressions in C."""
-    state, left = _TracedState(system, tape), left_out(model, system)
+    state = _TracedState(system, tape)
     found: dict[int, tuple[Any, str]] = {}
     for k, v in enumerate(variables(model)):
-        line = reading_of(v, system) if v.causality == "output" and v.name not in left else None
+        line = reading_of(v, system) if v.causality == "output" else None
         if not isinstance(line, Line) or line.quantity not in (DISPLACEMENT, VELOCITY):
             continue
         moved, order = state.derivatives(line.quantity), line.quantity + 1

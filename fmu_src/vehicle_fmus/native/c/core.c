@@ -34,7 +34,7 @@ typedef struct Instance {
     double (*update)(struct Instance *, double); /* called within steps; see `go_on` */
     char reason[1024]; /* why the last call failed */
     char refusal[512]; /* why the next step cannot be made */
-    int quiet, forces_known, roads_known;
+    int quiet, forces_known, roads_known, energies_known;
     double roads[SIGNALS + 1][4];
     void *host;
 } Instance;
@@ -61,13 +61,18 @@ static int fail(Instance *one, const char *format, ...) {
     return 1;
 }
 
+/* Note that what outputs are read from is not that of the present time. */
+static void forget(Instance *one) {
+    one->forces_known = one->roads_known = one->energies_known = 0;
+}
+
 static void wire(Instance *one) {
     State *now = &one->now;
     machine_wire(&now->machine);
     conduct_wire(&now->conduct);
     now->conduct.run.integrator = &now->machine.integrator;
     now->conduct.rest.net = now->machine.integrator.net;
-    one->forces_known = one->roads_known = 0;
+    forget(one);
 }
 
 static void reset_instance(Instance *one) {
@@ -250,12 +255,15 @@ static int take_parameters(Instance *one) {
     int counterpart[ELEMENTS];
     now->tuned = 0;
     if (memcmp(now->parameters, now->used, sizeof now->used) == 0) return 0;
-    if (stop_here(one) || make_machine(one, &now->behind, run->time)) return 1;
+    if (stop_here(one)) return 1;
+    Run_find_energies(run);
+    if (make_machine(one, &now->behind, run->time)) return 1;
     for (int e = 0; e < ELEMENTS; e++) counterpart[e] = e;
     Run_hand_on(run, &now->behind.integrator, counterpart);
     now->machine = now->behind;
     machine_wire(&now->machine);
     Run_compare_contacts(run);
+    Run_carry_account(run);
     if (run->waiting > 0) enter_due(one, run->time);
     return 0;
 }
@@ -284,6 +292,7 @@ static int start_moving(Instance *one) {
         now->behind = now->machine;
     }
     Run_begin_contacts(&now->conduct.run);
+    Run_begin_account(&now->conduct.run);
     return 0;
 }
 
@@ -291,7 +300,7 @@ static void sample(Instance *one) {
     Run *run = &one->now.conduct.run;
     if (!one->event_mode) count_contacts(one, run->time);
     Integrator_sample(run->integrator, run->time);
-    one->forces_known = one->roads_known = 0;
+    forget(one);
 }
 
 /* Come to a time within the host's step, and let the host look; return where the step is to end. */
@@ -464,6 +473,13 @@ static void find_roads(Instance *one) {
     }
 }
 
+static void find_energies(Instance *one) {
+    if (!one->energies_known) {
+        Run_find_energies(&one->now.conduct.run);
+        one->energies_known = 1;
+    }
+}
+
 static double get_value(Instance *one, unsigned k) {
     State *now = &one->now;
     const Variable *v = &variables[k];
@@ -477,6 +493,7 @@ static double get_value(Instance *one, unsigned k) {
     if (!now->ready || !now->ok) return v->kind == REAL ? NAN : 0.0;
     if (needs_forces(k)) find_forces(one);
     if (needs_roads(k)) find_roads(one);
+    if (needs_energies(k)) find_energies(one);
     return find_output(&now->machine.integrator, &now->conduct.run, now->derived, one->roads, k);
 }
 
@@ -504,12 +521,12 @@ static int find_rate(Instance *one, unsigned k, double *rate) {
     for (int i = 0; i < 5; i++) {
         run->time = first + i * h;
         Integrator_sample(run->integrator, run->time);
-        one->forces_known = one->roads_known = 0;
+        forget(one);
         y[i] = get_value(one, k);
     }
     run->time = present;
     Integrator_sample(run->integrator, present);
-    one->forces_known = one->roads_known = 0;
+    forget(one);
     for (int i = 0; i < 5; i++) {
         /* the derivative of Lagrange's polynomial i, which is 1 at place i and 0 at the others */
         const double x = (present - first) / h;
