@@ -36,6 +36,7 @@ class Increments:
         self.factor = memory.zeros(size)
         self.pq, self.pv, self.sa = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.rhs, self.correction = memory.zeros(n), memory.zeros(n)
+        self.change = memory.zeros(n)  # of `rhs` in the last iteration
         # tangents of the rows at the start of a step, and those used for it
         rows = self.net.rows
         self.start_k, self.start_c = memory.zeros(rows), memory.zeros(rows)
@@ -80,11 +81,14 @@ class Increments:
                     )
             if self._solve_step_matrix(h) != 0:
                 return _NOT_POSITIVE
-            change = 0.0
+            change = turn = 0.0
             largest = 1e-30
             for i in range(n):
                 if iteration > 0:
-                    change = max(change, fabs(self.correction[i] - self.rhs[i]))
+                    difference = self.rhs[i] - self.correction[i]
+                    turn += self.change[i] * difference if iteration > 1 else 0.0
+                    self.change[i] = difference
+                    change = max(change, fabs(difference))
                 largest = max(largest, fabs(self.rhs[i]) + fabs(self.sa[i]))
                 v[i] = self.pv[i] + h * self.sa[i] + h / 2.0 * self.rhs[i]
                 q[i] = (
@@ -101,8 +105,10 @@ class Increments:
             ):
                 return 0
             if iteration > 0:
-                # the mean may oscillate between both sides of a damper's saturation
-                share = max(0.5 * share, _LEAST_SHARE) if change > 0.9 * before else share
+                # the mean may oscillate between both sides of a damper's saturation; where changes
+                # go on in one direction, a smaller share would only stop short of the equilibrium
+                if change > 0.9 * before and turn < 0.0:
+                    share = max(0.5 * share, _LEAST_SHARE)
                 before = change
             self.net.all_signals(t + h)
             self.net.row_states(q, v)

@@ -12,7 +12,7 @@ cdef int _LAWS, _PIECE, _SEGMENT, _HALF
 cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED, _KNOTS
 cdef double _LINK
 cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
 
 cdef class March:
     cdef Network net
@@ -80,6 +80,8 @@ cdef class March:
     cdef int _advance(self, double until, bint stop) noexcept nogil
     @cython.locals(target=double, omega=double, road=double, h=double, rounding=double)
     cdef double _proposed_step(self) noexcept nogil
+    @cython.locals(last=double)
+    cdef double _while_decaying(self, double h) noexcept nogil
     @cython.locals(i=int, flips=int, knots=int, to_end=bint, landed=bint, status=int, runs_away=bint,
                    h=double, longer=double, joint=double, end=double, at=double)
     cdef int _step(self, double latest) noexcept nogil

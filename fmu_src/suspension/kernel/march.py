@@ -41,6 +41,7 @@ _NO_STEP = 1e300
 _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
 _EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
+_DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _ROAD_PHASE = 1.5  # as in signals
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
@@ -466,10 +467,23 @@ class March:
         if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
+            h = self._while_decaying(h)
         else:
             h = self.proposal if self.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
             h = self.stepper.bound(h)
         return road if h > road else h
+
+    def _while_decaying(self, h):
+        """Return the step h, or a shorter one after a switch or joint if a fast motion may then decay.
+
+        The linear-acceleration method multiplies a decay exp(-d t) by (1 - d h / 2) / (1 + d h / 2), so
+        that long steps turn it over and hardly damp it, and Wilson's overshoot. The first step resolves
+        it, and the next ones are at most twice as long as the one before.
+        """
+        if h * self.stepper.quickest <= _DECAY_PHASE:
+            return h
+        last = 0.0 if self.entered else self.dense.end - self.dense.start
+        return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.quickest))
 
     def _step(self, latest):
         """Take one accepted macro step, ended at joints and switches."""

@@ -9,7 +9,7 @@ from .network cimport Network
 
 cdef int _DIVERGED, _MOST, _MEAN, _TANGENT, _WILSON, _EXACT
 cdef double _NEGLIGIBLE, _SHARE, _SLOW_PHASE, _MOST_BETTER, _SAFE_PHASE, _DAMPED_PHASE
-cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE, _READ_PHASE, _READ_SHARE, _BENT_BETTER
+cdef double _ROUNDING, _LEAST_LENGTH, _STIFF_PHASE, _READ_PHASE, _READ_SHARE, _BENT_BETTER, _FINER
 
 @cython.final
 cdef class Stepper:
