@@ -99,7 +99,8 @@ def _histories(
     """Draw a column of panels for each axle, with equal scales across."""
     checked = {name: _checked(columns) for name, columns in axles.items()}
     shown = max((shown for _, shown in checked.values()), key=len)
-    rows = _rows(shown, [table for table, _ in checked.values()])
+    # points of a construction stay in one panel, where a reader adds them up
+    rows = _rows(shown, [] if points else [table for table, _ in checked.values()])
     palette, across = look.palette, len(checked)
     width = look.inches or (9.0 if across == 1 else 1.5 + 5.2 * across)
     figure = new_figure(
@@ -195,7 +196,7 @@ def _checked(
 
 
 def _rows(shown: list[Quantity], tables: list[dict[str, npt.NDArray[np.float64]]]) -> list[Row]:
-    """Return the panels, with one for the body's acceleration if it would be flat beside the wheel's."""
+    """Return the panels, with one for the body's acceleration if it is flat beside the wheel's."""
     rows: list[Row] = []
     for quantity in shown:
         columns = _COLUMNS[quantity.name]
