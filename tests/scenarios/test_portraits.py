@@ -97,7 +97,7 @@ def test_sections_of_a_vehicle_in_words() -> None:
     body = phaseplane(*shown, "--coordinate", "body_displacement").stdout
     assert "equilibrium  0 m: stable focus" in body
     assert "wheel held at rest" in body.splitlines()[0]
-    assert "window       -0.1 to 0.1, -1 to 1" in body
+    assert "window       -0.1 to 0.1 m, -1 to 1 m/s" in body
 
 
 @pytest.mark.parametrize(
