@@ -32,6 +32,7 @@ MOST = 3.0  # tolerances: what a run may be off
 _LITTLE = 1e-12  # a disturbance as rounding makes it
 _INSTANTS = 160
 _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
+_ADVICE = "shorten solver.step"  # of a run that a step is too long for
 _MOST_FIXED = 0.1  # of the peak, at the shortest of them
 _TIME = 60  # s of one run, of which nothing ever takes so long
 
@@ -304,11 +305,17 @@ def _examine_fixed(found: dict[str, Any], drawn: Drawn, right: Standard) -> None
     errors = []
     for step in _STEPS:
         what = f"{method}, {step:g} s"
-        motion = _attempt(failures, what, drawn, right.motion.times, method=method, step=step)
+        refusals: list[str] = []
+        motion = _attempt(refusals, what, drawn, right.motion.times, method=method, step=step)
+        if refusals and step > _STEPS[-1] and _ADVICE in refusals[0]:
+            found.setdefault("refused", []).append(refusals[0])
+            continue
+        failures += refusals
         if motion is None:
             return
         errors.append(right.errors(motion.rows)["displacements"])
-    found["fixed"] = {"method": method, "errors": errors}
+    if len(errors) == len(_STEPS):
+        found["fixed"] = {"method": method, "errors": errors}
     if errors[-1] <= _MOST_FIXED:
         return
     by = magnification(drawn, right, 1e-6)["displacements"]

@@ -29,6 +29,11 @@ def text(results: Sequence[Mapping[str, Any]]) -> str:
     lines += ["", *_fixed(compared), "", *_symmetries(compared), ""]
     unexplained = [(r, line) for r in results for line in r["failures"]]
     explained = [(r, line) for r in results for line in r.get("explained", ())]
+    refused = [(r, line) for r in results for line in r.get("refused", ())]
+    lines.append(
+        f"fixed steps of 1 or 0.5 ms refused, with the advice to shorten them: {len(refused)}"
+    )
+    lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in refused]
     lines.append(f"beyond 3 tolerances, but explained by the system: {len(explained)}")
     lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in explained]
     lines.append(f"wrong: {len(unexplained)} in {len({r['seed'] for r, _ in unexplained})} systems")

@@ -225,3 +225,31 @@ def test_what_cannot_hold_slips_from_the_start(model: str, shape: str) -> None:
     session.advance(1e-12)
     assert abs(force) == 100.0
     assert session.value(name) == force
+
+
+def test_the_order_of_inputs_does_not_matter_at_the_start() -> None:
+    """What slips from the start slips the way that all signals together push it."""
+    pushed = System(
+        ("x",),
+        ((MASS,),),
+        (
+            Element("leaf", (1.0,), characteristics.linear(RATE), friction=FRICTION),
+            Element("mount", (1.0,), characteristics.linear(RATE), road="road"),
+        ),
+        {"load": roads.constant(), "road": roads.constant()},
+        (Load((1.0,), "load"),),
+        (1e-2,),
+    )
+    value = {"load": -2.0, "road": 10.0 / RATE}  # N, m: alone the load slips down, both together up
+    begun = []
+    for order in (("load", "road"), ("road", "load")):
+        integrator = Integrator(pushed, tolerance=1e-8)
+        for name in order:
+            signal = list(pushed.signals).index(name)
+            integrator.set_signal(signal, [value[name], 0.0, 0.0, 0.0], jumps=False)
+        begun.append(integrator.snapshot())
+        assert integrator.advance(1e-9) == 0
+        integrator.sample(1e-9)
+        up = (value["load"] + RATE * value["road"] - FRICTION) / MASS
+        assert float(integrator.sample_a[0]) == pytest.approx(up)
+    assert begun[0] == begun[1]

@@ -32,7 +32,7 @@ FAILURES = {
     9: "the run needs more than 30 million steps; shorten the run, or look for extreme parameters",
     10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
     11: "the energy balance is off by more than all energy stored or supplied; "
-    "reduce solver.tolerance",
+    "shorten solver.step, or reduce solver.tolerance",
     12: "the run was interrupted; let it end to have the rest",
 }
 
@@ -196,6 +196,8 @@ class Integrator(March):
         if jumps:  # at the start the road has always been there, and nothing was lost or met
             self._book_contacts()
         self._note_changes()
+        if not jumps:  # what is at rest slips, if at all, the way that all loads together push it
+            self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
         self._enter_branches()
         if not jumps:
             self._break_loose()
