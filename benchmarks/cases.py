@@ -15,7 +15,7 @@ from typing import Any
 
 import hard_coded
 from dop853 import landing
-from phaseplane.scenarios.studies import own, peers
+from phaseplane.scenarios.studies import peers, project_solvers
 from phaseplane.scenarios.studies.accuracy import Solver, solvers
 from phaseplane.scenarios.studies.problems import PROBLEMS, of_model
 from phaseplane.scenarios.studies.reference import largest_error, truth
@@ -151,7 +151,7 @@ def racers(problem: str) -> list[Racer]:
 
 def begun_anew(bench: Workbench, tolerance: float) -> Run:
     """Return a run of the default solver that includes the return to its start."""
-    prepared = own.in_process(bench, tolerance=tolerance)
+    prepared = project_solvers.in_process(bench, tolerance=tolerance)
 
     def run() -> Any:
         prepared.reset()

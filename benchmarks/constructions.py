@@ -17,7 +17,7 @@ from time import perf_counter
 from phaseplane.scenarios.draw.planes import planes_of
 from phaseplane.suspension.variables import checked_parameters
 
-from phaseplane.constructions import RULES, march
+from phaseplane.constructions import RULES, construct_motion
 from phaseplane.recording import record
 
 REPEATS = 5
@@ -32,7 +32,7 @@ def main(steps: int = 10_000) -> None:
         for _ in range(REPEATS):
             for rule in RULES.values():
                 started = perf_counter()
-                drawing = march(planes, rule, step=1e-4, steps=steps)
+                drawing = construct_motion(planes, rule, step=1e-4, steps=steps)
                 times.setdefault(f"geometry, {rule.name}", []).append(perf_counter() - started)
             for detail in ("trail", "steps", "stages"):
                 started = perf_counter()

@@ -21,8 +21,8 @@ from typing import Any
 
 import cases
 from measuring import medians
-from phaseplane.scenarios.studies import own
-from phaseplane.scenarios.studies.telling import compared_versions, machine
+from phaseplane.scenarios.studies import project_solvers
+from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
 from phaseplane.suspension import engine
 from phaseplane.suspension.engine import Integrator
 
@@ -121,13 +121,13 @@ def parts(rounds: int) -> Iterator[Ratio]:
     """Yield the ratios of what curvature, the energy ledger, and a session add."""
     straight, bent = "lift_off", {"spring__cubic": 1e-6}
     runs: dict[str, Callable[[], Any]] = {
-        f"{problem}, {'with' if energy else 'without'} ledger": own.in_process(
+        f"{problem}, {'with' if energy else 'without'} ledger": project_solvers.in_process(
             cases.workbench(problem), energy=energy
         )
         for problem in (*cases.STRAIGHT, *cases.CURVED)
         for energy in (True, False)
     }
-    runs["bent"] = own.in_process(cases.workbench(straight, **bent))
+    runs["bent"] = project_solvers.in_process(cases.workbench(straight, **bent))
     runs["session"], runs["restores"] = cases.new_session(), cases.restores()
     steps = {
         "session step": cases.session_steps(),

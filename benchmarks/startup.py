@@ -23,7 +23,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from phaseplane.scenarios.studies.telling import compared_versions, machine
+from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
 
 HERE = Path(__file__).parent
 PHASEPLANE = "from phaseplane.scenarios.cli import main; main()"

@@ -20,7 +20,7 @@ from statistics import median
 from time import perf_counter
 
 import cases
-from phaseplane.scenarios.studies.telling import compared_versions, machine
+from phaseplane.scenarios.studies.accuracy_report import compared_versions, machine
 from phaseplane.scenarios.sweeps.job import run_sweep
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.suspension.batch import run_many

@@ -16,18 +16,18 @@ from time import perf_counter, process_time, sleep
 
 import pytest
 import rerun as rr
-from phaseplane.scenarios.draw.live import shown_live
+from phaseplane.scenarios.draw.live import show_live
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
 from recorded import quarter_car
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
 
-from phaseplane.constructions import delta, march
+from phaseplane.constructions import construct_motion, delta
 from phaseplane.constructions.primitives import Drawing, Frame
 from phaseplane.picture.layers import layers_at
 from phaseplane.picture.quantities import read_off
-from phaseplane.picture.words import step_text
+from phaseplane.picture.text import step_text
 from phaseplane.recording import DETAILS, Content, new_recording, record, serving
 from phaseplane.recording.columns import xy
 from phaseplane.recording.server import free_port, viewer_program
@@ -36,7 +36,7 @@ pytestmark = pytest.mark.slow
 
 
 def construction(steps: int) -> Drawing:
-    return march(quarter_car(), delta, step=0.0025, steps=steps)
+    return construct_motion(quarter_car(), delta, step=0.0025, steps=steps)
 
 
 def encoded(content: Content) -> Path:
@@ -139,7 +139,7 @@ def test_a_frame_of_a_long_recording_costs_the_viewer_little(
     """The processor time of a frame, ms, without that of the rasteriser in software."""
     path = tmp_path / "long.rrd"
     step = 0.0025 if steps < 20_000 else 0.0005
-    record(Content("long", march(quarter_car(), delta, step=step, steps=steps)), path)
+    record(Content("long", construct_motion(quarter_car(), delta, step=step, steps=steps)), path)
     port, frames = free_port("127.0.0.1", 0), 60
     command = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port)]
     with Popen(
@@ -195,7 +195,7 @@ def test_what_a_viewer_costs_a_run(realtime: bool) -> None:
     with serving() as server:
         for _ in range(3):
             alone.append(run(scene, realtime=realtime).summary["run_time"])
-            with shown_live(scene, None, server.url) as live:
+            with show_live(scene, None, server.url) as live:
                 assert live is not None
                 sleep(1.0)
                 results = run(scene, watch=live.watch, realtime=realtime)

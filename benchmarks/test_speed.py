@@ -10,7 +10,7 @@ from pathlib import Path
 
 import cases
 import pytest
-from phaseplane.scenarios.studies import own, peers
+from phaseplane.scenarios.studies import peers, project_solvers
 from phaseplane.scenarios.studies.problems import PROBLEMS
 from phaseplane.scenarios.studies.reference import truth
 from phaseplane.scenarios.studies.workbench import UnableError, Workbench
@@ -47,7 +47,7 @@ def bench(request: pytest.FixtureRequest) -> Workbench:
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
 def test_whole_runs(benchmark: BenchmarkFixture, bench: Workbench, tolerance: float) -> None:
     benchmark.group = f"{bench.problem.name}, tolerance {tolerance:g}"
-    benchmark(own.in_process(bench, tolerance=tolerance))
+    benchmark(project_solvers.in_process(bench, tolerance=tolerance))
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])

@@ -179,11 +179,11 @@ def gravity(p: Mapping[str, Value]) -> float:
     return number(p, "gravity") if "gravity" in p else KGF
 
 
-def _gap_words(gap: float) -> str:
+def _format_gap(gap: float) -> str:
     return f"{1e3 * gap:.4g} mm away" if gap >= 0.0 else f"compressed by {-1e3 * gap:.4g} mm"
 
 
-def payload_words(p: Mapping[str, Value], axle: str = "") -> str:
+def format_payload(p: Mapping[str, Value], axle: str = "") -> str:
     """Return how far the body sinks under the payload of an axle, and the gaps left; "" without one.
 
     Parameters
@@ -200,7 +200,7 @@ def payload_words(p: Mapping[str, Value], axle: str = "") -> str:
     on_tyre = -_unloaded_tyre(p, of).argument(-weight) if f"{of}tyre.damping" in p else 0.0
     gaps = [
         f"{stop.name.replace('_', ' ')} "
-        f"{_gap_words(number(p, f'{of}{stop.gap}') + stop.side * sink)}"
+        f"{_format_gap(number(p, f'{of}{stop.gap}') + stop.side * sink)}"
         for stop in _STOPS
         if p[f"{of}{stop.stiffness}"] or p[f"{of}{stop.table}"]
     ]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf, pi
 
-from .measured import read_points
+from .measurement_files import read_points
 from .profiles import (
     REFERENCE_FREQUENCY,
     class_roughness,

@@ -98,13 +98,13 @@ class Variable:
             or (self.minimum is not None and value < self.minimum)
             or (self.maximum is not None and value > self.maximum)
         ):
-            raise ParameterError(f"{self.name} = {value:g}: must be {self.range_in_words()}")
+            raise ParameterError(f"{self.name} = {value:g}: must be {self.format_range()}")
         return value
 
     def _in_unit(self) -> str:
         return f" in {self.unit}" if self.unit not in ("", "1") else ""
 
-    def range_in_words(self) -> str:
+    def format_range(self) -> str:
         """Return the allowed values as a phrase."""
         bounds = ["finite"]
         if self.positive:

@@ -6,11 +6,8 @@ from .four_planes import AxleData as AxleData
 from .four_planes import HalfCarPlanes as HalfCarPlanes
 from .inertial import HalfCarRigidTyresPlanes as HalfCarRigidTyresPlanes
 from .laws import Strut as Strut
-from .marching import StepError as StepError
-from .marching import frames as frames
-from .marching import march as march
 from .one_dof import OneDofPlane as OneDofPlane
-from .overlaying import held_against as held_against
+from .overlaying import compare_with_motion as compare_with_motion
 from .overlaying import overlay as overlay
 from .primitives import Arc as Arc
 from .primitives import Axis as Axis
@@ -29,6 +26,9 @@ from .rules import velocity as velocity
 from .sheet import events_of as events_of
 from .shortcuts import shortcut_flights as shortcut_flights
 from .shortcuts import with_shortcuts as with_shortcuts
+from .step_loop import StepError as StepError
+from .step_loop import construct_motion as construct_motion
+from .step_loop import frames as frames
 from .storage import Frame as Frame
 from .two_planes import QuarterCarPlanes as QuarterCarPlanes
 from .yielding import ElastoplasticPlane as ElastoplasticPlane

@@ -28,7 +28,7 @@ class Window(NamedTuple):
 
 
 class Construction(Protocol):
-    """The interface that `march` needs of a construction.
+    """The interface that `construct_motion` needs of a construction.
 
     The state points are named by `Plane.state`, "P" and the plane's number; all other points have
     the same numbers. After the state points `States` may contain points that are constant during a

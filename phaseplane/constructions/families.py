@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from phaseplane.constructions.equation import EquationPlane
-from phaseplane.constructions.marching import march
 from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.step_loop import construct_motion
 from phaseplane.constructions.storage import Frame
 
 
@@ -26,18 +26,18 @@ def family(
     Parameters
     ----------
     starts : x and x' of the other starts
-    rule, step, duration : as of `march`
+    rule, step, duration : as of `construct_motion`
 
     Raises
     ------
-    StepError, ValueError, ArithmeticError : as of `march`.
+    StepError, ValueError, ArithmeticError : as of `construct_motion`.
     """
-    first = march(construction, rule, step=step, duration=duration)
+    first = construct_motion(construction, rule, step=step, duration=duration)
     (plane,) = construction.planes
     others: list[Sequence[Frame]] = []
     for x, velocity in starts:
         moved = replace(construction, initial_displacement=x, initial_velocity=velocity)
-        others.append(march(moved, rule, step=step, duration=duration).frames)
+        others.append(construct_motion(moved, rule, step=step, duration=duration).frames)
     every = [first.frames, *others]
     # the auxiliary curves reach as far as any of the integral curves
     fixed = construction.curves([frame for frames in every for frame in frames])

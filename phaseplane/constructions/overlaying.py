@@ -9,10 +9,10 @@ from itertools import pairwise
 from math import isfinite
 
 from phaseplane.constructions.construction import Construction, Window
-from phaseplane.constructions.marching import drawing
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import state_point
+from phaseplane.constructions.step_loop import drawing
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame, StoredFrames
@@ -73,7 +73,9 @@ def overlay(
     return drawing(construction, rule, StoredFrames(made), longest, words)
 
 
-def held_against(drawing: Drawing, times: Sequence[float], *columns: Sequence[float]) -> Drawing:
+def compare_with_motion(
+    drawing: Drawing, times: Sequence[float], *columns: Sequence[float]
+) -> Drawing:
     """Compare an independent construction with a known motion.
 
     The distance of its state points from those of the motion is read off at every step as

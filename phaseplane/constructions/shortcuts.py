@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from phaseplane.constructions.construction import FLIGHT, LIFT_OFF
-from phaseplane.constructions.marching import Start, frames
 from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.step_loop import Start, frames
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame
 from phaseplane.constructions.two_planes import QuarterCarPlanes

@@ -69,10 +69,10 @@ def plane_of(planes: Sequence[Plane], mark: Mark) -> Plane:
 def place(plane: Plane, frame: Frame, mark: Mark) -> str:
     """Return where a point is on the axes of its plane; its velocity only off the axis."""
     point = frame.points[mark.point]
-    told = [_read(plane.displacement, point)]
+    readings = [_read(plane.displacement, point)]
     if abs(plane.scaled_velocity.read(point)) * plane.scaled_velocity.scale > 1e-6:
-        told.append(_read(plane.scaled_velocity, point))
-    return ", ".join(told)
+        readings.append(_read(plane.scaled_velocity, point))
+    return ", ".join(readings)
 
 
 def display(axis: Axis) -> tuple[float, str]:

@@ -107,14 +107,14 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
             * y_bar / display(plane.displacement)[0]
             for plane, y, y_bar in zip(planes, numbers[::2], numbers[1::2], strict=True)
         )  # fmt: skip
-        told = [cells.get(plane.foot, "") for plane in planes]
+        feet_read = [cells.get(plane.foot, "") for plane in planes]
         feet = None
-        if all(told):
+        if all(feet_read):
             feet = tuple(
                 plane.displacement.at(
                     _number(value, line, plane.foot, delimiter) / display(plane.displacement)[0]
                 )
-                for plane, value in zip(planes, told, strict=True)
+                for plane, value in zip(planes, feet_read, strict=True)
             )
         found.append(Reading(len(found), states, feet))
     if len(found) < 2:

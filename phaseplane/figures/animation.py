@@ -20,8 +20,8 @@ from phaseplane.figures.canvas import Sheet, figure_of, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed, written_whole
 from phaseplane.picture.page import Page
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
+from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of, whole_view
-from phaseplane.picture.words import time_words, typeset
 
 MOVING = (".gif", ".mp4")
 _DPI = 84
@@ -114,7 +114,7 @@ def storyboard(
             fill(tick.caption, int(13.0 * cell[0])), ha="center", va="top", fontsize=7.5,
             color=look.palette.ink,
         )  # fmt: skip
-    words = f"Step {chosen.step}, {time_words(chosen.time)}, stage by stage"
+    words = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
     whole.text(
         0.5, 1.0 - 0.35 / whole.get_figheight(), f"{title}\n{words}" if title else words,
         ha="center", va="center", fontsize=10.0, color=look.palette.ink, gid=HEADING,

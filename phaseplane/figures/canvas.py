@@ -18,7 +18,7 @@ from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
 from phaseplane.picture.paper import Box, Points, vertices
 from phaseplane.picture.styles import style_of
-from phaseplane.picture.words import is_letter
+from phaseplane.picture.text import is_letter
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches

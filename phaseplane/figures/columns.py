@@ -18,7 +18,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
-from phaseplane.picture.words import bracketed, in_words
+from phaseplane.picture.text import bracketed, in_words
 
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other

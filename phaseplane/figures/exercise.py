@@ -18,7 +18,7 @@ from matplotlib.patches import Rectangle
 from phaseplane.figures.style import BLUE, GREEN, OCHRE, ORANGE, RED, TEAL, new_figure, palette_for
 from phaseplane.picture.letters import text_box
 from phaseplane.picture.paper import Box
-from phaseplane.picture.words import MINUS
+from phaseplane.picture.text import MINUS
 
 PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}
 """Width and height of a sheet, cm."""

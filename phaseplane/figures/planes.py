@@ -13,8 +13,8 @@ from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
+from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of
-from phaseplane.picture.words import time_words, typeset
 
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
@@ -40,7 +40,7 @@ def phase_planes(
     page = step_page(drawing, chosen, look)
     page.events()
     page.letters(chosen)
-    page.title, page.words = title, f"{typeset(drawing.title)}\n{step_words(chosen)}"
+    page.title, page.words = title, f"{typeset(drawing.title)}\n{format_step(chosen)}"
     return figure_of(page, look)
 
 
@@ -61,9 +61,9 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     return page
 
 
-def step_words(frame: Frame) -> str:
+def format_step(frame: Frame) -> str:
     """Return the number and time of the lettered step as text."""
-    return f"Step {frame.step} lettered, {time_words(frame.time)}"
+    return f"Step {frame.step} lettered, {format_time(frame.time)}"
 
 
 def construction_sheet(

@@ -12,13 +12,13 @@ from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
 from phaseplane.figures.canvas import figure_of, new_page
 from phaseplane.figures.histories import time_histories
-from phaseplane.figures.planes import construction_sheet, step_page, step_words
+from phaseplane.figures.planes import construction_sheet, format_step, step_page
 from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import around
+from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
-from phaseplane.picture.words import typeset
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
@@ -45,7 +45,7 @@ def figure7(
         )
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    page.title, page.words = title, f"Elastic coupling: {step_words(chosen).lower()}"
+    page.title, page.words = title, f"Elastic coupling: {format_step(chosen).lower()}"
     return figure_of(page, look)
 
 
@@ -76,7 +76,7 @@ def figure10(
         )
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    page.title, page.words = title, f"The wheel off the road: {step_words(chosen).lower()}"
+    page.title, page.words = title, f"The wheel off the road: {format_step(chosen).lower()}"
     return figure_of(page, look)
 
 
@@ -101,7 +101,7 @@ def figure12(
     formulas = _INERTIAL if one == two else ("", "")
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
     page = _dimensioned(drawing, chosen, formulas, lengths, look)
-    page.title, page.words = title, f"Inertial coupling: {step_words(chosen).lower()}"
+    page.title, page.words = title, f"Inertial coupling: {format_step(chosen).lower()}"
     return figure_of(page, look)
 
 

@@ -14,7 +14,7 @@ from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page, Text
 from phaseplane.picture.paper import Box
-from phaseplane.picture.words import typeset
+from phaseplane.picture.text import typeset
 
 _COILS = 5
 _AXLE = 0.035  # half width of an axle

@@ -15,8 +15,8 @@ from phaseplane.figures.style import PLAIN, Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import arcs, around, bounds
+from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, motion_points, name_room
-from phaseplane.picture.words import time_words, typeset
 
 Named = tuple[str, str, str]
 """A point's name, letter and role; {n} is the plane's number, {d} the letter of its foot."""
@@ -123,7 +123,7 @@ def figure8(
 
 
 def _which(frame: Frame) -> str:
-    return f"step {frame.step}, {time_words(frame.time)}, {1e3 * frame.duration:.4g} ms long"
+    return f"step {frame.step}, {format_time(frame.time)}, {1e3 * frame.duration:.4g} ms long"
 
 
 def _points(frame: Frame, plane: Plane, named: Sequence[Named]) -> list[complex]:

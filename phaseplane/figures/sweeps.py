@@ -23,7 +23,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
-from phaseplane.picture.words import bracketed
+from phaseplane.picture.text import bracketed
 
 Values: TypeAlias = Sequence[float] | Sequence[str]
 Quantities = Mapping[str, tuple[str, Values]]
@@ -113,13 +113,13 @@ def _lines(abscissa: str, varied: Quantities, measured: Quantities, palette: Pal
         panels[-1].set_xlim(-0.5, len(texts) - 0.5)
     panels[-1].set_xlabel(_words(abscissa, unit, broken=False))
     if legend:
-        told = figure.legend(
+        box = figure.legend(
             *panels[0].get_legend_handles_labels(), loc="upper left", frameon=False, fontsize=8.0,
             bbox_to_anchor=(0.155, 1.0 - 0.3 / height), ncols=columns, title_fontsize=8.0,
             title=", ".join(_words(k, u, broken=False) for k, (u, _) in others.items()),
             labelcolor=palette.ink, alignment="left",
         )  # fmt: skip
-        told.get_title().set_color(palette.ink)
+        box.get_title().set_color(palette.ink)
     figure.align_ylabels(list(panels))
     lines = 1 + max((_wrapped(str(text)).count("\n") for text in texts), default=0)
     figure.subplots_adjust(

@@ -17,7 +17,7 @@ from .page import Page, Text
 from .paper import Box, readings
 from .quantities import Quantity
 from .styles import PARTS
-from .words import bracketed, in_words, number
+from .text import bracketed, in_words, number
 
 Reals = npt.NDArray[np.float64]
 

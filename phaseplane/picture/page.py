@@ -23,7 +23,7 @@ from .letters import place, text_box
 from .paper import Box, Points, Strip, arcs, columns, table
 from .quantities import display_unit
 from .styles import style_of
-from .words import LETTER_OF_EVENT, MINUS, bracketed, level_text, number, typeset
+from .text import LETTER_OF_EVENT, MINUS, bracketed, level_text, number, typeset
 
 TYPE = 9.0
 """Size of the type, points: 1 em of a page."""
@@ -253,7 +253,7 @@ class Page:
         """Return the roles in the legend, with their words."""
         found: dict[str, str] = {}
         for role in self.roles if self.keyed else ():
-            words = _legend_words(self.drawing, role)
+            words = _legend_text(self.drawing, role)
             if words and words not in found.values():
                 found[role] = typeset(words)
         return list(found.items())
@@ -595,7 +595,7 @@ def _value(centre: complex, text: str) -> Text:
     return Text("value", text, centre, _VALUE, "value")
 
 
-def _legend_words(drawing: Drawing, role: str) -> str:
+def _legend_text(drawing: Drawing, role: str) -> str:
     """Return the words of a role in the legend of a drawing; empty for none."""
     words = style_of(role).words
     if role == "line":

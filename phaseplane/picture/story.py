@@ -16,16 +16,16 @@ from . import dimensions
 from .page import CURVES, Arrow, Page
 from .paper import Box, around, table
 from .quantities import Quantity
-from .views import room_for_letters
-from .words import (
+from .text import (
     event_texts,
+    format_time,
     markdown,
     protocol,
     readings_table,
     step_head,
-    time_words,
     typeset,
 )
+from .views import room_for_letters
 
 FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
@@ -100,7 +100,7 @@ def story_of(
             page.events(index + 1)
             happened = event_texts(event)[1]
             said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
-            caption = f"{time_words(frame.time)}: {happened}"
+            caption = f"{format_time(frame.time)}: {happened}"
             yield Tick(page, arms.following(), said, caption, index, frame.time)
         yield from staged(drawing, stays, arms, index)
     last = drawing.frames[-1]

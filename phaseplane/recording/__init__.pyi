@@ -6,6 +6,7 @@ from .content import View as View
 from .layout import blueprint as blueprint
 from .live import Live as Live
 from .motion import thinned as thinned
+from .recorder import log as log
 from .server import LOOPBACK as LOOPBACK
 from .server import Server as Server
 from .server import is_loopback as is_loopback
@@ -15,4 +16,3 @@ from .sinks import new_recording as new_recording
 from .sinks import record as record
 from .vehicle import AxleView as AxleView
 from .vehicle import Vehicle as Vehicle
-from .whole import log as log

@@ -20,8 +20,8 @@ from rerun.experimental import ViewerClient
 from .columns import Reals
 from .content import Content
 from .layout import blueprint
+from .recorder import Recorder
 from .sinks import new_recording, record
-from .whole import Recorder
 
 READY, TAKEN, DONE, FILED = b"r", b"t", b"d", b"f"  # filed: written, but no longer shown
 

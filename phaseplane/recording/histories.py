@@ -13,7 +13,7 @@ from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.paper import readings
 from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of
 from phaseplane.picture.styles import hue_of
-from phaseplane.picture.words import in_words
+from phaseplane.picture.text import in_words
 
 from .columns import Clock, Reals, colours, legible, rgba, seconds
 from .content import Content

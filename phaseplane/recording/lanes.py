@@ -9,7 +9,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
-from phaseplane.picture.words import in_words
+from phaseplane.picture.text import in_words
 
 from .columns import Clock, colours, rgba, seconds
 from .content import Content

@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
-from phaseplane.picture.words import in_words, number, typeset
+from phaseplane.picture.text import in_words, number, typeset
 
 from .canvas import RECENT
 from .columns import legible
@@ -19,9 +19,9 @@ from .content import Content
 from .histories import Panel, overlays, panels
 from .lanes import LANES, lanes_of
 from .motion import state_planes
+from .recorder import Recorder
 from .side_view import VEHICLE, vehicle_of, view_box
 from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
-from .whole import Recorder
 
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion

@@ -14,8 +14,8 @@ from phaseplane.constructions.storage import StoredFrames
 from phaseplane.picture.page import Page, motions_of
 from phaseplane.picture.paper import Box, Points, around
 from phaseplane.picture.quantities import quantity_of, rate_of
+from phaseplane.picture.text import in_words
 from phaseplane.picture.views import views_of
-from phaseplane.picture.words import in_words
 
 from .columns import Reals
 from .content import Content

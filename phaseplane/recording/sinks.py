@@ -15,8 +15,8 @@ from phaseplane.constructions.primitives import Drawing
 
 from .content import VIEWS, Content, Detail, View
 from .layout import blueprint
+from .recorder import Recorder
 from .vehicle import Vehicle
-from .whole import Recorder
 
 APPLICATION = "phaseplane"
 

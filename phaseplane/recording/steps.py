@@ -18,7 +18,7 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box, Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.styles import style_of
-from phaseplane.picture.words import LETTER_OF_EVENT, step_text, typeset
+from phaseplane.picture.text import LETTER_OF_EVENT, step_text, typeset
 
 from .canvas import placed_letters
 from .columns import (
@@ -229,7 +229,7 @@ def _marks(frame: Frame, drawing: Drawing) -> list[tuple[complex, str]]:
     ]
 
 
-def send_words(
+def send_text(
     recording: rr.RecordingStream, drawing: Drawing, quantities: dict[str, Quantity | None],
     clock: Clock, first: int, last: int,
 ) -> None:  # fmt: skip

@@ -224,13 +224,13 @@ dark_option = click.option("--dark", is_flag=True, help="Use a dark background."
 
 def _tenths(label: str) -> Callable[[float], None]:
     """Return what prints a line on stderr for each tenth done, once a job has taken long."""
-    started, told = monotonic(), 0
+    started, tenths = monotonic(), 0
 
     def show(part: float) -> None:
-        nonlocal told
-        if int(10 * part) > told and monotonic() - started > _TELL_AFTER:
-            told = int(10 * part)
-            click.echo(f"{label}  {10 * told} %", err=True)
+        nonlocal tenths
+        if int(10 * part) > tenths and monotonic() - started > _TELL_AFTER:
+            tenths = int(10 * part)
+            click.echo(f"{label}  {10 * tenths} %", err=True)
 
     return show
 

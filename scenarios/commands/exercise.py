@@ -8,7 +8,7 @@ import click
 
 from ..draw import exercises
 from ..errors import InputError, one_line
-from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from .console import DONE, FAILED, FiniteRange, json_option, output_option, set_option
@@ -63,19 +63,19 @@ def exercise(
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)
     if readings is not None:
-        told = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
+        summary = exercises.marked(made, _text_of(readings), 1e-3 * tolerance)
         if output is not None:
             place = Place(output, "exercise", loaded.file, named=True)
             check_replaceable(place)
-            with replaced_whole(place) as draft:
-                exercises.write_marked_sheet(made, told, draft / "marked.pdf")
-                write_summary({**told, "origin": place.origin}, draft)
-        click.echo(as_json(told) if as_data else exercises.marks_in_words(told))
-        return DONE if told["right"] == told["points"] else FAILED
+            with replace_folder(place) as draft:
+                exercises.write_marked_sheet(made, summary, draft / "marked.pdf")
+                write_summary({**summary, "origin": place.origin}, draft)
+        click.echo(as_json(summary) if as_data else exercises.format_marks(summary))
+        return DONE if summary["right"] == summary["points"] else FAILED
     folder = output or OUTPUT / "exercises" / loaded.name
     place = Place(folder, "exercise", loaded.file, named=output is not None)
     check_replaceable(place)
-    with replaced_whole(place) as draft:
+    with replace_folder(place) as draft:
         exercises.write_sheets(made, draft)
         write_summary({"scene": loaded.name, "steps": made.steps, "origin": place.origin}, draft)
         names = [str(folder / path.name) for path in sorted(draft.iterdir())]

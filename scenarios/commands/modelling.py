@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
+from ..draw.modes import format_modes
 from ..draw.modes import modes as make_modes
-from ..draw.modes import modes_in_words
+from ..draw.portraits import format_portrait
 from ..draw.portraits import portrait as make
-from ..draw.portraits import portrait_in_words
 from ..results.plain import as_json
 from ..scene.loading import load_scene
+from ..studies.ladder import format_ladder
 from ..studies.ladder import ladder as climb
-from ..studies.ladder import ladder_in_words
 from .console import FiniteRange, dark_option, figure_option, json_option, set_option, warn
 
 
@@ -46,8 +46,8 @@ def ladder(
     whole, *named = (load_scene(name, overrides, expect=False) for name in (scene, *smaller))
     for loaded in (whole, *named):
         warn(loaded.warnings)
-    told = climb(whole, tolerance, named)
-    click.echo(as_json(told) if as_data else ladder_in_words(told))
+    summary = climb(whole, tolerance, named)
+    click.echo(as_json(summary) if as_data else format_ladder(summary))
 
 
 @click.command()
@@ -97,12 +97,12 @@ def portrait(
 
     List its equilibria and limit cycles, or draw the Poincare section of a forced system.
     """
-    told = make(
+    summary = make(
         scene, overrides, figure,
         coordinate=coordinate, window=window or (), period=period or 0.0, frozen=frozen,
         dark=dark,
     )  # fmt: skip
-    click.echo(as_json(told) if as_data else portrait_in_words(told))
+    click.echo(as_json(summary) if as_data else format_portrait(summary))
 
 
 @click.command()
@@ -118,5 +118,5 @@ def modes(
 
     The figure shows free motion from the shape of each mode in the phase planes of the modes.
     """
-    told = make_modes(scene, overrides, figure, dark=dark)
-    click.echo(as_json(told) if as_data else modes_in_words(told))
+    summary = make_modes(scene, overrides, figure, dark=dark)
+    click.echo(as_json(summary) if as_data else format_modes(summary))

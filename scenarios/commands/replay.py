@@ -14,7 +14,7 @@ from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
 from phaseplane import figures
 
-from ..draw.constructions import constructed, laid_over, told_of
+from ..draw.constructions import draw_construction, drawing_summary, overlay_run
 from ..draw.live import show_in
 from ..draw.pictures import RULES_SHOWN, draw, record
 from ..draw.recording_content import content, of_results, readings
@@ -30,7 +30,7 @@ from ..errors import (
 )
 from ..results.folder import DAMAGED, read_results, read_summary
 from ..results.plain import as_json
-from ..results.report import drift_words
+from ..results.report import format_drift
 from ..results.tables import read_table
 from ..scene.layers import Setting, find_scene
 from ..scene.loading import construction_settings, load_scene
@@ -98,16 +98,16 @@ def replay(
     )  # fmt: skip
     with page(served, address) as server:
         shown_in = viewer or (server.url if server else "")
-        told = replay_construction(
+        summary = replay_construction(
             what, settings, save, figure, shown_in, over, kind=kind, look=look, at_step=at_step
         )
-        places = ", ".join([*told["files"], *([viewer] if viewer else [])])
+        places = ", ".join([*summary["files"], *([viewer] if viewer else [])])
         click.echo(
-            as_json(told)
+            as_json(summary)
             if as_data
-            else f"{told['title']}: {told['steps']} steps"
+            else f"{summary['title']}: {summary['steps']} steps"
             + (f" in {places}" if places else "")
-            + drift_words(told)
+            + format_drift(summary)
         )
         until_interrupted(server)
 
@@ -164,7 +164,7 @@ def replay_construction(
         if not run.keys() >= {"construction", "model", "parameters"}:
             raise InputError(one_line(f"{folder}: {DAMAGED}"))
         settings = construction_settings(run["construction"], overrides)
-        drawing = laid_over(results.columns, run["model"], run["parameters"], settings)
+        drawing = overlay_run(results.columns, run["model"], run["parameters"], settings)
         title = run["title"] or run["scene"]
         shown = partial(of_results, results, drawing, {})
     else:
@@ -176,9 +176,9 @@ def replay_construction(
         columns = read_table(over)[0] if over is not None else {}
         try:
             drawing = (
-                laid_over(columns, model, parameters, settings)
+                overlay_run(columns, model, parameters, settings)
                 if over is not None
-                else constructed(model, parameters, settings, scene.construction_time)
+                else draw_construction(model, parameters, settings, scene.construction_time)
             )
         except ArithmeticError as error:
             raise RunError(f"the construction cannot be drawn: {one_line(error)}") from None
@@ -207,7 +207,7 @@ def replay_construction(
         except ValueError as error:  # the drawing lacks what the figure shows
             raise InputError(f"--kind {kind}: {one_line(error)}") from None
     files = [str(path) for path in (recording, figure) if path is not None]
-    return {**told_of(drawing, perf_counter() - started), "files": files}
+    return {**drawing_summary(drawing, perf_counter() - started), "files": files}
 
 
 def _results_folder(path: Path) -> Path | None:

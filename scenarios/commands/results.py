@@ -10,10 +10,10 @@ from ..errors import InputError, one_line
 from ..results.folder import OUTPUT, read_summary
 from ..results.inspection import (
     contents,
-    contents_in_words,
     difference,
-    difference_in_words,
     first_difference,
+    format_contents,
+    format_difference,
 )
 from ..results.plain import as_json
 from ..scene.names import meant
@@ -51,8 +51,8 @@ def show(
     read. With several RESULTS, all of them are drawn, and the first is summarised.
     """
     _check_there(*paths)
-    told = contents(paths[0], columns, figure, _plane(plane, figure), paths[1:])
-    click.echo(as_json(told) if as_data else contents_in_words(told, paths[0]))
+    data = contents(paths[0], columns, figure, _plane(plane, figure), paths[1:])
+    click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
 
 
 def _plane(names: str, figure: Path | None) -> tuple[str, str] | None:
@@ -106,11 +106,11 @@ def compare(
     differ.
     """
     _check_there(ours, other)
-    told = difference(ours, other, tolerance, columns, figure, common=common)
-    click.echo(as_json(told) if as_data else difference_in_words(told))
-    if told["equal"]:
+    data = difference(ours, other, tolerance, columns, figure, common=common)
+    click.echo(as_json(data) if as_data else format_difference(data))
+    if data["equal"]:
         return DONE
-    complain(first_difference(told))
+    complain(first_difference(data))
     return FAILED
 
 

@@ -16,22 +16,22 @@ import click
 
 from .. import draw
 from ..errors import DrawingError, InputError, RunError, check_recording, one_line
+from ..results.finished import FinishedFolder
 from ..results.folder import (
     OUTPUT,
     Place,
     Results,
     check_replaceable,
     read_summary,
-    replaced_whole,
+    replace_folder,
     write_results,
 )
 from ..results.plain import as_json
 from ..results.report import failures, report
-from ..results.standing import Standing
 from ..scene.layers import Setting
 from ..scene.loading import load_scene
 from ..simulate import runner
-from ..simulate.measuring import read_at
+from ..simulate.evaluation import read_at
 from .console import (
     DONE,
     FAILED,
@@ -108,12 +108,12 @@ def run(
         )
         warn(summary["warnings"])
         click.echo(as_json(summary) if as_data else report(summary, folder))
-        told = failures(summary)
-        if told:
-            more = f" (and {len(told) - 1} more)" if len(told) > 1 else ""
-            complain(f"{summary['scene']}: {told[0]}{more}")
+        reasons = failures(summary)
+        if reasons:
+            more = f" (and {len(reasons) - 1} more)" if len(reasons) > 1 else ""
+            complain(f"{summary['scene']}: {reasons[0]}{more}")
         until_interrupted(server)
-    return FAILED if told else DONE
+    return FAILED if reasons else DONE
 
 
 def run_scene(
@@ -160,7 +160,7 @@ def run_scene(
     place = Place(folder or OUTPUT / scene.name, "run", scene.file, named=folder is not None)
     check_replaceable(place)
     problems: list[str] = []
-    told: dict[str, Any] = {"drawn": None, "problems": problems}
+    facts: dict[str, Any] = {"drawn": None, "problems": problems}
     drawing = None
     if scene.show.figures_construction or (
         scene.show.records_construction and scene.fmu.model in draw.planes.CONSTRUCTED
@@ -168,7 +168,7 @@ def run_scene(
         started = perf_counter()
         try:
             with progress(f"construction of {scene.name}"):
-                drawing = draw.constructions.constructed(
+                drawing = draw.constructions.draw_construction(
                     scene.fmu.model,
                     scene.all_parameters,
                     asdict(scene.construction),
@@ -182,7 +182,7 @@ def run_scene(
                 raise
             # a recording is complete without it, as for models that have no construction
     with (
-        draw.live.shown_live(scene, drawing, viewer, save) if viewer or save else nullcontext()
+        draw.live.show_live(scene, drawing, viewer, save) if viewer or save else nullcontext()
     ) as live:
         watch = live.watch if live is not None else None
         try:
@@ -190,24 +190,26 @@ def run_scene(
                 results = runner.run(scene, progress=part, watch=watch, realtime=realtime)
         except runner.Interrupted as interrupted:
             undrawn = _pictures(scene, interrupted.results, drawing)
-            _written(interrupted.results, undrawn, told, place)
+            _written(interrupted.results, undrawn, facts, place)
             if interrupted.number == SIGTERM:
                 sys.exit(TERMINATED)
-            raise KeyboardInterrupt(_kept_words(interrupted.results, place)) from None
+            raise KeyboardInterrupt(_format_place(interrupted.results, place)) from None
         if drawing is not None:
-            drawing = draw.constructions.drifting(drawing, results.columns, partial(read_at, scene))
-            told["drawn"] = draw.constructions.told_of(drawing, drawing_time)
+            drawing = draw.constructions.with_drift(
+                drawing, results.columns, partial(read_at, scene)
+            )
+            facts["drawn"] = draw.constructions.drawing_summary(drawing, drawing_time)
         pictures = _pictures(scene, results, drawing)
-        standing = _written(results, pictures, told, place)
+        standing = _written(results, pictures, facts, place)
         if live is not None:
             with progress(f"showing {scene.name}"):
                 unwritten, unshown = live.complete(results)
             problems += unwritten
             if save is not None and not unwritten:
-                told["saved"] = str(save)
-            told["warnings"] = [*results.summary["warnings"], *unshown]
+                facts["saved"] = str(save)
+            facts["warnings"] = [*results.summary["warnings"], *unshown]
     problems += _drawn(pictures, standing, progress)
-    standing.tell(**told)
+    standing.tell(**facts)
     return read_summary(place.folder) or {}, place.folder
 
 
@@ -221,17 +223,17 @@ def _pictures(
 
 
 def _written(
-    results: Results, pictures: Iterable[str], told: Mapping[str, Any], place: Place
-) -> Standing:
+    results: Results, pictures: Iterable[str], facts: Mapping[str, Any], place: Place
+) -> FinishedFolder:
     """Write the results, before their pictures are drawn."""
-    told = {"origin": place.origin, **told, "undrawn": list(pictures)}
-    with replaced_whole(place) as draft:
-        write_results(Results(results.columns, {**results.summary, **told}), draft)
-    return Standing(place.folder)
+    facts = {"origin": place.origin, **facts, "undrawn": list(pictures)}
+    with replace_folder(place) as draft:
+        write_results(Results(results.columns, {**results.summary, **facts}), draft)
+    return FinishedFolder(place.folder)
 
 
 def _drawn(
-    pictures: Mapping[str, Callable[[Path], None]], standing: Standing, progress: Progress
+    pictures: Mapping[str, Callable[[Path], None]], standing: FinishedFolder, progress: Progress
 ) -> Iterator[str]:
     """Add the pictures to the results; yield a line for each that could not be drawn."""
     for name, write in pictures.items():
@@ -248,7 +250,7 @@ def _drawn(
             ) from None
 
 
-def _kept_words(results: Results, place: Place) -> str:
+def _format_place(results: Results, place: Place) -> str:
     stopped = results.stopped
     until = (
         f"at {stopped['time']:.6g} s of {results.summary['duration']:g} s"

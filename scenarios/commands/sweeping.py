@@ -8,7 +8,7 @@ import click
 
 from ..results.plain import as_json
 from ..sweeps.job import run_sweep
-from ..sweeps.report import sweep_in_words
+from ..sweeps.report import format_sweep
 from .console import DONE, FAILED, complain, json_option, progress_bar, warn
 
 
@@ -60,7 +60,7 @@ def sweep(
             progress=progress,
         )
     warn(summary["warnings"])
-    click.echo(as_json(summary) if as_data else sweep_in_words(plan, summary, folder))
+    click.echo(as_json(summary) if as_data else format_sweep(plan, summary, folder))
     failures = summary["failures"]
     if failures:
         complain(

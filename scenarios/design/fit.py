@@ -137,7 +137,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
     ])  # fmt: skip
     expected = task.search["starts"] + 10 * (1 + 2 * count)
 
-    def told(runs: int) -> None:
+    def report_progress(runs: int) -> None:
         if progress is not None:
             progress(min(1.0, runs / expected))
 
@@ -145,7 +145,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
         return _signals_of(plan, task)
 
     said = (tuple(task.signals), task.time.tobytes(), target.tobytes())
-    with journaled(space, make, journal, said, told) as runs:
+    with journaled(space, make, journal, said, report_progress) as runs:
         before = space.given()
         sampler = qmc.Sobol(count, rng=task.search["seed"])
         power = int(np.ceil(np.log2(task.search["starts"])))

@@ -12,11 +12,11 @@ import numpy as np
 from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
-from phaseplane.picture.words import bracketed, in_words
+from phaseplane.picture.text import bracketed, in_words
 
 from ..errors import InputError, one_line
 from ..measures import catalogue
-from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.quantities import quantity, shown_in
 from ..results.report import aligned
 from ..results.tables import write_table
@@ -72,7 +72,7 @@ def optimise(
     problem = read_problem(path)
     place = _place(path, folder, "optimise")
     found = solve(problem, _journal(place), progress)
-    return _written(place, problem.space, found.best, _optimum_told(found), _optimum_words(found),
+    return _written(place, problem.space, found.best, _optimum_told(found), _format_optimum(found),
                     lambda draft: _draw_optimum(found, draft))  # fmt: skip
 
 
@@ -98,7 +98,7 @@ def fit_parameters(
     place = _place(path, folder, "fit")
     found = fit(task, _journal(place), progress)
     shares = task.space.shares(found.values.tolist())
-    return _written(place, task.space, shares, _fit_told(found), _fit_words(found),
+    return _written(place, task.space, shares, _fit_told(found), _format_fit(found),
                     lambda draft: _draw_fit(found, draft))  # fmt: skip
 
 
@@ -123,19 +123,19 @@ def _journal(place: Place) -> Path:
 
 
 def _written(
-    place: Place, space: Space, shares: Any, told: Mapping[str, Any], words: list[str],
+    place: Place, space: Space, shares: Any, facts: Mapping[str, Any], words: list[str],
     draw: Callable[[Path], None],
 ) -> Study:  # fmt: skip
     values = dict(zip(space.plan.keys, space.values(shares).tolist(), strict=True))
     problems = []
-    with replaced_whole(place) as draft:
+    with replace_folder(place) as draft:
         (draft / SCENE).write_text(_scene(space, values, place.folder), encoding="utf-8")
         try:
             draw(draft)
         except Exception as error:  # a picture that fails must not cost the study
             problems.append(one_line(f"{PICTURE} was not drawn: {error}"))
         summary = {
-            **told, "title": space.plan.title, "scene": space.plan.scene.name, "values": values,
+            **facts, "title": space.plan.title, "scene": space.plan.scene.name, "values": values,
             "units": dict(zip(space.plan.keys, space.plan.units, strict=True)),
             "problems": problems, "origin": place.origin,
         }  # fmt: skip
@@ -187,7 +187,7 @@ def _optimum_told(found: Optimum) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _optimum_words(found: Optimum) -> list[str]:
+def _format_optimum(found: Optimum) -> list[str]:
     problem, space = found.problem, found.problem.space
     known = catalogue(space.plan.scene.fmu.outputs())
     rows: list[tuple[str, ...]] = [("parameter", "before", "found", "from", "to")]
@@ -273,7 +273,7 @@ def _fit_told(found: Fit) -> dict[str, Any]:
     }
 
 
-def _fit_words(found: Fit) -> list[str]:
+def _format_fit(found: Fit) -> list[str]:
     space = found.task.space
     given: Mapping[str, Value] = space.plan.scene.all_parameters
     rows = [("parameter", "before", "fitted", "within (95 %)")]

@@ -169,11 +169,11 @@ def solve(
     count = len(space.plan.keys)
     expected = search["population"] * count * (search["generations"] + 1) + _STEPS * count
 
-    def told(runs: int) -> None:
+    def report_progress(runs: int) -> None:
         if progress is not None:
             progress(min(1.0, runs / expected))
 
-    with journaled(space, _measures_of, journal, problem.measures, told) as runs:
+    with journaled(space, _measures_of, journal, problem.measures, report_progress) as runs:
         before = space.given()
         at_start = runs.at(before)
         evolved = _evolved(problem, runs)

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from phaseplane.suspension.session import Event, Session, SimulationError
 
-from ..draw.constructions import constructed
+from ..draw.constructions import draw_construction
 from ..draw.pictures import figure_of, pictures_of
 from ..errors import InputError, shown
-from ..results.folder import Place, Results, check_replaceable, replaced_whole, write_results
+from ..results.folder import Place, Results, check_replaceable, replace_folder, write_results
 from ..results.report import report
 from ..scene.layers import Setting, from_top
 from ..scene.loading import load_scene
@@ -113,18 +113,20 @@ class Run(Table):
         """
         place = Place(Path(folder), "run", self.scene.file)
         check_replaceable(place)
-        told = {**self.summary, **_NOT_SHOWN_IN_PYTHON, "origin": place.origin}
-        with replaced_whole(place) as draft:
+        summary = {**self.summary, **_NOT_SHOWN_IN_PYTHON, "origin": place.origin}
+        with replace_folder(place) as draft:
             drawing = self._drawing() if self.scene.show.figures_construction else None
             for name, draw in pictures_of(self.scene, self.results, drawing).items():
                 draw(draft / name)
-            write_results(Results(self.columns, told), draft)
+            write_results(Results(self.columns, summary), draft)
         return place.folder
 
     def _drawing(self) -> Drawing:
         scene = self.scene
         settings = asdict(scene.construction)
-        return constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
+        return draw_construction(
+            scene.fmu.model, scene.all_parameters, settings, scene.construction_time
+        )
 
     def report(self) -> str:
         """Return the report of the run as on the terminal."""

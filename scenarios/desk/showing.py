@@ -15,7 +15,7 @@ from typing import Any
 
 from phaseplane import recording
 
-from ..draw.constructions import constructed
+from ..draw.constructions import draw_construction
 from ..draw.pictures import RULES_SHOWN, draw, figure_of
 from ..draw.recording_content import content, readings
 from ..scene.layers import Setting
@@ -76,7 +76,9 @@ def show(
     found = load_scene(os.fspath(scene), settings, expect=False)
     found.check_construction()
     model, parameters = found.fmu.model, found.all_parameters
-    drawing = constructed(model, parameters, asdict(found.construction), found.construction_time)
+    drawing = draw_construction(
+        model, parameters, asdict(found.construction), found.construction_time
+    )
     title = found.title or found.name
     if kind == "animation":
         path = Path(_open.enter_context(TemporaryDirectory())) / f"{found.name}.gif"

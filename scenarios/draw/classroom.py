@@ -23,7 +23,7 @@ from ..errors import InputError, one_line
 from ..scene.equation import EQUATION, check_equation, formula_of
 from ..scene.fmus import Fmu, find_fmu
 from ..scene.layers import Layers, case_titles, find_scene, flattened, overlay, read_layers
-from .constructions import constructed
+from .constructions import draw_construction
 from .planes import CONSTRUCTED, planes_of
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def drawn(asked: Mapping[str, Any]) -> Drawing:
             f"{duration / settings['step']:.0f} steps; this page draws at most {_MOST_STEPS}: take a "
             "longer step or a shorter duration"
         )
-    return constructed(fmu.model, parameters, settings, duration)
+    return draw_construction(fmu.model, parameters, settings, duration)
 
 
 def _ran(asked: Mapping[str, Any]) -> dict[str, Any]:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
 
-def constructed(
+def draw_construction(
     model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any], duration: float
 ) -> Drawing:
     """Return the graphical construction, stepped from its initial state.
@@ -65,13 +65,13 @@ def _marched(planes: Construction, settings: Mapping[str, Any], duration: float)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     starts = settings.get("starts") or ()
     if not starts:
-        return constructions.march(planes, rule, step=step, duration=duration)
+        return constructions.construct_motion(planes, rule, step=step, duration=duration)
     if not isinstance(planes, constructions.EquationPlane):
         raise ValueError("starts are for equations only")
     return constructions.family(planes, starts, rule, step=step, duration=duration)
 
 
-def laid_over(
+def overlay_run(
     columns: Columns,
     model: str,
     parameters: Mapping[str, Value],
@@ -84,8 +84,8 @@ def laid_over(
     columns : `time` (s), the displacements of the planes and their rates, SI; `airborne` if there is
         lift-off
     model, parameters : the model of the motion, and its parameters in SI
-    settings : as for `constructed`, and duration (s); rows closer than `step` are skipped, except at
-        lift-off and touchdown
+    settings : as for `draw_construction`, and duration (s); rows closer than `step` are skipped,
+        except at lift-off and touchdown
 
     Raises
     ------
@@ -142,7 +142,7 @@ def _distance_needed(drawing: Drawing) -> float:
     return ceil(20.0 * needed) / 20.0 if needed > present else 0.0
 
 
-def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
+def with_drift(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
     """Return a construction with its drift from a run, if the run has the columns and the time.
 
     Parameters
@@ -156,10 +156,10 @@ def drifting(drawing: Drawing, columns: Columns, read_at: ReadAt) -> Drawing:
         return drawing
     columns = read_at([frame.time for frame in drawing.frames], shown) or columns
     motion = (columns[name].tolist() for name in shown)
-    return constructions.held_against(drawing, columns["time"].tolist(), *motion)
+    return constructions.compare_with_motion(drawing, columns["time"].tolist(), *motion)
 
 
-def told_of(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
+def drawing_summary(drawing: Drawing, seconds: float | None = None) -> dict[str, Any]:
     """Return the summary of a construction, as plain data.
 
     Returns

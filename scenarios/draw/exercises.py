@@ -16,7 +16,7 @@ from phaseplane.exercises.protocol import display
 
 from ..errors import DrawingError, InputError, one_line
 from ..scene.equation import EQUATION, formula_of
-from .constructions import constructed
+from .constructions import draw_construction
 from .planes import planes_of
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
 def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawing:
     try:
         plain = {**settings, "starts": ()}
-        return constructed(scene.fmu.model, scene.all_parameters, plain, duration)
+        return draw_construction(scene.fmu.model, scene.all_parameters, plain, duration)
     except (DrawingError, ArithmeticError) as error:
         raise InputError(one_line(str(error))) from None
 
@@ -173,30 +173,30 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
     }
 
 
-def marks_in_words(told: Mapping[str, Any]) -> str:
+def format_marks(summary: Mapping[str, Any]) -> str:
     """Return marks as text for a terminal."""
-    within = f"within {told['tolerance_mm']:g} mm of paper, each from your own point before it"
+    within = f"within {summary['tolerance_mm']:g} mm of paper, each from your own point before it"
     lines = [
-        f"{told['right']} of {told['points']} points right (rule {told['rule']}, {within})",
+        f"{summary['right']} of {summary['points']} points right (rule {summary['rule']}, {within})",
         "",
     ]
-    for one in told["marks"]:
+    for one in summary["marks"]:
         said = f"  {one['said']}" if one["said"] else ""
         lines.append(
             f"point {one['point']:3d}  {one['verdict']:<16} {one['distance_mm']:7.2f} mm{said}"
         )
     lines += [
         "",
-        f"the last point is {told['final_mm']:.2f} mm from that of a faultless construction",
+        f"the last point is {summary['final_mm']:.2f} mm from that of a faultless construction",
     ]
     return "\n".join(lines)
 
 
-def write_marked_sheet(made: Exercise, told: Mapping[str, Any], path: Path) -> None:
+def write_marked_sheet(made: Exercise, summary: Mapping[str, Any], path: Path) -> None:
     """Write the marking sheet with the student's points on it."""
     count = len(made.drawing.planes)
     read = []
-    for one in told["marks"]:
+    for one in summary["marks"]:
         pairs = [one["read"][2 * i : 2 * i + 2] for i in range(count)]
         points = [
             _paper(made, i, y, y_bar) for i, (y, y_bar) in enumerate(pairs)
@@ -256,7 +256,7 @@ def _sheet(
         else []
         for p in planes
     ]
-    scale = ", ".join(_scale_words(p) for p in planes)
+    scale = ", ".join(_format_scale(p) for p in planes)
     return figures.exercise_sheet(
         exercises.sheet_data(drawing),
         _seen(drawing),
@@ -273,7 +273,7 @@ def _sheet(
     )  # fmt: skip
 
 
-def _scale_words(plane: Plane) -> str:
+def _format_scale(plane: Plane) -> str:
     factor, unit = display(plane.displacement)
     return f"{100.0 * plane.displacement.scale / factor:.4g} cm for 1 {unit}".rstrip()
 

@@ -57,7 +57,7 @@ class LiveRun:
 
 
 @contextmanager
-def shown_live(
+def show_live(
     scene: Scene, drawing: Drawing | None, viewer: str, path: Path | None = None
 ) -> Iterator[LiveRun]:
     """Show a run in the viewer at this address (unless it is empty), in a file, or both.

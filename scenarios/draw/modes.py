@@ -40,10 +40,10 @@ def modes(
         found = modal_planes(system)
     except ValueError as error:
         raise InputError(f"modes of {scene.name}: {one_line(str(error))}") from None
-    told = []
+    modes = []
     for i, omega in enumerate(found.angular_frequencies.tolist()):
         shape = found.shapes[:, i] / found.shapes[abs(found.shapes[:, i]).argmax(), i]
-        told.append(
+        modes.append(
             {
                 "frequency": omega / (2.0 * pi),
                 "angular_frequency": omega,
@@ -55,13 +55,13 @@ def modes(
     if figure is not None:
         names = [
             f"mode {i}: {one['frequency']:.4g} Hz, ξ = {one['damping_ratio']:.3g}"
-            for i, one in enumerate(told, 1)
+            for i, one in enumerate(modes, 1)
         ]
-        motions = [found.free(i) for i in range(len(told))]
+        motions = [found.free(i) for i in range(len(modes))]
         figures.save(figures.modal_planes(motions, names, title=title, dark=dark), figure)
     return {
         "title": title,
-        "modes": told,
+        "modes": modes,
         "proportional": found.proportional,
         "damped": [
             {"frequency": mode.frequency, "damping_ratio": mode.damping_ratio}
@@ -71,18 +71,18 @@ def modes(
     }
 
 
-def modes_in_words(told: Mapping[str, Any]) -> str:
+def format_modes(summary: Mapping[str, Any]) -> str:
     """Return the modes as text for a terminal."""
-    lines = [told["title"], ""]
-    for i, one in enumerate(told["modes"], 1):
+    lines = [summary["title"], ""]
+    for i, one in enumerate(summary["modes"], 1):
         shape = ", ".join(f"{name} {part:.4g}" for name, part in one["shape"].items())
         lines.append(
             f"mode {i}   {one['frequency']:.6g} Hz ({one['angular_frequency']:.6g} rad/s), damping ratio "
             f"{one['damping_ratio']:.4g}; {shape}"
         )
-    if not told["proportional"]:
+    if not summary["proportional"]:
         damped = "; ".join(
-            f"{one['frequency']:.6g} Hz, {one['damping_ratio']:.4g}" for one in told["damped"]
+            f"{one['frequency']:.6g} Hz, {one['damping_ratio']:.4g}" for one in summary["damped"]
         )
         lines += ["", f"the damping couples these modes; damped, they are {damped}"]
-    return "\n".join([*lines, *(f"file     {name}" for name in told["files"])])
+    return "\n".join([*lines, *(f"file     {name}" for name in summary["files"])])

@@ -15,7 +15,7 @@ from phaseplane.suspension.variables import MODELS, Value
 
 from phaseplane import figures
 from phaseplane import portrait as computed
-from phaseplane.picture.words import bracketed
+from phaseplane.picture.text import bracketed
 
 from ..errors import InputError, check_picture, one_line
 from ..scene.equation import EQUATION, formula_of
@@ -106,7 +106,7 @@ def portrait(
                 if window
                 else computed.window_of_equilibria(system, subject.reach, subject.least)
             )
-            made = computed.whole_portrait(
+            made = computed.compute_portrait(
                 system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
             )
         if made.section is None and scene.construction.starts:
@@ -163,35 +163,35 @@ def _told(made: Portrait) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def portrait_in_words(told: Mapping[str, Any]) -> str:
+def format_portrait(summary: Mapping[str, Any]) -> str:
     """Return the portrait as text for a terminal."""
-    left, right, bottom, top = told["window"]
-    x_unit, v_unit = (f" {unit}".rstrip() for unit in told["units"])
+    left, right, bottom, top = summary["window"]
+    x_unit, v_unit = (f" {unit}".rstrip() for unit in summary["units"])
     lines = [
-        told["title"],
+        summary["title"],
         f"window       {left:.4g} to {right:.4g}{x_unit}, {bottom:.4g} to {top:.4g}{v_unit}",
-        *(f"equilibrium  {_place(at)}{x_unit}: {at['kind']}" for at in told["equilibria"]),
+        *(f"equilibrium  {_place(at)}{x_unit}: {at['kind']}" for at in summary["equilibria"]),
         *(
             f"limit cycle  crosses the axis at {c['crossing']:.6g}{x_unit}, period {c['period']:.6g} s, "
             f"{c['kind']}"
-            for c in told["cycles"]
+            for c in summary["cycles"]
         ),
     ]
-    if told["section"] is not None:
-        lines += _section_in_words(told["section"], x_unit, v_unit)
-    return "\n".join([*lines, *(f"file         {name}" for name in told["files"])])
+    if summary["section"] is not None:
+        lines += _format_section(summary["section"], x_unit, v_unit)
+    return "\n".join([*lines, *(f"file         {name}" for name in summary["files"])])
 
 
 def _place(at: Mapping[str, Any]) -> str:
     return f"{at['x']:.6g} to {at['until']:.6g}" if "until" in at else f"{at['x']:.6g}"
 
 
-def _section_in_words(told: Mapping[str, Any], x_unit: str, v_unit: str) -> list[str]:
+def _format_section(summary: Mapping[str, Any], x_unit: str, v_unit: str) -> list[str]:
     """Return the section of a forced system and its periodic attractors, in lines."""
-    kept = f"{told['periods']} states of each motion"
-    after = f" after {told['transient']} periods" if told["transient"] else ""
-    lines = [f"section      once per forcing period, {told['period']:.6g} s: {kept}{after}"]
-    for states in told["attractors"]:
+    kept = f"{summary['periods']} states of each motion"
+    after = f" after {summary['transient']} periods" if summary["transient"] else ""
+    lines = [f"section      once per forcing period, {summary['period']:.6g} s: {kept}{after}"]
+    for states in summary["attractors"]:
         x, v = states[-1]
         m = len(states)
         every = "the forcing period" if m == 1 else f"{m} forcing periods"

@@ -78,20 +78,20 @@ class Comparison:
 
     def unshared(self, ours: str, other: str) -> list[str]:
         """Return what only one of the two runs has, in words; `ours` and `other` name the runs."""
-        told = []
+        lines = []
         near = _ROUNDING * max(e.end - e.start for e in (self.ours, self.other))
         if (
             self.ours.rows != self.other.rows
             or abs(self.ours.start - self.other.start) > near
             or abs(self.ours.end - self.other.end) > near
         ):
-            told.append(f"{ours} has {self.ours}, {other} has {self.other}")
-        told += [
+            lines.append(f"{ours} has {self.ours}, {other} has {self.other}")
+        lines += [
             f"only {name} has {'column' if len(columns) == 1 else 'columns'} {_listed(columns)}"
             for name, columns in ((ours, self.only_ours), (other, self.only_other))
             if columns
         ]
-        return told
+        return lines
 
     def as_data(self) -> dict[str, Any]:
         """Return the columns, rows and time compared, as plain data."""
@@ -103,7 +103,7 @@ class Comparison:
         }
 
 
-def extent_words(compared: Mapping[str, Any]) -> str:
+def format_extent(compared: Mapping[str, Any]) -> str:
     """Return the columns, rows and time of `Comparison.as_data` in words."""
     columns = len(compared["columns"])
     extent = Extent(compared["rows"], compared["from"], compared["to"])

@@ -209,7 +209,7 @@ def _check_origin(place: Place, there: Mapping[str, str]) -> None:
 
 
 @contextmanager
-def replaced_whole(place: Place) -> Iterator[Path]:
+def replace_folder(place: Place) -> Iterator[Path]:
     """Yield a new folder to fill, and put it in its place if there is no error.
 
     Raises

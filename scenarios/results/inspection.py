@@ -12,7 +12,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line, shown
-from .comparison import Difference, check_ascending, compared, extent_words
+from .comparison import Difference, check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
 from .quantities import quantity
 from .report import aligned, report
@@ -51,7 +51,7 @@ def contents(
     units = results.summary.get("units", {})
     if not isinstance(units, Mapping):
         raise InputError(one_line(f"{what}: {DAMAGED}"))
-    told = {
+    data = {
         "file": str(what),
         "summary": dict(results.summary),
         "rows": len(next(iter(results.columns.values()))),
@@ -70,8 +70,8 @@ def contents(
         drawn = {what: results, **{path: read_results(path) for path in others}}
         title = str(results.summary.get("title", what.name)) if not others else ""
         figures.save(_picture(drawn, names, plane, units, title), figure)
-        told["files"] = [str(figure)]
-    return told
+        data["files"] = [str(figure)]
+    return data
 
 
 def _picture(
@@ -99,22 +99,22 @@ def _picture(
     return figures.runs(values, units, title=title)
 
 
-def contents_in_words(told: Mapping[str, Any], folder: Path) -> str:
+def format_contents(data: Mapping[str, Any], folder: Path) -> str:
     """Return the contents as text for a terminal."""
     lines = []
-    if told["summary"].get("measures"):
+    if data["summary"].get("measures"):
         try:
-            lines += [report(told["summary"], folder), ""]
+            lines += [report(data["summary"], folder), ""]
         except (KeyError, TypeError, AttributeError, ValueError):
             raise InputError(one_line(f"{folder}: {DAMAGED}")) from None
-    lines += [f"warning: {warning}" for warning in told["summary"].get("warnings", ())]
+    lines += [f"warning: {warning}" for warning in data["summary"].get("warnings", ())]
     heading = ("column", "unit", "first", "last", "smallest", "largest")
     rows = [
         (name, c["unit"], *(f"{c[key]:.6g}" for key in ("first", "last", "min", "max")))
-        for name, c in told["columns"].items()
+        for name, c in data["columns"].items()
     ]
-    lines += [f"{told['rows']} rows", *aligned([heading, *rows])]
-    return "\n".join([*lines, *told.get("files", ())])
+    lines += [f"{data['rows']} rows", *aligned([heading, *rows])]
+    return "\n".join([*lines, *data.get("files", ())])
 
 
 def difference(
@@ -152,7 +152,7 @@ def difference(
     except ValueError as error:
         raise InputError(one_line(f"{ours} and {other}: {error}")) from None
     unshared = [] if common else found.unshared(str(ours), str(other))
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         "ours": str(ours),
         "other": str(other),
         "tolerance": tolerance,
@@ -171,33 +171,33 @@ def difference(
             labels=(str(ours), str(other)),
         )
         figures.save(picture, figure)
-        told["files"] = [str(figure)]
-    return told
+        data["files"] = [str(figure)]
+    return data
 
 
-def difference_in_words(told: Mapping[str, Any]) -> str:
+def format_difference(data: Mapping[str, Any]) -> str:
     """Return the differences as text for a terminal."""
     heading = ("column", "largest difference", "over its peak", "at")
     rows = [
         (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
-        for d in told["differences"]
+        for d in data["differences"]
     ]
     measured = [
         (name, quantity(one["ours"], one["unit"]), quantity(one["other"], one["unit"]))
-        for name, one in told["measures"].items()
+        for name, one in data["measures"].items()
     ]
     beside = (
-        [*aligned([("measure", told["ours"], told["other"]), *measured]), ""] if measured else []
+        [*aligned([("measure", data["ours"], data["other"]), *measured]), ""] if measured else []
     )
-    verdict = "equal" if told["equal"] else "different"
+    verdict = "equal" if data["equal"] else "different"
     lines = [
         *beside,
         *aligned([heading, *rows]),
-        f"compared: {extent_words(told['compared'])}",
-        *told["unshared"],
-        verdict if told["unshared"] else f"{verdict} to {told['tolerance']:g}",
+        f"compared: {format_extent(data['compared'])}",
+        *data["unshared"],
+        verdict if data["unshared"] else f"{verdict} to {data['tolerance']:g}",
     ]
-    return "\n".join([*lines, *told.get("files", ())])
+    return "\n".join([*lines, *data.get("files", ())])
 
 
 def _side_by_side(ours: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
@@ -210,16 +210,16 @@ def _side_by_side(ours: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str
     }
 
 
-def first_difference(told: Mapping[str, Any]) -> str:
+def first_difference(data: Mapping[str, Any]) -> str:
     """Return why two results are not equal, in one line."""
-    if told["unshared"]:
-        return f"{'; '.join(told['unshared'])}; --common compares only what both have"
-    worst = told["differences"][0]
+    if data["unshared"]:
+        return f"{'; '.join(data['unshared'])}; --common compares only what both have"
+    worst = data["differences"][0]
     if worst["largest"] == inf:
         return f"{worst['name']} is not a number in one of the two at {worst['time']:g} s"
     return (
-        f"{told['ours']} and {told['other']} differ: {worst['name']} by {worst['relative']:.3g} of "
-        f"its peak; allowed: {told['tolerance']:g}"
+        f"{data['ours']} and {data['other']} differ: {worst['name']} by {worst['relative']:.3g} of "
+        f"its peak; allowed: {data['tolerance']:g}"
     )
 
 

@@ -24,15 +24,15 @@ def report(summary: Mapping[str, Any], folder: Path) -> str:
 def failures(summary: Mapping[str, Any]) -> list[str]:
     """Return what failed in a run, one line each: an early stop, problems, unmet expectations."""
     stopped = summary["stopped"]
-    told = []
+    reasons = []
     if stopped:
-        told.append(
+        reasons.append(
             f"stopped after {stopped['time']:.6g} s of {summary['duration']:g} s: "
             f"{stopped['reason']}"
         )
-    told += summary["problems"]
-    told += [_unmet(e) for e in summary["expectations"] if not e["holds"]]
-    return told
+    reasons += summary["problems"]
+    reasons += [_unmet(e) for e in summary["expectations"] if not e["holds"]]
+    return reasons
 
 
 def _unmet(expectation: Mapping[str, Any]) -> str:
@@ -55,7 +55,7 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
         if summary["model"] == summary["fmu"]
         else f"{summary['model']} from {_path(Path(summary['fmu']))}",
     )
-    road, solver = road_words(summary["parameters"]), _solver_words(summary)
+    road, solver = format_road(summary["parameters"]), _format_solver(summary)
     if road:
         yield _line("road", road)
     if solver:
@@ -83,22 +83,24 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
 
 def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
     """Yield the peaks, then contact axle by axle, then all other measures."""
-    told = {"step_count"}
+    shown = {"step_count"}
     peaks = [name for name in measures if name.startswith("peak.")]
     yield from _table({name.removeprefix("peak."): measures[name] for name in peaks})
     for name in measures:
         prefix, found, rest = name.rpartition("lift_off_count")
         if found and not rest and measures[name]["value"] is not None:
-            told |= {f"{prefix}{what}" for what in (*_CONTACT, "first_lift_off", "first_touchdown")}
+            shown |= {
+                f"{prefix}{what}" for what in (*_CONTACT, "first_lift_off", "first_touchdown")
+            }
             yield from _contact(prefix, measures)
     if "energy_residual" in measures and measures["energy_residual"]["value"] is not None:
-        told.add("energy_residual")
+        shown.add("energy_residual")
         yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
     if measures.get("magnification", {}).get("value") is not None:
-        told.add("magnification")
+        shown.add("magnification")
         by = measures["magnification"]["value"]
         yield _line("sensitivity", f"this motion magnifies small differences by {by:.2g}")
-    yield from _table({n: m for n, m in measures.items() if n not in told and n not in peaks})
+    yield from _table({n: m for n, m in measures.items() if n not in shown and n not in peaks})
 
 
 def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
@@ -164,7 +166,7 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
         yield _line("" if i else "drift", f"from the run by at most {words}")
 
 
-def drift_words(drawn: Mapping[str, Any]) -> str:
+def format_drift(drawn: Mapping[str, Any]) -> str:
     """Return how far construction steps end from the motion they are laid over, or ""."""
     lengths = ", ".join(_lengths(drawn, "drift"))
     return f"; a step drifts by at most {lengths}" if lengths else ""
@@ -189,13 +191,13 @@ def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
                 name = expectation["measure"].rpartition(" from ")[2]
                 yield _line(
                     "compared",
-                    f"with {name}: {results.comparison.extent_words(expectation['compared'])}",
+                    f"with {name}: {results.comparison.format_extent(expectation['compared'])}",
                 )
     elif summary["unchecked"]:
         yield _line("expected", f"not checked: {', '.join(summary['unchecked'])}")
 
 
-def road_words(parameters: Mapping[str, Any]) -> str:
+def format_road(parameters: Mapping[str, Any]) -> str:
     """Return the road of a run in words, or "" if the FMU has no road of this package."""
     shape = parameters.get("road.shape")
     if shape is None or shape == "flat":
@@ -231,7 +233,7 @@ def road_words(parameters: Mapping[str, Any]) -> str:
     )
 
 
-def _solver_words(summary: Mapping[str, Any]) -> str:
+def _format_solver(summary: Mapping[str, Any]) -> str:
     parameters = summary["parameters"]
     if "solver.method" not in parameters:
         return ""

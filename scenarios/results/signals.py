@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.measured import Wanted, headings, read_columns
+from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
 from ..errors import InputError, one_line, shown

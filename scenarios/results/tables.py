@@ -1,7 +1,8 @@
 """Tables of columns and their metadata in files; the file's ending sets the format.
 
 Numbers are read back to the bit. CSV is written in FMPy's format, without metadata, which a results
-folder has in its summary; it is also read as measuring programs write it: see `suspension.measured`.
+folder has in its summary; it is also read as measuring programs write it: see
+`suspension.measurement_files`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.measured import read_table_of_units
+from phaseplane.suspension.measurement_files import read_table_of_units
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, one_line

@@ -20,9 +20,9 @@ from .fields import (
     NUMBER_OR_TEXT,
     TEXT,
     entry,
+    format_unit,
     names_of,
     one_of,
-    unit_words,
 )
 
 if TYPE_CHECKING:
@@ -150,16 +150,16 @@ class Reference:
         reference : its columns
         columns : the columns the run shows, and its other columns that the file has too
         """
-        told = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
+        entry = {"min": None, "max": self.tolerance, "value": None, "time": None, "holds": False}
         try:
             found = results.comparison.compared(columns, reference, self.columns)
         except ValueError as error:
-            return {"measure": f"difference from {file}", **told, "reason": str(error)}
+            return {"measure": f"difference from {file}", **entry, "reason": str(error)}
         worst = found.differences[0]
         unshared = [] if self.common else found.unshared("the run", file)
         return {
             "measure": f"difference of {worst.name} from {file}",
-            **told,
+            **entry,
             "value": worst.relative,
             "time": worst.time,
             "holds": worst.relative <= self.tolerance and not unshared,
@@ -181,7 +181,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
         raise ValueError(
             "must be an integer, or min and/or max"
             if unit == COUNT
-            else f"must be min and/or max{unit_words(unit)}"
+            else f"must be min and/or max{format_unit(unit)}"
         )
     bounds = {}
     for name, value in raw.items():
@@ -189,7 +189,7 @@ def bounds_from(raw: object, unit: str) -> Bounds:
             raise ValueError(f"{shown(name)} is unknown; must be min and/or max")
         number = to_si(value, unit if unit != COUNT else "1") if isinstance(value, str) else value
         if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"{name} must be a number{unit_words(unit)}")
+            raise ValueError(f"{name} must be a number{format_unit(unit)}")
         try:
             bounds[name] = float(number)
         except OverflowError:

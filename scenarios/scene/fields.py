@@ -204,21 +204,21 @@ def quantity(unit: str, *, zero: bool = False) -> Kind:
         if isinstance(value, str):
             value = to_si(value, unit)
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"must be a number{unit_words(unit)} or a text such as '1.5 {unit}'")
+            raise ValueError(f"must be a number{format_unit(unit)} or a text such as '1.5 {unit}'")
         try:
             number = float(value)
         except OverflowError:
             number = inf
         if not (isfinite(number) and (number > 0.0 or (zero and number == 0.0))):
             least = "at least" if zero else "greater than"
-            raise ValueError(f"must be {least} 0{unit_words(unit)} and finite")
+            raise ValueError(f"must be {least} 0{format_unit(unit)} and finite")
         return number
 
     plain = {"type": "number"}
     return Kind(read, plain if unit == "1" else {"type": ["number", "string"], "unit": unit})
 
 
-def unit_words(unit: str) -> str:
+def format_unit(unit: str) -> str:
     """Return a unit as it is written in a message."""
     return "" if unit == "1" else f" in {unit}"
 

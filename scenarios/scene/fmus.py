@@ -171,7 +171,7 @@ def _of_system(path: Path) -> Fmu:
     ------
     SystemFileError : if the file cannot be read, or describes no valid system.
     """
-    from phaseplane.suspension.own import load  # noqa: PLC0415  (rarely needed)
+    from phaseplane.suspension.system_file import load  # noqa: PLC0415  (rarely needed)
 
     try:
         name = load(path.read_text(encoding="utf-8"), path.name)

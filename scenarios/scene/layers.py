@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from phaseplane.suspension.own_module import scene_in
+from phaseplane.suspension.system_module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variable import ParameterError
 

@@ -23,7 +23,7 @@ from phaseplane.vehicle_fmus.wrapper import mend_unpacked
 from ..errors import InputError, RunError, one_line
 from ..scene.fmus import Fmu
 from .drive import INTERRUPTED, Columns, Drive, Progress, Watch
-from .fmu_cache import is_plain, kept
+from .fmu_cache import cached_fmu, is_plain
 from .sharing import share_modules
 from .stepping import Rows, initialise, integrate, is_fmi3, most_rows, step_through
 
@@ -202,7 +202,7 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
         _check_path(folder)
         unpacked, build_time = Path(folder, "unpacked"), None
         if fmu.path is None:
-            unpacked, build_time = kept(fmu.model, Path(folder))
+            unpacked, build_time = cached_fmu(fmu.model, Path(folder))
         open_fmu = OpenFmu(fmu, unpacked)
         try:
             yield open_fmu, build_time

@@ -22,7 +22,7 @@ FOLDER_VARIABLE = "PHASEPLANE_CACHE"  # overrides the user's cache folder
 _MOST_KEPT = 16
 
 
-def kept(model: str, spare: Path) -> tuple[Path, float]:
+def cached_fmu(model: str, spare: Path) -> tuple[Path, float]:
     """Return the folder of a model's unpacked FMU, and the time to pack it, s; 0 if it was in the cache.
 
     Python stores the compiled modules of the FMU there too, for later runs.

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from phaseplane.suspension import engine, extent
-from phaseplane.suspension.parts import payload_words
+from phaseplane.suspension.parts import format_payload
 
 from .. import simulate
 from ..errors import InputError, RunError, one_line
@@ -20,8 +20,8 @@ from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
 from .controlling import controlled
 from .drive import INTERRUPTED, Drive, Progress, Watch
+from .evaluation import evaluate
 from .interrupts import deferred_interrupt
-from .measuring import measured
 from .versions import versions
 
 if TYPE_CHECKING:
@@ -206,7 +206,7 @@ def _summary(
     """Return the summary of a run, as plain data."""
     outputs = scene.fmu.outputs()
     known = catalogue(outputs)
-    found = measured(scene, drive.columns, own)
+    found = evaluate(scene, drive.columns, own)
     reached = float(drive.columns["time"][-1])
     stopped = None
     if reached < scene.duration * (1.0 - 1e-9):
@@ -268,8 +268,8 @@ def _remarks(scene: Scene) -> Iterator[str]:
     """Yield remarks on a run in which nothing failed."""
     if scene.fmu.is_ours:
         yield from extent.remarks(scene.all_parameters, scene.duration)
-        told = (payload_words(scene.all_parameters, axle) for axle in ("", "front", "rear"))
-        yield from filter(None, told)
+        texts = (format_payload(scene.all_parameters, axle) for axle in ("", "front", "rear"))
+        yield from filter(None, texts)
 
 
 def _against_reference(scene: Scene, columns: Columns) -> Iterator[dict[str, Any]]:

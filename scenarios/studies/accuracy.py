@@ -20,7 +20,7 @@ from phaseplane.suspension.variables import MODELS
 
 from ..errors import one_line
 from ..scene.sections import RULES
-from . import own, peers
+from . import peers, project_solvers
 from .problems import Problem
 from .reference import largest_error, truth
 from .workbench import Run, UnableError, Workbench, silenced, timed
@@ -90,15 +90,19 @@ class Point:
 
 def solvers(*, with_peers: bool) -> tuple[Solver, ...]:
     """Return all solvers to compare."""
-    return (*_own(), *(_peers() if with_peers else ()))
+    return (*_project(), *(_peers() if with_peers else ()))
 
 
-def _own() -> Iterator[Solver]:
+def _project() -> Iterator[Solver]:
     def tolerant(method: str) -> Callable[[Workbench, float], Run]:
-        return lambda bench, value: own.in_process(bench, method=method, tolerance=value)
+        return lambda bench, value: project_solvers.in_process(
+            bench, method=method, tolerance=value
+        )
 
     def stepping(method: str, **options: Any) -> Callable[[Workbench, float], Run]:
-        return lambda bench, value: own.in_process(bench, method=method, step=value, **options)
+        return lambda bench, value: project_solvers.in_process(
+            bench, method=method, step=value, **options
+        )
 
     yield Solver("extrapolated", "incremental", "tolerance", _TOLERANCES, tolerant("extrapolated"))
     methods = next(v.choices for v in MODELS["QuarterCar"] if v.name == "solver.method")
@@ -109,9 +113,9 @@ def _own() -> Iterator[Solver]:
     for method in methods:
         if method != "extrapolated":
             yield Solver(method, "incremental", "step", _FRACTIONS, stepping(method))
-    yield Solver("extrapolated", "FMU", "tolerance", _TOLERANCES[::2], own.through_fmu)
+    yield Solver("extrapolated", "FMU", "tolerance", _TOLERANCES[::2], project_solvers.through_fmu)
     for rule in RULES:
-        prepare = partial(own.drawn, rule)
+        prepare = partial(project_solvers.drawn, rule)
         yield Solver(rule.replace("_", " "), "construction", "step", _DRAWN_FRACTIONS, prepare)
 
 

@@ -207,14 +207,14 @@ def _below(scene: Scene, truth: Columns) -> Iterator[Rung]:
         yield Rung(f"without {words}", (Part(model, p),), _DEGREES[model], argument)
     if model != "QuarterCar":
         single = "QuarterCar" if model == "HalfCar" else "OneDof"
-        yield _two(single, p, _coupling_words(p))
+        yield _two(single, p, _format_coupling(p))
         if model == "HalfCar":
             rigid = _only("HalfCarRigidTyres", p)
-            words = _frequency_words(model, p)
+            words = _format_frequency(model, p)
             yield Rung("rigid tyres", (Part("HalfCarRigidTyres", rigid),), 2, words)
-            yield _two("OneDof", p, f"{_coupling_words(p)}; {words}")
+            yield _two("OneDof", p, f"{_format_coupling(p)}; {words}")
     else:
-        words = _frequency_words(model, p)
+        words = _format_frequency(model, p)
         yield Rung("rigid tyre", (Part("OneDof", _only("OneDof", p)),), 1, words)
 
 
@@ -253,7 +253,7 @@ def _only(model: str, p: Mapping[str, Value]) -> dict[str, Value]:
     return {name: value for name, value in p.items() if name in declared}
 
 
-def _coupling_words(p: Mapping[str, Value]) -> str:
+def _format_coupling(p: Mapping[str, Value]) -> str:
     front, rear, coupling = axle_masses(
         *(float(p[name]) for name in
           ("sprung_mass", "pitch_radius_of_gyration", "cg_to_front", "cg_to_rear"))
@@ -261,7 +261,7 @@ def _coupling_words(p: Mapping[str, Value]) -> str:
     return f"M3 = {coupling:.3g} kg couples M1 = {front:.3g} and M2 = {rear:.3g} kg"
 
 
-def _frequency_words(model: str, p: Mapping[str, Value]) -> str:
+def _format_frequency(model: str, p: Mapping[str, Value]) -> str:
     """Return the excitation frequency compared with half the wheels' natural frequency, in words."""
     shape, speed = p["road.shape"], float(p["speed"])
     if shape not in ("bump", "obstacle", "sine"):
@@ -309,21 +309,21 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
     return columns, best
 
 
-def ladder_in_words(told: Mapping[str, Any]) -> str:
+def format_ladder(summary: Mapping[str, Any]) -> str:
     """Return the ladder as text for a terminal."""
     rows = [("rung", "degrees", "error", "time", "accurate")]
-    for rung in told["rungs"]:
+    for rung in summary["rungs"]:
         error = "" if rung["error"] is None else f"{rung['error']:.2g}"
         seconds = "" if rung["seconds"] is None else f"{1e3 * rung['seconds']:.2f} ms"
         rows.append(
             (rung["name"], str(rung["degrees"]), error, seconds, "yes" if rung["serves"] else "no")
         )
     lines = aligned(rows)
-    for rung in told["rungs"]:
+    for rung in summary["rungs"]:
         words = [word for word in (rung["argument"], rung["note"]) if word]
         if words:
             lines.append(f"  {rung['name']}: {'; '.join(words)}")
     lines.append(
-        f"smallest model accurate to {told['tolerance']:g} of the peaks: {told['proposal']}"
+        f"smallest model accurate to {summary['tolerance']:g} of the peaks: {summary['proposal']}"
     )
     return "\n".join(lines)

@@ -208,10 +208,10 @@ def _measured() -> dict[str, Value]:
 
 
 def _of_models(
-    **told: tuple[str, Kind, str, Mapping[str, Value]],
+    **declared: tuple[str, Kind, str, Mapping[str, Value]],
 ) -> dict[str, Callable[[], Problem]]:
     """Return problems of models by name, from title, kind, model and parameters."""
-    return {name: partial(of_model, name, *one) for name, one in told.items()}
+    return {name: partial(of_model, name, *one) for name, one in declared.items()}
 
 
 PROBLEMS: dict[str, Callable[[], Problem]] = {

@@ -8,11 +8,11 @@ from typing import Any
 
 from phaseplane import figures
 
-from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from . import stability as study
 from .accuracy import measure, solvers
+from .accuracy_report import as_data, panels, table
 from .problems import PROBLEMS, find_problem
-from .telling import as_data, panels, table
 
 
 def study_accuracy(
@@ -52,7 +52,7 @@ def study_accuracy(
         points += measure(problem, compared, repeats, part)
     data = as_data(problems, points, repeats)
     tables = "\n\n".join(table(problem, points) for problem in problems)
-    with replaced_whole(place) as draft:
+    with replace_folder(place) as draft:
         figure = figures.work_precision(panels(problems, points), title="Error against run time")
         figures.save(figure, draft / "accuracy.png")
         (draft / "accuracy.txt").write_text(f"{tables}\n", encoding="utf-8")
@@ -112,7 +112,7 @@ def study_stability(
             if one.theory is not None
         ],
     )  # fmt: skip
-    with replaced_whole(place) as draft:
+    with replace_folder(place) as draft:
         figures.save(figure, draft / "stability.png")
         (draft / "stability.txt").write_text(f"{table}\n", encoding="utf-8")
         write_summary({**data, "origin": place.origin}, draft)

@@ -17,7 +17,7 @@ from phaseplane.suspension.session import SimulationError, simulate
 from phaseplane import constructions
 
 from .. import simulate as simulating
-from ..draw.constructions import constructed
+from ..draw.constructions import draw_construction
 from ..draw.planes import planes_of
 from ..errors import InputError, one_line
 from ..scene.equation import EQUATION
@@ -118,7 +118,9 @@ def _measured(name: str, order: int, scene: Scene, run: Callable[[float], _Motio
 def _drawn(scene: Scene, rule: str, names: Sequence[str], step: float) -> _Motion:
     settings = {**asdict(scene.construction), "rule": rule, "step": step, "shortcut": False}
     started = process_time()
-    drawing = constructed(scene.fmu.model, scene.all_parameters, settings, scene.construction_time)
+    drawing = draw_construction(
+        scene.fmu.model, scene.all_parameters, settings, scene.construction_time
+    )
     seconds = process_time() - started
     columns = {name: np.array([f.readings[name] for f in drawing.frames]) for name in names}
     times = np.array([frame.time for frame in drawing.frames])

@@ -18,9 +18,9 @@ from phaseplane.suspension import characteristics
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, System
 
+from .accuracy_report import compared_versions, machine
 from .extremes import CASES, TOLERANCES, Happened, run_case
 from .problems import Problem
-from .telling import compared_versions, machine
 
 Progress = Callable[[float], None]
 Matrix = npt.NDArray[np.float64]

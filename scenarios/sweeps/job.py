@@ -13,7 +13,7 @@ from phaseplane import figures
 
 from ..errors import one_line
 from ..measures import catalogue
-from ..results.folder import OUTPUT, Place, check_replaceable, replaced_whole, write_summary
+from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.quantities import shown_in
 from .plan import Plan, load_plan
 from .report import check_table, has_sign, summary_of, write_rows
@@ -59,13 +59,13 @@ def run_sweep(
     folder = place.folder
     # the journal's name depends on the sweep and on how it is run, so that rows are never mixed
     journal = folder.with_name(f".{folder.name}.{journal_key(plan, through)}.journal")
-    rows, told = sweep(
+    rows, facts = sweep(
         plan, journal, through=through, workers=workers, dask=dask, progress=progress
     )
-    with replaced_whole(place) as draft:
+    with replace_folder(place) as draft:
         write_rows(plan, rows, draft / table)
         problems = _drawn(plan, rows, draft / _PICTURE)
-        summary = summary_of(plan, rows, {**told, "table": table, "problems": problems})
+        summary = summary_of(plan, rows, {**facts, "table": table, "problems": problems})
         summary["origin"] = place.origin
         summary["files"] = write_summary(summary, draft)
     journal.unlink(missing_ok=True)

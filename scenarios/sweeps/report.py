@@ -51,7 +51,7 @@ def write_rows(plan: Plan, rows: Sequence[Row], path: Path) -> None:
         parquet.write_table(table, path)
 
 
-def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict[str, Any]:
+def summary_of(plan: Plan, rows: Sequence[Row], more: Mapping[str, Any]) -> dict[str, Any]:
     """Return the summary of a sweep, as plain data."""
     known = catalogue(plan.scene.fmu.outputs())
     failures = [row for row in rows if row.reason]
@@ -77,7 +77,7 @@ def summary_of(plan: Plan, rows: Sequence[Row], told: Mapping[str, Any]) -> dict
         "hash": plan.hash,
         "remarks": plan.road_remarks(),
         "warnings": plan.warnings,
-        **told,
+        **more,
     }
 
 
@@ -90,7 +90,7 @@ def _magnitude(found: tuple[float, int]) -> float:
     return abs(found[0])
 
 
-def sweep_in_words(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
+def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
     """Return the report of a sweep, in aligned lines."""
     rows = [("measure", "smallest", "at", "largest", "at")]
     for name, extent in summary["measures"].items():

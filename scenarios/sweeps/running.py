@@ -148,10 +148,10 @@ def sweep(
                 raise RunError(f"a process of the sweep was killed {kept}") from None
             raise
     ordered = [rows[run] for run in range(len(plan.points))]
-    told = {"seconds": perf_counter() - started, "made": len(left)}
+    facts = {"seconds": perf_counter() - started, "made": len(left)}
     if through == "fmu" and plan.scene.fmu.path is None:
-        told["disagreement"] = _disagreement(plan, ordered)
-    return ordered, told
+        facts["disagreement"] = _disagreement(plan, ordered)
+    return ordered, facts
 
 
 # -- one chunk, in any process --------------------------------------------------------------------
@@ -235,8 +235,8 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
 
 
 def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Run) -> Row:
-    told = take(known, plan.measures, made, rows)
-    values = _plain(tuple(told[name].value for name in plan.measures))
+    measured = take(known, plan.measures, made, rows)
+    values = _plain(tuple(measured[name].value for name in plan.measures))
     broken = [name for name, x in zip(plan.measures, values, strict=True)
               if isinstance(x, float) and not isfinite(x)]  # fmt: skip
     return Row(run, values, f"{broken[0]} is not a number" if broken else "")
@@ -274,13 +274,16 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
             yield thread, _STOPPING.set
             return
         if not dask:
-            told, telling = Pipe(duplex=False)
+            receiver, sender = Pipe(duplex=False)
             processes = ProcessPoolExecutor(
-                count, mp_context=get_context("spawn"), initializer=_begin_worker, initargs=(told,)
+                count,
+                mp_context=get_context("spawn"),
+                initializer=_begin_worker,
+                initargs=(receiver,),
             )
-            stack.callback(telling.close)
+            stack.callback(sender.close)
             stack.callback(processes.shutdown, cancel_futures=True)
-            yield processes, telling.close
+            yield processes, sender.close
             return
         try:
             from distributed import Client  # noqa: PLC0415  (optional)
@@ -293,16 +296,16 @@ def _executor(count: int, dask: str) -> Iterator[tuple[Executor, Callable[[], No
         yield client.get_executor(), lambda: None
 
 
-def _begin_worker(told: Connection) -> None:
+def _begin_worker(receiver: Connection) -> None:
     """Ignore Ctrl-C, stop when the parent process asks for it, and exit when it exits."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_follow_parent, args=(told,), daemon=True).start()
+    Thread(target=_follow_parent, args=(receiver,), daemon=True).start()
 
 
-def _follow_parent(told: Connection) -> None:
+def _follow_parent(receiver: Connection) -> None:
     parent = parent_process()
     assert parent is not None
-    wait([told, parent.sentinel])  # it closes its end of the pipe, or has exited
+    wait([receiver, parent.sentinel])  # it closes its end of the pipe, or has exited
     _STOPPING.set()
     parent.join()
     os._exit(1)  # the main thread would wait for work forever

@@ -12,14 +12,14 @@ import pytest
 from PIL import Image
 from worked_example import STEP, ap57
 
-from phaseplane.constructions import Drawing, march
+from phaseplane.constructions import Drawing, construct_motion
 from phaseplane.figures import Look, animation, storyboard
 from phaseplane.picture.story import told_steps
 
 
 @pytest.fixture(scope="module")
 def drawing() -> Drawing:
-    return march(ap57(lift_off=False), step=STEP, steps=6)
+    return construct_motion(ap57(lift_off=False), step=STEP, steps=6)
 
 
 def test_a_gif_tells_the_story_and_does_not_give_the_end_away(

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import RULES, EquationPlane, Window, march, overlay
+from phaseplane.constructions import RULES, EquationPlane, Window, construct_motion, overlay
 
 
 def van_der_pol(velocity: float, x: float, t: float) -> float:
@@ -38,7 +38,7 @@ def test_van_der_pol_ends_on_its_limit_cycle():
     """Amplitude and period at mu = 1: 2.00861986..., 6.66328686... (from within and from without)."""
     for start in (0.3, 3.5):
         one = EquationPlane(van_der_pol, autonomous=True, initial_displacement=start)
-        drawing = march(one, step=0.01, duration=45.0)
+        drawing = construct_motion(one, step=0.01, duration=45.0)
         x, v = column(drawing, "displacement"), column(drawing, "velocity")
         late = slice(len(x) // 2, None)
         assert x[late].max() == pytest.approx(2.00862, abs=2e-4)
@@ -77,7 +77,7 @@ def test_a_rule_converges_with_its_order(rule, function):
     wanted = exact(function, (0.7, -0.4), 3.0)
     errors = []
     for n in (200, 400, 800):
-        end = march(one, rule, step=3.0 / n, steps=n).frames[-1].points["P'"]
+        end = construct_motion(one, rule, step=3.0 / n, steps=n).frames[-1].points["P'"]
         errors.append(np.hypot(*(np.array(one.lienard.values(end)) - wanted)))
     assert log2(errors[1] / errors[2]) == pytest.approx(rule.order, abs=0.2)
 
@@ -86,13 +86,13 @@ def test_the_motion_does_not_depend_on_the_frequency_of_the_plane():
     wanted = exact(van_der_pol, (1.0, 0.0), 2.0)
     for omega in (0.5, 1.0, 2.0):
         one = EquationPlane(van_der_pol, True, omega, initial_displacement=1.0)
-        end = march(one, step=0.002, steps=1000).frames[-1].points["P'"]
+        end = construct_motion(one, step=0.002, steps=1000).frames[-1].points["P'"]
         assert one.lienard.values(end) == pytest.approx(wanted, abs=2e-5)
 
 
 def test_readings_satisfy_the_equation():
     one = EquationPlane(forced, initial_displacement=1.0)
-    drawing = march(one, step=0.05, duration=5.0)
+    drawing = construct_motion(one, step=0.05, duration=5.0)
     for frame in drawing:
         read = frame.readings
         force = forced(read["velocity"], read["displacement"], frame.time)
@@ -119,9 +119,11 @@ def test_between_auxiliary_curves_the_point_is_interpolated():
         levels = tuple(np.linspace(-2.5, 2.5, count))
         one = EquationPlane(van_der_pol, True, initial_displacement=1.5, auxiliary_levels=levels)
         own = EquationPlane(van_der_pol, True, initial_displacement=1.5)
-        ends = [march(c, step=0.02, duration=2.0).frames[-1].points["P'"] for c in (one, own)]
+        ends = [
+            construct_motion(c, step=0.02, duration=2.0).frames[-1].points["P'"] for c in (one, own)
+        ]
         apart.append(abs(ends[0] - ends[1]) / one.scale)
-        curves = one.curves(march(one, step=0.02, steps=3).frames)
+        curves = one.curves(construct_motion(one, step=0.02, steps=3).frames)
         assert sum(len(curve.label.split(" and ")) for curve in curves) == count
     assert apart[0] > 3.0 * apart[1] > 9.0 * apart[2] > 0.0
     on_a_curve = EquationPlane(
@@ -143,15 +145,15 @@ def test_auxiliary_curves_that_look_the_same_are_one():
     small, large = (
         EquationPlane(pendulum, True, initial_displacement=x, scale=0.1 / x) for x in (0.02, 1.0)
     )
-    (curve,) = small.curves(march(small, step=0.1, steps=20).frames)
+    (curve,) = small.curves(construct_motion(small, step=0.1, steps=20).frames)
     assert curve.label == ""
-    assert len(large.curves(march(large, step=0.1, steps=20).frames)) > 2
+    assert len(large.curves(construct_motion(large, step=0.1, steps=20).frames)) > 2
 
 
 def test_an_equation_that_runs_away_says_when():
     one = EquationPlane(lambda v, x, t: -(x**3), initial_displacement=1.0, initial_velocity=1.0)
     with pytest.raises(ArithmeticError, match=r"diverges after .* s; try a step shorter"):
-        march(one, step=0.01, duration=20.0)
+        construct_motion(one, step=0.01, duration=20.0)
 
 
 @pytest.mark.parametrize(

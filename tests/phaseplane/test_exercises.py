@@ -13,7 +13,7 @@ from zipfile import ZipFile
 import pytest
 from worked_example import ap57
 
-from phaseplane.constructions import RULES, EquationPlane, march, rule_named
+from phaseplane.constructions import RULES, EquationPlane, construct_motion, rule_named
 from phaseplane.constructions.construction import Window
 from phaseplane.constructions.geometry import turned
 from phaseplane.constructions.primitives import Drawing, Frame
@@ -73,7 +73,7 @@ def law_of(text: str, plane: EquationPlane):
 )  # fmt: skip
 def test_the_commands_for_geogebra_make_the_points_of_the_construction(rule, text, tmp_path: Path):
     plane = plane_of(text)
-    drawing = march(plane, rule, step=STEP, duration=3.0)
+    drawing = construct_motion(plane, rule, step=STEP, duration=3.0)
     path = tmp_path / "one.ggb"
     write_geogebra(path, commands(drawing, rule, law_of(text, plane)), drawing)
     found = evaluated(read_geogebra(path))
@@ -95,11 +95,11 @@ def test_in_geogebra_a_construction_follows_its_start_point(tmp_path: Path):
     """A moved P0 gives the construction from there: A follows from the formula."""
     text = "(x^2 - 1)*v + x"
     plane = plane_of(text)
-    drawing = march(plane, DELTA, step=STEP, duration=1.5)
+    drawing = construct_motion(plane, DELTA, step=STEP, duration=1.5)
     made = commands(drawing, DELTA, law_of(text, plane))
     moved = evaluated([Command("P_{0}", "", ("(1.0, -0.5)",)), *made[1:]])
     other = EquationPlane(Formula(text).switching, initial_displacement=1.0, initial_velocity=-0.5)
-    end = march(other, DELTA, step=STEP, duration=1.5).end
+    end = construct_motion(other, DELTA, step=STEP, duration=1.5).end
     assert end is not None
     known = complex(end.readings["displacement"], end.readings["velocity"])
     assert abs(moved["P_{10}"] - known) < 1e-12
@@ -110,7 +110,7 @@ def test_in_geogebra_a_construction_follows_its_start_point(tmp_path: Path):
 
 def test_two_planes_and_other_files_are_refused_in_words(tmp_path: Path):
     with pytest.raises(ValueError, match="one phase plane; this one has 2"):
-        commands(march(ap57(), step=2.5e-3, steps=2), DELTA)
+        commands(construct_motion(ap57(), step=2.5e-3, steps=2), DELTA)
     (tmp_path / "no.ggb").write_text("no")
     with pytest.raises(ValueError, match="not a GeoGebra file"):
         read_geogebra(tmp_path / "no.ggb")
@@ -120,7 +120,7 @@ def test_two_planes_and_other_files_are_refused_in_words(tmp_path: Path):
 
 
 def test_a_protocol_has_every_point_in_the_order_of_drawing():
-    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=3)
+    drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=3)
     entries = protocol(drawing)
     assert [e.point for e in entries if e.step == 0] == ["P", "Q", "A", "A*", "D", "M", "Dm", "P'"]
     assert [e.step for e in entries] == sorted(e.step for e in entries)
@@ -135,7 +135,7 @@ def test_a_protocol_has_every_point_in_the_order_of_drawing():
 
 
 def test_protocols_of_two_planes_tell_each_point_in_its_plane():
-    drawing = march(ap57(), step=2.5e-3, steps=8)
+    drawing = construct_motion(ap57(), step=2.5e-3, steps=8)
     entries = {e.point: e for e in protocol(drawing) if e.step == 7}
     frame = drawing.frames[7]
     for number, plane in zip("12", drawing.planes, strict=True):
@@ -144,7 +144,7 @@ def test_protocols_of_two_planes_tell_each_point_in_its_plane():
 
 
 def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
-    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
+    drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
     page = protocol_page(drawing)
     told = json.loads(re.search(r'"player"\), (\{.*\})\);', page)[1])  # type: ignore[index]
     assert told == {"mode": "protocol", **json.loads(json.dumps(sheet_data(drawing)))}
@@ -186,7 +186,7 @@ def judged(construction, drawing, points, rule=DELTA, feet=None):
 @pytest.fixture
 def task():
     construction = plane_of("(x^2 - 1)*v + x", scale=0.04)
-    return construction, march(construction, DELTA, step=2.0 * STEP, steps=10)
+    return construction, construct_motion(construction, DELTA, step=2.0 * STEP, steps=10)
 
 
 def test_careful_readings_are_all_right(task):
@@ -295,7 +295,7 @@ def test_steps_that_end_on_a_switch_do_so_from_the_students_point():
     construction = EquationPlane(
         Formula("x + 0.3*sign(v)").switching, scale=0.04, initial_displacement=2.05
     )
-    drawing = march(construction, DELTA, step=0.4, duration=8.0)
+    drawing = construct_motion(construction, DELTA, step=0.4, duration=8.0)
     shift = 0.004  # one point beside the faultless ones, from there right
     points = [frame.points["P"] for frame in drawing.instants[:3]]
     points[2] += shift
@@ -363,7 +363,7 @@ def test_readings_of_another_exercise_are_refused(task):
 
 
 def test_on_a_page_the_turn_angle_lies_just_below_the_planes():
-    drawing = march(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=6)
+    drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=6)
     told = sheet_data(drawing)
     turning = [
         p for c in told["curves"] if c["role"] in ("axis", "construction") for p in c["points"]

@@ -16,8 +16,8 @@ from phaseplane.figures.style import palette_for
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
+    compute_portrait,
     good_window,
-    whole_portrait,
     window_of_equilibria,
 )
 
@@ -33,7 +33,7 @@ def words(figure: Figure) -> list[str]:
 
 def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
     system = PhaseSystem(lambda v, x, t: sin(x))
-    figure = portrait(whole_portrait(system, good_window(system, 3.0)), title="A pendulum")
+    figure = portrait(compute_portrait(system, good_window(system, 3.0)), title="A pendulum")
     marks = [line for line in figure.axes[0].lines if line.get_gid() == "equilibrium"]
     assert [line.get_xdata()[0] for line in marks] == pytest.approx([-np.pi, 0.0, np.pi])
     assert {"saddle", "centre", "energy", "separatrices", "nullcline"} <= set(words(figure))
@@ -47,7 +47,7 @@ def test_the_pendulum_shows_saddles_centre_and_energies() -> None:
 
 def test_van_der_pol_shows_its_cycle_in_a_window_that_holds_it() -> None:
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
-    made = whole_portrait(system, good_window(system, 3.0))
+    made = compute_portrait(system, good_window(system, 3.0))
     figure = portrait(made, labels=("x", "x'"), dark=True)
     (cycle,) = curves(figure, "attracting")
     assert cycle[:, 0].max() == pytest.approx(2.0086, abs=1e-3)
@@ -65,7 +65,7 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
     """x'' + 0.4 x' + x = cos 2t: the motion of the excitation's period in closed form."""
     system = PhaseSystem(lambda v, x, t: 0.4 * v + x)
     forced = PhaseSystem(lambda v, x, t: 0.4 * v + x - cos(2.0 * t), period=np.pi)
-    made = whole_portrait(forced, good_window(system, 1.0), periods=40)
+    made = compute_portrait(forced, good_window(system, 1.0), periods=40)
     figure = portrait(made)
     lines = {line.get_gid(): line for line in figure.axes[0].lines}
     amplitude = 1.0 / complex(1.0 - 4.0, 0.8)
@@ -81,7 +81,7 @@ def test_the_section_of_a_forced_oscillator_ends_on_its_fixed_point() -> None:
 
 def test_arrows_point_along_the_motion_as_it_is_drawn() -> None:
     system = PhaseSystem(lambda v, x, t: sin(x))
-    figure = portrait(whole_portrait(system, good_window(system, 3.0)))
+    figure = portrait(compute_portrait(system, good_window(system, 3.0)))
     (axes,) = figure.axes
     (field,) = [c for c in axes.collections if c.get_gid() == "field"]
     assert isinstance(field, Quiver)
@@ -96,7 +96,7 @@ def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
     """Strokes have the slope of their isocline; arrows point right where x' is positive."""
     system = PhaseSystem(lambda v, x, t: (x * x - 1.0) * v + x)
     window = Window(-3.0, 3.0, -3.0, 3.0)
-    shown = whole_portrait(system, window)
+    shown = compute_portrait(system, window)
     assert len(shown.slopes) == len(shown.isoclines)
     (axes,) = portrait(shown).axes
     strokes = [c for c in axes.collections if c.get_gid() == "slope"]
@@ -118,7 +118,7 @@ def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
 def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
     system = PhaseSystem(lambda v, x, t: x)
     title = "A pendulum, released at 90 degrees in a lift that accelerates: " + 8 * "x + omega "
-    figure = portrait(whole_portrait(system, good_window(system, 1.0)), title=title)
+    figure = portrait(compute_portrait(system, good_window(system, 1.0)), title=title)
     figure.canvas.draw()
     (heading,) = (t for t in figure.findobj(Text) if t.get_text().startswith("A pendulum"))
     box, whole = heading.get_window_extent(), figure.bbox
@@ -130,7 +130,7 @@ def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
 def test_every_basin_of_a_pendulum_has_curves() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + np.sin(x))
     window = window_of_equilibria(system, 3.0)
-    shown = whole_portrait(system, window)
+    shown = compute_portrait(system, window)
     assert len(shown.equilibria) >= 3
     for at in shown.equilibria:
         if "stable focus" in at.kinds and abs(at.x) < 0.8 * window.right:

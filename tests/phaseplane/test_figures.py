@@ -16,14 +16,20 @@ from matplotlib.font_manager import FontProperties, findfont
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 
-from phaseplane.constructions import EquationPlane, OneDofPlane, QuarterCarPlanes, march, tangent
+from phaseplane.constructions import (
+    EquationPlane,
+    OneDofPlane,
+    QuarterCarPlanes,
+    construct_motion,
+    tangent,
+)
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
 from phaseplane.picture.letters import place, text_box
 from phaseplane.picture.paper import Box, Boxes
+from phaseplane.picture.text import is_letter, typeset
 from phaseplane.picture.views import telling_frame
-from phaseplane.picture.words import is_letter, typeset
 
 DARK, LIGHT = Look(dark=True).palette, Look().palette
 
@@ -41,7 +47,7 @@ def drawing():
         100.0 * KGF,
         roads.bump(0.05, 1.0, 20.0),
     )
-    return march(car, step=0.0025, steps=60)
+    return construct_motion(car, step=0.0025, steps=60)
 
 
 @pytest.fixture(scope="module")
@@ -180,7 +186,7 @@ def test_one_plane_with_a_family_of_auxiliary_curves():
     one = OneDofPlane(
         300.0, cubic(15000.0, 4e6), damper(2000.0, 500.0), roads.bump(0.05, 4.0, 10.0)
     )
-    figure = phase_planes(march(one, tangent, step=0.01, duration=0.6))
+    figure = phase_planes(construct_motion(one, tangent, step=0.01, duration=0.6))
     written = texts(figure)
     assert {"P", "D", "A*", "O", "0 cm"} <= set(written)
     assert len(strips(figure, "auxiliary")) > 3
@@ -188,7 +194,7 @@ def test_one_plane_with_a_family_of_auxiliary_curves():
 
 def test_a_motion_of_millimetres_is_shown_in_millimetres():
     one = OneDofPlane(300.0, linear(15000.0), linear(100.0), initial_deflection=0.002)
-    names = texts(phase_planes(march(one, step=0.01, duration=0.6)))
+    names = texts(phase_planes(construct_motion(one, step=0.01, duration=0.6)))
     assert "suspension\ndeflection y [mm]" in names
 
 
@@ -434,7 +440,7 @@ def calls_of(function) -> int:
 @pytest.mark.parametrize("draw", [phase_planes, construction_sheet])
 def test_pictures_of_long_motions_cost_in_proportion(draw):
     def oscillator(steps):
-        return march(
+        return construct_motion(
             EquationPlane(lambda v, x, t: x, True, initial_displacement=1.0), step=0.05, steps=steps
         )
 

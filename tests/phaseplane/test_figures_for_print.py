@@ -15,13 +15,13 @@ from recorded import quarter_car
 from worked_example import STEP, ap57
 
 from phaseplane import figures
-from phaseplane.constructions import Drawing, OneDofPlane, delta, march, tangent
+from phaseplane.constructions import Drawing, OneDofPlane, construct_motion, delta, tangent
 from phaseplane.figures import Look, save
 
 
 @pytest.fixture(scope="module")
 def drawing() -> Drawing:
-    return march(quarter_car(), delta, step=0.0025, steps=30)
+    return construct_motion(quarter_car(), delta, step=0.0025, steps=30)
 
 
 def strips(figure: object, role: str) -> list[np.ndarray]:
@@ -88,7 +88,7 @@ def over_obstacle() -> Drawing:
         mass=300.0, spring=linear(15e3), damper=damper(2e3, 5e2),
         road=obstacle(height=0.05, length=4.0, speed=10.0),
     )  # fmt: skip
-    return march(plane, delta, step=0.0025, steps=240)
+    return construct_motion(plane, delta, step=0.0025, steps=240)
 
 
 def test_figure_5_has_the_accelerations_of_eq_9(over_obstacle: Drawing) -> None:
@@ -110,7 +110,7 @@ def test_figure_2_ends_in_the_foot_of_the_normal(over_obstacle: Drawing) -> None
 
 
 def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
-    drawing = march(ap57(lift_off=False), tangent, step=STEP, steps=30)
+    drawing = construct_motion(ap57(lift_off=False), tangent, step=STEP, steps=30)
     figure = figures.figure3(drawing)
     (triangle,) = strips(figure, "projection")
     p, corner, p_new = triangle @ [1, 1j]

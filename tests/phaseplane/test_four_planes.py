@@ -21,7 +21,7 @@ from phaseplane.constructions import (
     QuarterCarPlanes,
     Strut,
     Window,
-    march,
+    construct_motion,
     overlay,
 )
 
@@ -159,7 +159,7 @@ def test_the_march_follows_an_independent_solution_with_lift_off_on_both_axles(g
     assert (one.coupling_mass > 0.0) == (gyration < 1.2)
     errors = []
     for step in (0.001, 0.0005):
-        drawing = march(one, step=step, duration=0.35)
+        drawing = construct_motion(one, step=step, duration=0.35)
         rows = [f for f in drawing if abs(f.time / 0.005 - round(f.time / 0.005)) < 1e-6]
         solution = referred(gyration, 0.06, np.array([f.time for f in rows]))
         wanted = solution.displacements.T
@@ -185,7 +185,7 @@ def test_a_rule_converges_with_its_order(rule):
     wanted = solution.displacements.T
     errors = []
     for n in (100, 200, 400):
-        last = march(one, rule, step=0.1 / n, steps=n).frames[-1].points
+        last = construct_motion(one, rule, step=0.1 / n, steps=n).frames[-1].points
         ends = [plane.displacement.read(last[f"{plane.state}'"]) for plane in one.planes]
         found = np.array([ends[0] + ends[1], ends[2] + ends[3], ends[1], ends[3]])
         errors.append(np.max(np.abs(found - wanted[:, -1])))
@@ -197,7 +197,7 @@ def test_without_coupling_there_are_two_quarter_cars():
     base = (TO_FRONT * TO_REAR) ** 0.5
     one = car(base)
     assert abs(one.coupling_mass) < 1e-12
-    both = march(one, step=0.001, duration=0.3)
+    both = construct_motion(one, step=0.001, duration=0.3)
     for axle, data, mass in (
         ("front", one.front, one.front_mass), ("rear", one.rear, one.rear_mass),
     ):  # fmt: skip
@@ -205,7 +205,7 @@ def test_without_coupling_there_are_two_quarter_cars():
             mass, data.unsprung_mass, data.spring, data.damper, data.tyre_stiffness,
             data.tyre_damping, data.road,
         )  # fmt: skip
-        alone = march(quarter, step=0.001, duration=0.3)
+        alone = construct_motion(quarter, step=0.001, duration=0.3)
         end, single = both.frames[-1].readings, alone.frames[-1].readings
         for name in ("body_displacement", "wheel_displacement", "suspension_deflection"):
             assert end[f"{axle}_{name}"] == pytest.approx(single[name], abs=2e-5)
@@ -220,7 +220,7 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
     if tyre:
         data = {**one.front.__dict__, "tyre": tyre, "tyre_stiffness": 0.0, "tyre_damping": 0.0}
         one = car(front=AxleData(**data))
-    drawing = march(one, rule, step=0.002, duration=0.25)
+    drawing = construct_motion(one, rule, step=0.002, duration=0.25)
     assert {f.scheme for f in drawing} >= {"contact", "front_flight", "rear_flight"}
     for frame in drawing:
         scheme = drawing.schemes[frame.scheme]
@@ -234,8 +234,8 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
     assert labels >= {"I1", "II1", "I2", "II2", "III", "IV", "dtau11", "dtau22"}
 
 
-def test_laid_over_its_own_march_it_does_not_drift():
-    drawing = march(car(), step=0.001, duration=0.25)
+def test_laid_over_its_own_motion_it_does_not_drift():
+    drawing = construct_motion(car(), step=0.001, duration=0.25)
     rows = [
         column(drawing, name)
         for axle in ("front", "rear")

@@ -19,7 +19,7 @@ from phaseplane.constructions import (
     HalfCarRigidTyresPlanes,
     OneDofPlane,
     Window,
-    march,
+    construct_motion,
     overlay,
 )
 
@@ -154,7 +154,7 @@ def test_both_readings_of_the_accelerations_agree(one):
 @pytest.mark.parametrize("coupling", COUPLINGS)
 def test_the_march_follows_an_independent_solution(coupling):
     one = car(coupling)
-    drawing = march(one, step=0.002, duration=0.8)
+    drawing = construct_motion(one, step=0.002, duration=0.8)
     times = np.array([*(frame.time for frame in drawing)])
     wanted = by_scipy(one, times)
     for name, course, tolerance in zip(
@@ -171,14 +171,14 @@ def test_the_march_follows_an_independent_solution(coupling):
 
 
 def test_without_coupling_there_are_two_cars_of_one_degree_of_freedom():
-    both = march(car(0.0), step=0.005, duration=0.5)
+    both = construct_motion(car(0.0), step=0.005, duration=0.5)
     one = car(0.0)
     for axle, mass in (("front", one.front_mass), ("rear", one.rear_mass)):
         alone = OneDofPlane(
             mass, getattr(one, f"{axle}_spring"), getattr(one, f"{axle}_damper"),
             getattr(one, f"{axle}_road"),
         )  # fmt: skip
-        single = march(alone, step=0.005, duration=0.5)
+        single = construct_motion(alone, step=0.005, duration=0.5)
         for name in ("suspension_deflection", "body_displacement", "body_acceleration"):
             assert np.allclose(
                 column(both, f"{axle}_{name}"), column(single, name), rtol=0.0, atol=1e-12
@@ -207,7 +207,7 @@ def test_a_rule_converges_with_its_order(rule, coupling):
     exact = solve_ivp(slope, (0.0, 0.3), (0.04, -0.03, 0.2, 0.4), rtol=1e-11, atol=1e-13).y[:, -1]
     errors = []
     for n in (60, 120, 240):
-        last = march(one, rule, step=0.3 / n, steps=n).frames[-1].points
+        last = construct_motion(one, rule, step=0.3 / n, steps=n).frames[-1].points
         ends = [plane.displacement.read(last[f"{plane.state}'"]) for plane in one.planes]
         errors.append(np.max(np.abs(np.array(ends) - exact[:2])))
     orders = [log2(e / f) for e, f in pairwise(errors)]
@@ -216,7 +216,7 @@ def test_a_rule_converges_with_its_order(rule, coupling):
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_every_point_that_the_scheme_joins_is_there(rule):
-    drawing = march(car(), rule, step=0.005, duration=0.05)
+    drawing = construct_motion(car(), rule, step=0.005, duration=0.05)
     scheme = drawing.schemes["contact"]
     names = {mark.point for mark in scheme.marks}
     names |= {n for s in scheme.strokes for n in (s.start, s.end)}
@@ -232,14 +232,14 @@ def test_kerbs_under_both_axles_push_through_the_dampers():
     kerb = roads.step(0.02, 0.05)
     laws = {"front_damper": linear(1200.0), "rear_damper": linear(900.0),
             "rear_spring": linear(18000.0)}  # fmt: skip
-    jumping = march(
+    jumping = construct_motion(
         car(front_road=kerb, rear_road=kerb.delayed(0.11), **laws), step=0.001, duration=0.3
     )
     end = [jumping.frames[-1].readings[f"{axle}_body_displacement"] for axle in ("front", "rear")]
     apart = []
     for length in (0.04, 0.02, 0.01):
         ramp = roads.ramp(0.02, length, 10.0, 0.05 - 0.05 * length)
-        ramped = march(
+        ramped = construct_motion(
             car(front_road=ramp, rear_road=ramp.delayed(0.11), **laws), step=0.0005, duration=0.3
         )
         at = next(f for f in ramped if abs(f.time - jumping.frames[-1].time) < 1e-9)
@@ -254,8 +254,8 @@ def test_kerbs_under_both_axles_push_through_the_dampers():
     assert [f.event for f in jumping if f.event] == ["jolt", "jolt"]
 
 
-def test_laid_over_its_own_march_it_does_not_drift():
-    drawing = march(car(-60.0), step=0.005, duration=0.4)
+def test_laid_over_its_own_motion_it_does_not_drift():
+    drawing = construct_motion(car(-60.0), step=0.005, duration=0.4)
     names = [
         f"{axle}_suspension_deflection{rate}"
         for axle in ("front", "rear")

@@ -16,9 +16,9 @@ from phaseplane.constructions import (
     RULES,
     OneDofPlane,
     Window,
+    construct_motion,
     delta,
     frames,
-    march,
     shortcut_flights,
     with_shortcuts,
 )
@@ -48,7 +48,7 @@ def test_lift_off_and_touchdown_converge(lift_off_and_touchdown):
 def test_steps_end_on_u_and_v(rule):
     """There B2Q2 = b x2st (AP57 eq. 28), so that B2 and B0 are one point."""
     car = ap57(plane_scales=(0.7, 3.1), plane_offset=0.03, contact="force")
-    drawing = march(car, rule, step=STEP, duration=0.15)
+    drawing = construct_motion(car, rule, step=STEP, duration=0.15)
     events = [frame for frame in drawing if frame.event]
     assert [f.event for f in events] == ["lift_off", "touchdown"]
     assert [f.scheme for f in events] == ["flight", "contact"]
@@ -66,7 +66,7 @@ def test_steps_end_on_u_and_v(rule):
 
 
 def test_steps_follow_one_another_without_a_gap():
-    drawing = march(ap57(), step=STEP, duration=0.15)
+    drawing = construct_motion(ap57(), step=STEP, duration=0.15)
     for frame, following in pairwise(drawing.frames):
         assert following.time == pytest.approx(frame.time + frame.duration, abs=1e-15)
         assert following.points["P1"] == frame.points["P1'"]
@@ -82,7 +82,7 @@ def test_steps_follow_one_another_without_a_gap():
 
 
 def test_in_flight_the_centre_of_mass_falls_freely():
-    drawing = march(ap57(), step=STEP / 8, duration=0.15)
+    drawing = construct_motion(ap57(), step=STEP / 8, duration=0.15)
     flight = [frame.readings for frame in drawing if frame.scheme == "flight"]
     assert len(flight) > 100
     for read in flight:
@@ -98,7 +98,7 @@ def test_a_wheel_that_hangs_in_the_air_falls_and_bounces():
         tyre_damping=100.0,
         initial_wheel_displacement=0.5,
     )
-    drawing = march(car, step=0.001, duration=1.5)
+    drawing = construct_motion(car, step=0.001, duration=1.5)
     assert drawing.frames[0].scheme == "flight"
     events = [f.event for f in drawing if f.event]
     assert events[0] == "touchdown"
@@ -147,7 +147,7 @@ def test_a_limit_that_is_only_touched_does_not_stop_the_march():
 
 
 def test_without_lift_off_the_wheel_sticks_to_the_road():
-    drawing = march(ap57(lift_off=False), step=STEP, duration=0.15)
+    drawing = construct_motion(ap57(lift_off=False), step=STEP, duration=0.15)
     assert {f.scheme for f in drawing} == {"contact"}
     assert not any(f.event for f in drawing)
 
@@ -192,7 +192,7 @@ def test_touchdown_by_gap_is_where_the_unloaded_tyre_meets_the_road():
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_at_v_the_tyre_has_its_free_length_and_its_damper_presses_at_once(rule):
     car = ap57()
-    drawing = march(car, rule, step=STEP, duration=0.15)
+    drawing = construct_motion(car, rule, step=STEP, duration=0.15)
     lift_off, touchdown = (frame for frame in drawing if frame.event)
     assert abs(lift_off.readings["contact_force"]) < 1e-9
     read = touchdown.readings
@@ -205,7 +205,7 @@ def test_at_v_the_tyre_has_its_free_length_and_its_damper_presses_at_once(rule):
 def test_no_force_pulls_and_by_gap_none_acts_across_a_gap(contact):
     car = ap57(contact=contact, road=roads.sine(0.06, 1.5, 20.0))
     across = 0.0
-    for frame in march(car, step=STEP / 4, duration=0.6):
+    for frame in construct_motion(car, step=STEP / 4, duration=0.6):
         read, state = frame.readings, frame.points["P2"]
         gap = car.axle.gap(state, frame.time)
         assert read["contact_force"] > -1e-9
@@ -223,7 +223,7 @@ def test_a_kerb_met_in_flight_is_that_of_the_run(contact, height):
         contact=contact, road=roads.step(height, at), initial_wheel_displacement=up,
         damper=damper(200.0 * KGF, 50.0 * KGF),
     )  # fmt: skip
-    drawing = march(car, step=STEP / 8, duration=0.15)
+    drawing = construct_motion(car, step=STEP / 8, duration=0.15)
     before, jolt = next((f, g) for f, g in pairwise(drawing.frames) if g.time == at)
     gap = car.axle.gap(before.points["P2'"], 0.0)
     push = (jolt.points["P2"] - before.points["P2'"]).imag
@@ -254,7 +254,7 @@ def test_an_unknown_rule_of_contact_is_refused():
 def test_the_shortcut_ends_the_flight_later():
     """Where x2 = x2st: in the worked example at 71.9526 ms by DOP853; V itself is at 65.6 ms."""
     for step, tolerance in ((STEP, 2e-5), (STEP / 8, 1e-6)):
-        drawing = march(BY_FORCE, step=step, duration=0.15)
+        drawing = construct_motion(BY_FORCE, step=step, duration=0.15)
         (flight,) = shortcut_flights(BY_FORCE, drawing.frames, step=step)
         last = flight[-1]
         assert last.time + last.duration == pytest.approx(0.0719526, abs=tolerance)
@@ -266,7 +266,7 @@ def test_the_shortcut_ends_the_flight_later():
 
 def test_the_shortcut_is_drawn_beside_the_march_and_changes_nothing():
     car = BY_FORCE
-    drawing = march(car, step=STEP, duration=0.15)
+    drawing = construct_motion(car, step=STEP, duration=0.15)
     drawn = with_shortcuts(drawing, car)
     assert drawn.frames == drawing.frames
     curves = drawn.curves[len(drawing.curves) :]
@@ -287,14 +287,14 @@ def test_a_kerb_pushes_the_wheel_through_the_damper_of_the_tyre():
     """P2 jumps by k2 h / (m Omega2), P1 against it; as a ramp does that is ever steeper."""
     height = 0.01
     car = ap57(road=roads.step(height, 0.0323))
-    drawing = march(car, step=STEP / 4, duration=0.15)
+    drawing = construct_motion(car, step=STEP / 4, duration=0.15)
     before, at = next((f, g) for f, g in pairwise(drawing.frames) if g.event == "jolt")
     push = 100.0 * KGF * height / m
     for plane, sense in zip(car.planes, (-1.0, 1.0), strict=True):
         jump = at.points[plane.state] - before.points[plane.state + "'"]
         bar = sense * push / plane.angular_frequency * plane.scaled_velocity.scale
         assert jump == pytest.approx(1j * bar, abs=1e-12)
-    steep = march(
+    steep = construct_motion(
         replace(car, road=roads.ramp(height, 0.002, 20.0, 0.0323)), step=STEP / 16, duration=0.15
     )
     end, wanted = (d.frames[-1].readings for d in (drawing, steep))
@@ -304,12 +304,12 @@ def test_a_kerb_pushes_the_wheel_through_the_damper_of_the_tyre():
 
 def test_down_a_kerb_the_tyre_does_not_pull():
     car = ap57(road=roads.step(-0.02, 0.02))
-    drawing = march(car, step=STEP, duration=0.1)
+    drawing = construct_motion(car, step=STEP, duration=0.1)
     before, at = next((f, g) for f, g in pairwise(drawing.frames) if g.time == 0.02)
     assert at.points["P2"] == before.points["P2'"]
     assert at.event == "lift_off" or at.readings["contact_force"] > 0.0
     without = replace(car, lift_off=False)
-    jumped = next(f for f in march(without, step=STEP, duration=0.1) if f.time == 0.02)
+    jumped = next(f for f in construct_motion(without, step=STEP, duration=0.1) if f.time == 0.02)
     assert jumped.readings["wheel_velocity"] == pytest.approx(-100.0 * KGF * 0.02 / m)
 
 

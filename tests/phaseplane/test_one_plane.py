@@ -16,7 +16,7 @@ from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import OneDofPlane, Window, delta, march, overlay
+from phaseplane.constructions import OneDofPlane, Window, construct_motion, delta, overlay
 
 MASS, RATE = 300.0, 15000.0
 
@@ -79,7 +79,7 @@ def test_the_foot_of_the_normal_is_minus_delta(y, rate, scale, start, duration):
 
 def test_the_construction_draws_the_motion_over_an_obstacle():
     road = roads.obstacle(0.06, 2.0, 8.0, start=0.05)
-    drawing = march(car(road=road), delta, step=0.001, duration=1.0)
+    drawing = construct_motion(car(road=road), delta, step=0.001, duration=1.0)
     times = np.array([frame.time for frame in drawing])
     x, v = motion(road, np.append(times, 1.0))[:, :-1]
     read = {
@@ -96,13 +96,13 @@ def test_the_construction_draws_the_motion_over_an_obstacle():
 def test_free_vibration_keeps_time():
     one = OneDofPlane(MASS, linear(RATE), linear(0.0), initial_deflection=0.03)
     period = 2.0 * pi * sqrt(MASS / RATE)
-    last = march(one, step=period / 40, steps=40).frames[-1]
+    last = construct_motion(one, step=period / 40, steps=40).frames[-1]
     assert last.points["P'"] == pytest.approx(0.03 + 0j, abs=1e-14)
 
 
 def test_the_auxiliary_curve_of_a_damper_alone_is_one_and_bends_at_its_corners():
     one = car(spring=linear(RATE), damper=damper(2000.0, 500.0, 300.0, 0.0, 100.0))
-    drawing = march(one, step=0.01, duration=1.0)
+    drawing = construct_motion(one, step=0.01, duration=1.0)
     (curve,) = drawing.curves[:1]
     assert [c.role for c in drawing.curves].count("auxiliary") == 1
     assert curve.label == ""
@@ -117,7 +117,7 @@ def test_the_auxiliary_curve_of_a_damper_alone_is_one_and_bends_at_its_corners()
 
 
 def test_a_spring_that_bends_gives_a_family_of_curves_through_round_deflections():
-    drawing = march(car(), step=0.01, duration=1.0)
+    drawing = construct_motion(car(), step=0.01, duration=1.0)
     family = [curve for curve in drawing.curves if curve.role == "auxiliary"]
     assert len(family) > 3
     for curve in family:
@@ -128,7 +128,7 @@ def test_a_spring_that_bends_gives_a_family_of_curves_through_round_deflections(
 
 def test_the_curves_reach_over_the_motion_in_round_steps():
     for height in (0.01, 0.05, 0.3):
-        drawing = march(car(road=roads.bump(height, 4.0, 10.0)), step=0.01, duration=1.0)
+        drawing = construct_motion(car(road=roads.bump(height, 4.0, 10.0)), step=0.01, duration=1.0)
         y = column(drawing, "suspension_deflection")
         joined = [curve.label for curve in drawing.curves if curve.role == "auxiliary"]
         labels = [label for one in joined for label in one.split(" and ")]
@@ -154,7 +154,7 @@ def test_between_two_drawn_curves_and_beyond_the_outer_ones_it_is_interpolated(y
 
 
 def test_the_turn_angle_stands_on_its_arm_and_gives_the_length_of_the_step():
-    drawing = march(car(), step=0.005, duration=0.2)
+    drawing = construct_motion(car(), step=0.005, duration=0.2)
     turned = 0
     for frame in drawing:
         normal = abs(frame.points["P"] - frame.points["D"])
@@ -168,7 +168,7 @@ def test_the_turn_angle_stands_on_its_arm_and_gives_the_length_of_the_step():
 
 
 def test_laid_over_its_own_motion_it_does_not_drift():
-    drawing = march(car(), step=0.005, duration=0.5)
+    drawing = construct_motion(car(), step=0.005, duration=0.5)
     rows = [
         (f.time, f.readings["suspension_deflection"], f.readings["suspension_deflection_rate"])
         for f in drawing
@@ -210,13 +210,13 @@ def test_what_cannot_be_drawn_is_refused(changes, message):
 )
 def test_a_march_that_leads_nowhere_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
-        march(car(), **arguments)
+        construct_motion(car(), **arguments)
 
 
 def test_a_construction_that_leaves_the_sheet_says_when():
     stiff = car(spring=cubic(RATE, 1e12), initial_deflection=0.1)
     with pytest.raises(ArithmeticError, match=r"diverges after .* s; try a step shorter"):
-        march(stiff, step=0.02, duration=2.0)
+        construct_motion(stiff, step=0.02, duration=2.0)
 
 
 def test_importing_the_constructions_is_light():
@@ -238,14 +238,14 @@ def test_a_kerb_pushes_through_the_damper_like_a_ramp_that_is_ever_steeper():
     """An upward kerb compresses: it meets the damper's bump rate, whatever the motion before."""
     kerb, mass, bump = roads.step(0.01, 0.0323), 300.0, 500.0
     one = OneDofPlane(mass, linear(15000.0), damper(2000.0, bump), kerb)
-    drawing = march(one, step=0.001, duration=0.25)
+    drawing = construct_motion(one, step=0.001, duration=0.25)
     at = next(f for f in drawing if f.event == "jolt")
     assert at.time == 0.0323
     assert at.readings["suspension_deflection"] == pytest.approx(-0.01)
     assert at.readings["body_displacement"] == pytest.approx(0.0, abs=1e-15)
     assert at.readings["body_velocity"] == pytest.approx(bump * 0.01 / mass)
     ramp = roads.ramp(0.01, 0.0001, 20.0, 0.0323)
-    steep = march(replace(one, road=ramp), step=0.001, duration=0.25)
+    steep = construct_motion(replace(one, road=ramp), step=0.001, duration=0.25)
     end = [d.frames[-1].readings["body_displacement"] for d in (drawing, steep)]
     assert end[0] == pytest.approx(end[1], abs=3e-7)
 
@@ -254,7 +254,7 @@ def test_where_the_velocity_of_the_road_jumps_the_state_point_does():
     """Over straight lines, against scipy; the step is too long to find the corners by chance."""
     road = roads.table([(0.0, 0.0), (0.37, 0.03), (0.81, -0.01), (1.2, 0.0)], speed=1.0)
     one = car(road=road, initial_rate=-road.rate(0.0))
-    drawing = march(one, step=0.01, duration=1.5)
+    drawing = construct_motion(one, step=0.01, duration=1.5)
     jolts = [f for f in drawing if f.event == "jolt"]
     assert [f.time for f in jolts] == pytest.approx([0.37, 0.81, 1.2])
     times = np.array([f.time for f in drawing])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from worked_example import STEP, ap57, by_scipy, column
 
-from phaseplane.constructions import held_against, march, overlay
+from phaseplane.constructions import compare_with_motion, construct_motion, overlay
 
 
 def test_laid_over_a_solution_it_drifts_by_the_local_error():
@@ -26,8 +26,8 @@ def test_laid_over_a_solution_it_drifts_by_the_local_error():
     assert coarse / fine == pytest.approx(8.0, abs=2.0)
 
 
-def test_laid_over_its_own_march_it_does_not_drift_even_in_flight():
-    drawing = march(ap57(), step=STEP, duration=0.15)
+def test_laid_over_its_own_motion_it_does_not_drift_even_in_flight():
+    drawing = construct_motion(ap57(), step=STEP, duration=0.15)
     names = (
         "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
     )  # fmt: skip
@@ -75,8 +75,8 @@ def test_a_march_drifts_from_an_exact_motion_by_the_error_of_its_rule():
     car = ap57(lift_off=False)
     largest = []
     for parts in (1, 2):
-        drawing = march(car, step=STEP / parts, duration=0.15)
-        held = held_against(
+        drawing = construct_motion(car, step=STEP / parts, duration=0.15)
+        held = compare_with_motion(
             drawing, times.tolist(), *(z.tolist() for z in (x1 - x2, v1 - v2, x2, v2))
         )
         largest.append(max(column(held, "wheel_displacement_drift")))
@@ -87,11 +87,11 @@ def test_a_march_drifts_from_an_exact_motion_by_the_error_of_its_rule():
 
 
 def test_a_march_does_not_drift_from_itself():
-    drawing = march(ap57(), step=STEP, duration=0.1)
+    drawing = construct_motion(ap57(), step=STEP, duration=0.1)
     names = ("suspension_deflection", "suspension_deflection_rate", "wheel_displacement",
              "wheel_velocity")  # fmt: skip
     rows = [column(drawing, name).tolist() for name in names]
-    held = held_against(drawing, column_of_times(drawing), *rows)
+    held = compare_with_motion(drawing, column_of_times(drawing), *rows)
     assert max(column(held, "suspension_deflection_drift")) < 1e-14
 
 
@@ -100,6 +100,6 @@ def column_of_times(drawing) -> list[float]:
 
 
 def test_a_motion_that_is_too_short_is_refused():
-    drawing = march(ap57(), step=STEP, duration=0.1)
+    drawing = construct_motion(ap57(), step=STEP, duration=0.1)
     with pytest.raises(ValueError, match=r"from 0 s to 0\.01 s does not span the construction"):
-        held_against(drawing, [0.0, 0.01], *([[0.0, 0.0]] * 4))
+        compare_with_motion(drawing, [0.0, 0.01], *([[0.0, 0.0]] * 4))

@@ -22,7 +22,7 @@ from recorded import (
     quarter_car,
 )
 
-from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, delta, march
+from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
 from phaseplane.picture.canvas import Echo
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
@@ -40,7 +40,7 @@ from phaseplane.picture.styles import (
     hue_of,
     style_of,
 )
-from phaseplane.picture.words import level_text, markdown, typeset
+from phaseplane.picture.text import level_text, markdown, typeset
 from phaseplane.recording import Content, record
 from phaseplane.recording.columns import legible
 from phaseplane.recording.motion import pages_of
@@ -133,7 +133,7 @@ def test_a_story_in_order() -> None:
 
 
 def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
-    made = march(quarter_car(), delta, step=0.0025, steps=30)
+    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
     stages = made.schemes["contact"].stages
@@ -147,7 +147,7 @@ def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
 
 
 def test_arrows_at_the_rim_come_with_their_letters() -> None:
-    made = march(quarter_car(), delta, step=0.0025, steps=30)
+    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
     ticks = [t for t in story_of(made, stays, arms_page(made), {}, (step,)) if t.step == step]
@@ -180,7 +180,7 @@ def test_a_column_has_the_same_hue_in_the_chart_and_in_the_plots(name: str, numb
 
 
 def test_what_is_long_past_is_faint_in_a_story() -> None:
-    made = march(quarter_car(), delta, step=0.0025, steps=500)
+    made = construct_motion(quarter_car(), delta, step=0.0025, steps=500)
     stays = pages_of(Content("quarter car", made))[0]
     *_, last = story_of(made, stays, arms_page(made), {}, (12, 490))
     past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
@@ -190,7 +190,7 @@ def test_what_is_long_past_is_faint_in_a_story() -> None:
 
 
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
-    made = march(quarter_car(), delta, step=0.0025, steps=10)
+    made = construct_motion(quarter_car(), delta, step=0.0025, steps=10)
     names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
     histories = {"time": [0.0, 0.02], **{name: [0.0, 0.01] for name in names}}
     page = Chart(made, histories, names, QUANTITIES[0]).stays
@@ -204,7 +204,7 @@ def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
     )  # fmt: skip
     assert max(rear) < min(front)
     assert "t [ms]" in named
-    slow = march(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
+    slow = construct_motion(EquationPlane(lambda v, x, t: x, True), delta, step=0.1, duration=3.0)
     texts = Chart(slow, {"time": [0.0, 3.0], "y": [0.0, 1.0]}, ("y",), QUANTITIES[0]).stays.texts
     assert "t [s]" in [text.text for text in texts]
 

@@ -14,6 +14,7 @@ from phaseplane.suspension.variables import checked_parameters
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
+    compute_portrait,
     direction_field,
     energy_levels,
     equilibria,
@@ -25,7 +26,6 @@ from phaseplane.portrait import (
     periodic_motion,
     poincare_section,
     separatrices,
-    whole_portrait,
 )
 
 WIDE = Window(-4.0, 4.0, -3.0, 3.0)
@@ -236,7 +236,7 @@ def test_a_window_is_as_high_as_motions_from_its_sides_get() -> None:
 def test_isoclines_of_a_whole_portrait_have_slopes_of_the_windows_shape() -> None:
     """Of x'' = -9 x straight lines, as f + s x' = 0 says; slopes in heights over widths."""
     window = Window(-1.0, 1.0, -6.0, 6.0)
-    lines = whole_portrait(linear(9.0, 0.0), window).isoclines
+    lines = compute_portrait(linear(9.0, 0.0), window).isoclines
     for (line,), wanted in zip(lines, (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0), strict=True):
         x, v = line[abs(line[:, 1]) > 1e-3].T
         assert -9.0 * x / v == pytest.approx(6.0 * wanted, rel=1e-6)

@@ -14,12 +14,12 @@ from scipy.special import gamma
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
+    compute_portrait,
     conserves,
     equilibria,
     followed,
     limit_cycles,
     separatrices,
-    whole_portrait,
 )
 from phaseplane.portrait.returns import turns
 from phaseplane.portrait.trajectories import motions
@@ -269,10 +269,10 @@ def test_a_cycle_around_three_equilibria_is_found_once() -> None:
 
 def test_a_system_that_dissipates_is_not_drawn_by_its_energy() -> None:
     for function in (lambda v, x: x + v**3, lambda v, x: x + x * x * v):
-        made = whole_portrait(of(function), WIDE)
+        made = compute_portrait(of(function), WIDE)
         assert not made.energy_curves
         assert made.orbits
-    made = whole_portrait(of(lambda v, x: x**3), WIDE)
+    made = compute_portrait(of(lambda v, x: x**3), WIDE)
     assert made.energy_curves
     assert not made.orbits
     assert conserves(of(lambda v, x: np.sin(x)), WIDE)
@@ -280,7 +280,7 @@ def test_a_system_that_dissipates_is_not_drawn_by_its_energy() -> None:
 
 
 def test_each_well_has_its_curves() -> None:
-    made = whole_portrait(of(lambda v, x: x**3 - x), WIDE)
+    made = compute_portrait(of(lambda v, x: x**3 - x), WIDE)
     for well in (-1.0, 1.0):
         inside = [
             line for lines in made.energy_curves for line in lines
@@ -300,12 +300,12 @@ def test_integral_curves_end_at_the_border_or_at_rest() -> None:
 
 def test_a_driven_system_is_drawn_frozen_on_demand_alone() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + x - np.cos(2.0 * t), period=pi)
-    made = whole_portrait(system, WIDE, periods=30)
+    made = compute_portrait(system, WIDE, periods=30)
     assert made.field is None
     assert made.section is not None
     shown = (made.equilibria, made.orbits, made.nullcline, made.separatrices)
     assert not any(map(len, shown))
-    still = whole_portrait(system, WIDE, frozen=pi / 6.0)
+    still = compute_portrait(system, WIDE, frozen=pi / 6.0)
     assert still.section is None
     assert still.frozen == pi / 6.0
     assert [at.x for at in still.equilibria] == pytest.approx([0.5])
@@ -315,7 +315,7 @@ def test_a_driven_system_that_dissipates_nothing_keeps_all_its_points() -> None:
     """Linear, without damping: ellipses in the section, by the difference from the forced motion."""
     w = 0.7320508
     system = PhaseSystem(lambda v, x, t: x - np.cos(w * t), period=2.0 * pi / w)
-    made = whole_portrait(system, WIDE, periods=40).section
+    made = compute_portrait(system, WIDE, periods=40).section
     assert made is not None
     assert made.transient == 0
     assert made.attractors == ()
@@ -326,6 +326,6 @@ def test_a_driven_system_that_dissipates_nothing_keeps_all_its_points() -> None:
 
 def test_what_leaves_every_window_ends_there() -> None:
     system = of(lambda v, x: -(x**3) - v**3)
-    made = whole_portrait(system, WIDE)
+    made = compute_portrait(system, WIDE)
     assert all(np.isfinite(curve).all() for curve in (*made.orbits, *made.separatrices))
     assert inf not in [c.multiplier for c in made.cycles]

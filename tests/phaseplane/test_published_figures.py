@@ -17,7 +17,7 @@ from phaseplane import figures
 from phaseplane.constructions import (
     Drawing,
     HalfCarRigidTyresPlanes,
-    march,
+    construct_motion,
     rule_named,
 )
 
@@ -26,12 +26,12 @@ CM = 0.01
 
 @pytest.fixture(scope="module")
 def grounded() -> Drawing:
-    return march(ap57(lift_off=False), step=STEP, steps=60)
+    return construct_motion(ap57(lift_off=False), step=STEP, steps=60)
 
 
 @pytest.fixture(scope="module")
 def flying() -> Drawing:
-    return march(ap57(), step=STEP, steps=40)
+    return construct_motion(ap57(), step=STEP, steps=40)
 
 
 @pytest.fixture(scope="module")
@@ -40,11 +40,11 @@ def half_car() -> Drawing:
         300.0, 330.0, 40.0, linear(15000.0), linear(16000.0), damper(1800.0, 600.0),
         damper(1800.0, 600.0), roads.bump(0.1, 20.0, 20.0), roads.bump(0.1, 20.0, 20.0, 0.13),
     )  # fmt: skip
-    return march(planes, step=0.02, steps=60)
+    return construct_motion(planes, step=0.02, steps=60)
 
 
 def by_rule(name: str) -> Drawing:
-    return march(ap57(lift_off=False), rule_named(name), step=3 * STEP, steps=15)
+    return construct_motion(ap57(lift_off=False), rule_named(name), step=3 * STEP, steps=15)
 
 
 def strips(figure: Figure, role: str) -> list[list[complex]]:
@@ -112,7 +112,7 @@ def test_the_length_of_h2_is_that_of_its_mean(grounded: Drawing) -> None:
 
 @pytest.mark.parametrize("contact", ["gap", "force"])
 def test_figure_9_shows_where_the_tyre_bears_nothing(contact: str) -> None:
-    figure = figures.figure9(march(ap57(contact=contact), step=STEP, duration=0.15))
+    figure = figures.figure9(construct_motion(ap57(contact=contact), step=STEP, duration=0.15))
     x2st = 33.0 / 15000.0 * 9.80665  # (M + m) g / c2 with kgf s2/m and kgf/m
     widths = [2.5 * x2st] * 2
     found = sorted(lengths(figure), key=lambda width: abs(width - widths[0]))[:2]
@@ -190,7 +190,7 @@ def test_figure_4a_takes_the_mean_of_both_normals() -> None:
 
 
 def test_figure_8_turns_the_planes_in_opposite_senses() -> None:
-    drawing = march(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=60)
+    drawing = construct_motion(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=60)
     figure = figures.figure8(drawing)
     normals, arcs = strips(figure, "normal"), strips(figure, "turn")
     turns = [phase((arc[-1] - d) / (arc[0] - d)) for (d, _), arc in zip(normals, arcs, strict=True)]
@@ -209,7 +209,7 @@ def test_figure_13_has_the_lines_of_points_0_to_20(grounded: Drawing) -> None:
 
 
 def test_figure_13_of_a_long_motion_numbers_some_points() -> None:
-    drawing = march(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=500)
+    drawing = construct_motion(ap57(lift_off=False), rule_named("tangent"), step=STEP, steps=500)
     figure = figures.figure13(drawing)
     texts = [text.get_text() for text in figure.axes[0].texts]
     numbered = {text for text in texts if text.isdigit() and int(text) > 20}

@@ -37,8 +37,8 @@ from phaseplane.constructions import (
     Plane,
     Rule,
     Scheme,
+    construct_motion,
     delta,
-    march,
 )
 from phaseplane.picture.story import Tick, arms_page, story_of
 from phaseplane.picture.styles import style_of
@@ -337,7 +337,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
-    figure = march(quarter_car(), rule, step=0.0025, steps=60)
+    figure = construct_motion(quarter_car(), rule, step=0.0025, steps=60)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     trail = recorded.rows["/sheet/trail/wheel_displacement/recent"]
@@ -358,7 +358,7 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
 
 
 def test_normals_of_figure_7(tmp_path: Path) -> None:
-    figure = march(quarter_car(lift_off=False), delta, step=0.0025, steps=20)
+    figure = construct_motion(quarter_car(lift_off=False), delta, step=0.0025, steps=20)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     strokes = [stroke.role for stroke in figure.schemes["contact"].strokes]
@@ -398,7 +398,7 @@ def test_one_plane(tmp_path: Path) -> None:
         damper=damper(200 * KGF, 50 * KGF),
         road=bump(height=0.05, length=1.0, speed=20.0),
     )
-    record(march(plane, delta, step=0.0025, steps=40), tmp_path / "f.rrd")
+    record(construct_motion(plane, delta, step=0.0025, steps=40), tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     assert len(recorded.rows["/sheet/trail/suspension_deflection/recent"]) == 40
     assert "/sheet/events" not in recorded.rows

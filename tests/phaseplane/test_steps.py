@@ -13,7 +13,14 @@ from hypothesis import strategies as st
 from phaseplane.suspension.characteristics import cubic, linear
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import RULES, OneDofPlane, delta, march, rule_named, velocity
+from phaseplane.constructions import (
+    RULES,
+    OneDofPlane,
+    construct_motion,
+    delta,
+    rule_named,
+    velocity,
+)
 from phaseplane.constructions import tangent as tangent_rule
 from phaseplane.constructions.geometry import at_height, meet, turned
 
@@ -198,7 +205,7 @@ def oscillator() -> OneDofPlane:
 
 @pytest.mark.parametrize("name", ["delta", "osculating_circle", "midpoint_circle"])
 def test_with_the_spring_alone_the_curve_is_a_circle(name):
-    frames = march(oscillator(), RULES[name], step=0.03, steps=200).frames
+    frames = construct_motion(oscillator(), RULES[name], step=0.03, steps=200).frames
     radius = abs(0.1 + 0.04j)
     assert max(abs(abs(frame.points["P'"]) - radius) for frame in frames) < 1e-14
     # and time runs as on a clock: Omega = 5 rad/s, clockwise
@@ -207,7 +214,7 @@ def test_with_the_spring_alone_the_curve_is_a_circle(name):
 
 
 def test_the_tangent_leaves_the_circle_outwards():
-    frames = march(oscillator(), tangent_rule, step=0.03, steps=50).frames
+    frames = construct_motion(oscillator(), tangent_rule, step=0.03, steps=50).frames
     grown = abs(frames[-1].points["P'"]) / abs(frames[0].points["P"])
     assert grown == pytest.approx((1.0 + (5 * 0.03) ** 2) ** (50 / 2), rel=1e-12)
 
@@ -239,7 +246,7 @@ def end_of_the_nonlinear_oscillation() -> complex:
 def test_a_rule_converges_with_its_order(rule, end_of_the_nonlinear_oscillation):
     errors = []
     for n in (160, 320, 640):
-        last = march(nonlinear_oscillator(), rule, step=1.0 / n, steps=n).frames[-1]
+        last = construct_motion(nonlinear_oscillator(), rule, step=1.0 / n, steps=n).frames[-1]
         errors.append(abs(last.points["P'"] - end_of_the_nonlinear_oscillation))
     orders = [log2(e / f) for e, f in pairwise(errors)]
     assert orders == pytest.approx([rule.order, rule.order], abs=0.12)

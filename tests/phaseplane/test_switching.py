@@ -12,16 +12,16 @@ from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import build
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import EquationPlane, OneDofPlane, march, rule_named
+from phaseplane.constructions import EquationPlane, OneDofPlane, construct_motion, rule_named
 from phaseplane.equations import Formula, motion
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
+    compute_portrait,
     equilibria,
     followed,
     limit_cycles,
     of_coordinate,
-    whole_portrait,
 )
 
 number = st.floats(-3.0, 3.0)
@@ -175,7 +175,7 @@ def test_the_construction_of_dry_friction_is_exact_and_ends_its_steps_on_the_swi
     one = EquationPlane(
         Formula("x + R*sign(v)", {"R": friction}).switching, initial_displacement=2.05
     )
-    drawing = march(one, rule_named("delta"), step=0.21, duration=20.0)
+    drawing = construct_motion(one, rule_named("delta"), step=0.21, duration=20.0)
     assert drawing.end is not None
     assert drawing.end.time == pytest.approx(3.0 * pi)
     assert drawing.end.event == drawing.end.scheme == "rest"
@@ -199,7 +199,7 @@ def test_the_construction_keeps_its_order_through_switches(text):
     one = EquationPlane(formula.switching, initial_displacement=2.0)
     errors = []
     for step in (0.1, 0.05, 0.025):
-        drawing = march(one, rule_named("delta"), step=step, duration=6.0)
+        drawing = construct_motion(one, rule_named("delta"), step=step, duration=6.0)
         known = motion(formula.switching, (2.0, 0.0), [f.time for f in drawing])
         errors.append(
             max(abs(f.readings["displacement"] - x)
@@ -217,7 +217,7 @@ def test_a_car_with_dry_friction_sticks_and_slips_in_its_plane():
         mass=100.0, spring=linear(1e4), damper=linear(0.0), friction=30.0,
         road=roads.sine(0.01, 2.0, 2.0),
     )  # fmt: skip
-    drawing = march(one, rule_named("delta"), step=2e-3, duration=1.0)
+    drawing = construct_motion(one, rule_named("delta"), step=2e-3, duration=1.0)
     at_rest = [f for f in drawing if f.scheme == "rest"]
     assert at_rest
     for frame in at_rest:
@@ -285,7 +285,7 @@ def test_the_limit_cycle_of_negative_damping_and_dry_friction():
 def test_the_section_of_a_driven_mass_with_friction_is_den_hartogs():
     """J. P. Den Hartog, Trans. ASME 53 (1931): without stops, x at the turn from the closed form."""
     friction, force, w = 0.1, 0.5, 0.8
-    shown = whole_portrait(
+    shown = compute_portrait(
         portrayed("x + R*sign(v) - F*cos(w*t)", R=friction, F=force, w=w), WINDOW, periods=60
     )
     assert shown.section is not None

@@ -21,8 +21,8 @@ from phaseplane.constructions import (
     QuarterCarPlanes,
     Strut,
     Window,
+    construct_motion,
     frames,
-    march,
 )
 
 
@@ -60,7 +60,7 @@ def test_the_wheel_would_leave_the_road(without_lift_off):
     road = np.array([elevation(t) for t in np.arange(61) * STEP]).T
     _, x2, _, v2 = without_lift_off
     bracket = x2 - road[0] + K2 / C2 * (v2 - road[1])
-    drawing = march(ap57(lift_off=False), step=STEP, steps=60)
+    drawing = construct_motion(ap57(lift_off=False), step=STEP, steps=60)
     points = [frame.points for frame in drawing]
     assert 100.0 * bracket.max() == pytest.approx(4.82, abs=0.01)
     assert column(drawing, "contact_force").min() < 0.0
@@ -196,7 +196,7 @@ def test_the_normals_turn_in_opposite_senses():
 )
 def test_largest_error_of_the_worked_example(name, least, most, without_lift_off):
     """In y, x2 and x1 over 60 points of 2.5 ms, cm."""
-    drawing = march(ap57(lift_off=False), RULES[name], step=STEP, steps=60)
+    drawing = construct_motion(ap57(lift_off=False), RULES[name], step=STEP, steps=60)
     x1, x2, _, _ = without_lift_off[:, :-1]
     errors = [
         column(drawing, "suspension_deflection") - (x1 - x2),
@@ -211,7 +211,9 @@ def test_second_order_in_coupled_planes(name, without_lift_off):
     x1, x2, _, _ = without_lift_off[:, :-1]
     errors = []
     for parts in (1, 2, 4):
-        drawing = march(ap57(lift_off=False), RULES[name], step=STEP / parts, steps=60 * parts)
+        drawing = construct_motion(
+            ap57(lift_off=False), RULES[name], step=STEP / parts, steps=60 * parts
+        )
         body = column(drawing, "body_displacement")[::parts] - x1
         wheel = column(drawing, "wheel_displacement")[::parts] - x2
         errors.append(np.max(np.abs([body, wheel])))
@@ -223,7 +225,7 @@ def test_the_control_agrees_to_the_error_of_the_step():
     """x1 = x2 + y (24) against (25) integrated twice."""
     apart = []
     for parts in (1, 2, 4):
-        drawing = march(ap57(contact="force"), step=STEP / parts, duration=0.15)
+        drawing = construct_motion(ap57(contact="force"), step=STEP / parts, duration=0.15)
         difference = column(drawing, "body_displacement") - column(
             drawing, "control_body_displacement"
         )
@@ -241,7 +243,7 @@ def test_the_control_agrees_to_the_error_of_the_step():
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_every_point_that_a_scheme_joins_is_there(rule):
-    drawing = march(ap57(), rule, step=STEP, duration=0.1)
+    drawing = construct_motion(ap57(), rule, step=STEP, duration=0.1)
     assert set(drawing.schemes) == {"contact", "flight"}
     for frame in drawing:
         scheme = drawing.schemes[frame.scheme]
@@ -255,7 +257,7 @@ def test_every_point_that_a_scheme_joins_is_there(rule):
 
 
 def test_what_stays_on_the_sheet():
-    drawing = march(ap57(), step=STEP, duration=0.15)
+    drawing = construct_motion(ap57(), step=STEP, duration=0.15)
     by_label = {curve.label: curve for curve in drawing.curves}
     assert {z.imag for z in by_label["I"].vertices} == {-0.2}
     assert by_label["II"].vertices[0].imag == pytest.approx(-0.19608, abs=5e-6)
@@ -285,16 +287,16 @@ def test_what_stays_on_the_sheet():
 @given(st.tuples(scale, scale), st.floats(0.1, 1.0), st.floats(-0.2, 0.2))
 def test_the_motion_does_not_depend_on_the_sheet(scales, distance, offset):
     other = ap57(plane_scales=scales, plane_distance=distance, plane_offset=offset)
-    one = march(ap57(), step=STEP, steps=20).frames[-1].readings
-    two = march(other, step=STEP, steps=20).frames[-1].readings
+    one = construct_motion(ap57(), step=STEP, steps=20).frames[-1].readings
+    two = construct_motion(other, step=STEP, steps=20).frames[-1].readings
     for name, value in one.items():
         assert two[name] == pytest.approx(value, rel=1e-7, abs=1e-7)
 
 
 def test_a_stop_in_the_spring_is_felt():
     stop = ap57(spring=linear(C1) + bump_stop(0.03, 10.0 * C1))
-    bare = column(march(ap57(), step=STEP / 4, duration=0.15), "suspension_deflection")
-    held = column(march(stop, step=STEP / 4, duration=0.15), "suspension_deflection")
+    bare = column(construct_motion(ap57(), step=STEP / 4, duration=0.15), "suspension_deflection")
+    held = column(construct_motion(stop, step=STEP / 4, duration=0.15), "suspension_deflection")
     assert bare.min() < -0.045
     assert bare.min() + 0.002 < held.min() < -0.03
 
@@ -374,7 +376,7 @@ def test_a_linear_tyre_moves_alike_in_either_plane():
     apart = []
     for parts in (1, 2, 4):
         ends = [
-            march(car, step=STEP / parts, duration=0.15).frames[-1].readings
+            construct_motion(car, step=STEP / parts, duration=0.15).frames[-1].readings
             for car in (ap57(), ap57(tyre_stiffness=0.0, tyre_damping=0.0, tyre=law))
         ]
         apart.append(abs(ends[0]["wheel_displacement"] - ends[1]["wheel_displacement"]))
@@ -442,7 +444,7 @@ def test_a_hardening_tyre_against_an_independent_solution(contact):
             flies = not flies
     errors = []
     for parts in (4, 8):
-        drawing = march(car, step=STEP / parts, duration=0.15)
+        drawing = construct_motion(car, step=STEP / parts, duration=0.15)
         last = drawing.frames[-1].points
         y = [lienard.plane.displacement.read(last[f"{lienard.plane.state}'"])
              for lienard in (car.axle.suspension, car.axle.wheel)]  # fmt: skip
@@ -466,12 +468,12 @@ def test_between_the_curves_of_a_family_the_point_is_interpolated():
     def progressive(rate: float, y: float) -> float:
         return 1200.0 * rate * (1.0 + 200.0 * y * y)
 
-    own = march(ap57(damper=progressive), step=STEP, duration=0.15).frames[-1].points
+    own = construct_motion(ap57(damper=progressive), step=STEP, duration=0.15).frames[-1].points
     apart = []
     for count in (5, 9, 17):
         levels = tuple(np.linspace(-0.06, 0.06, count))
         car = ap57(damper=progressive, auxiliary_levels=levels)
-        drawing = march(car, step=STEP, duration=0.15)
+        drawing = construct_motion(car, step=STEP, duration=0.15)
         apart.append(abs(drawing.frames[-1].points["P1'"] - own["P1'"]))
         curves = [c for c in drawing.curves if c.role == "auxiliary"]
         labels = [label for c in curves for label in c.label.split(" and ")]
@@ -488,4 +490,4 @@ def test_between_the_curves_of_a_family_the_point_is_interpolated():
 def test_a_step_too_long_for_a_stiff_stop_says_when_it_leaves_the_sheet():
     car = ap57(spring=linear(C1) + bump_stop(0.02, 1e9))
     with pytest.raises(ArithmeticError, match=r"diverges after 0\.0\d+ s; try a step shorter"):
-        march(car, step=STEP, duration=0.5)
+        construct_motion(car, step=STEP, duration=0.5)

@@ -11,7 +11,7 @@ from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import Element, Load, System
 
-from phaseplane.constructions import RULES, ElastoplasticPlane, march, overlay
+from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion, overlay
 
 LOADS = (0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0)
 LOAD = roads.table([(0.1 * k, force) for k, force in enumerate(LOADS)])
@@ -35,7 +35,7 @@ def column(drawing, name: str) -> np.ndarray:
 
 
 def test_it_reproduces_the_converged_solution():
-    drawing = march(frame_of(), step=0.001, duration=0.9)
+    drawing = construct_motion(frame_of(), step=0.001, duration=0.9)
     found = [f for f in drawing if abs(f.time / 0.1 - round(f.time / 0.1)) < 1e-6][1:]
     assert [1e3 * f.readings["displacement"] for f in found] == pytest.approx(CONVERGED, abs=6e-5)
     events = {f.event: f.time for f in drawing if f.event}
@@ -68,7 +68,7 @@ def test_a_rule_converges_with_its_order(rule):
     wanted = integrated(LOAD, times)
     errors = []
     for n in (80, 160):
-        drawing = march(frame_of(), rule, step=0.8 / n, duration=0.85)
+        drawing = construct_motion(frame_of(), rule, step=0.8 / n, duration=0.85)
         rows = [f for f in drawing if any(abs(f.time - t) < 1e-9 for t in times)]
         found = [f.readings["displacement"] for f in rows]
         errors.append(np.max(np.abs(np.array(found) - wanted)))
@@ -78,7 +78,7 @@ def test_a_rule_converges_with_its_order(rule):
 def test_hardening_and_many_reversals_agree_with_the_integrator():
     load = roads.table([(0.25 * k, 11.0 * (-1.0) ** k) for k in range(1, 13)])
     one = frame_of(load=load, hardening=800.0, permanent_set=2e-4)
-    drawing = march(one, step=0.0005, duration=3.0)
+    drawing = construct_motion(one, step=0.0005, duration=3.0)
     rows = [f for f in drawing if abs(f.time / 0.05 - round(f.time / 0.05)) < 1e-6][1:]
     wanted = integrated(load, [f.time for f in rows], hardening=800.0, permanent_set=2e-4)
     found = [f.readings["displacement"] for f in rows]
@@ -88,7 +88,7 @@ def test_hardening_and_many_reversals_agree_with_the_integrator():
 
 
 def test_the_auxiliary_line_goes_through_the_set():
-    drawing = march(frame_of(), step=0.01, duration=1.5)
+    drawing = construct_motion(frame_of(), step=0.01, duration=1.5)
     omega = sqrt(50.0)
     for frame in drawing:
         points = frame.points
@@ -103,13 +103,13 @@ def test_the_auxiliary_line_goes_through_the_set():
 
 
 def test_a_spring_that_never_yields_stays_elastic():
-    drawing = march(frame_of(yield_force=100.0), step=0.01, duration=1.0)
+    drawing = construct_motion(frame_of(yield_force=100.0), step=0.01, duration=1.0)
     assert {f.scheme for f in drawing} == {"elastic"}
     assert column(drawing, "permanent_set") == pytest.approx(0.0, abs=1e-12)
 
 
-def test_laid_over_its_own_march_it_does_not_drift():
-    drawing = march(frame_of(), step=0.005, duration=1.0)
+def test_laid_over_its_own_motion_it_does_not_drift():
+    drawing = construct_motion(frame_of(), step=0.005, duration=1.0)
     laid = overlay(
         frame_of(), [f.time for f in drawing], column(drawing, "displacement"),
         column(drawing, "velocity"),

@@ -11,11 +11,11 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import InputError
-from phaseplane.scenarios.studies import accuracy, own, workbench
+from phaseplane.scenarios.studies import accuracy, project_solvers, workbench
 from phaseplane.scenarios.studies.accuracy import Point, Solver, measure, solvers
+from phaseplane.scenarios.studies.accuracy_report import table, time_to_reach
 from phaseplane.scenarios.studies.problems import PROBLEMS, Problem, find_problem, of_model
 from phaseplane.scenarios.studies.reference import truth
-from phaseplane.scenarios.studies.telling import table, time_to_reach
 from phaseplane.scenarios.studies.workbench import Run, UnableError, Workbench
 
 from phaseplane.figures import work_precision
@@ -166,18 +166,18 @@ def test_a_construction_is_read_at_the_wanted_instants() -> None:
     by_force = {"contact": "force"}
     problem = of_model("car", "", "non-smooth", "QuarterCar", by_force, 0.1, 20)
     bench = Workbench(problem, truth(problem))
-    coarse, fine = (own.drawn("delta", bench, step)() for step in (2.5e-3, 6.25e-4))
+    coarse, fine = (project_solvers.drawn("delta", bench, step)() for step in (2.5e-3, 6.25e-4))
     peak = np.abs(bench.true).max()
     assert np.abs(coarse - bench.true).max() < 0.1 * peak
     assert np.abs(fine - bench.true).max() < 0.3 * np.abs(coarse - bench.true).max()
     with pytest.raises(UnableError):
-        own.drawn("delta", Workbench(PROBLEMS["full_car"](), bench.true), 1e-3)
+        project_solvers.drawn("delta", Workbench(PROBLEMS["full_car"](), bench.true), 1e-3)
 
 
 def test_the_fmu_gives_what_the_integrator_gives() -> None:
     problem = of_model("car", "", "non-smooth", "QuarterCar", {}, 0.1, 20)
     bench = Workbench(problem, truth(problem))
-    run = own.through_fmu(bench, 1e-8)
+    run = project_solvers.through_fmu(bench, 1e-8)
     assert np.abs(run() - bench.true).max() < 1e-8 * np.abs(bench.true).max()
     assert (run() == run()).all()
 

@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 from matplotlib.figure import Figure
 from phaseplane.scenarios.draw.classroom import OWN, answered
-from phaseplane.scenarios.draw.constructions import constructed
+from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane.exercises import sheet_data
@@ -56,7 +56,7 @@ def test_the_page_draws_what_the_command_draws(name: str) -> None:
         "rule": scene.construction.rule, "step": scene.construction.step, "plane_distance": 0.25,
         "plane_scales": scene.construction.plane_scales, "starts": scene.construction.starts,
     }  # fmt: skip
-    drawing = constructed(
+    drawing = draw_construction(
         scene.fmu.model, scene.all_parameters, settings, float(fields["duration"])
     )
     assert asked("sheet", name, **fields) == json.loads(json.dumps(sheet_data(drawing)))

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
-from phaseplane.scenarios.results.folder import Place, Results, replaced_whole, write_results
+from phaseplane.scenarios.results.folder import Place, Results, replace_folder, write_results
 from phaseplane.scenarios.results.tables import write_table
 from phaseplane.scenarios.scene.expectations import During, Reference
 from phaseplane.scenarios.scene.fields import keys_of, schema_of
@@ -46,7 +46,7 @@ def tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         Path(name).mkdir()
         Path(name, "summary.json").write_text(f'{{"phaseplane_results": 1, {said}}}')
         Path(name, "results.csv").write_text("time,x\n0,1\n")
-    with replaced_whole(Place(tmp_path / "out" / "kept")) as draft:
+    with replace_folder(Place(tmp_path / "out" / "kept")) as draft:
         write_results(Results({"time": time, "x": time}, {}), draft)
     return tmp_path
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from phaseplane.scenarios.results.comparison import check_ascending, compared, extent_words
+from phaseplane.scenarios.results.comparison import check_ascending, compared, format_extent
 
 OURS = {"time": np.linspace(0.0, 1.0, 11), "a": np.linspace(0.0, 2.0, 11), "b": np.zeros(11)}
 OTHER = {"time": np.linspace(0.0, 2.0, 5), "a": np.linspace(0.0, 4.4, 5), "b": np.zeros(5)}
@@ -20,7 +20,7 @@ def test_differences_over_the_common_time() -> None:
     assert (worst.name, equal.relative) == ("a", 0.0)
     assert worst.largest == pytest.approx(0.2)
     assert (worst.time, worst.relative) == (1.0, pytest.approx(0.2 / 2.2))
-    assert extent_words(found.as_data()) == "2 columns, 11 rows from 0 to 1 s"
+    assert format_extent(found.as_data()) == "2 columns, 11 rows from 0 to 1 s"
 
 
 def test_what_is_no_number_in_one_of_them_is_a_difference() -> None:

@@ -14,7 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
-from phaseplane.scenarios.draw.constructions import constructed, laid_over, rate_of, told_of
+from phaseplane.scenarios.draw.constructions import (
+    draw_construction,
+    drawing_summary,
+    overlay_run,
+    rate_of,
+)
 from phaseplane.scenarios.draw.planes import of_system, planes_of
 from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.equation import check_equation
@@ -25,7 +30,7 @@ from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 from phaseplane.suspension.systems import Element, System
 
-from phaseplane.constructions import RULES, QuarterCarPlanes, march
+from phaseplane.constructions import RULES, QuarterCarPlanes, construct_motion
 from phaseplane.equations import Formula
 
 SETTINGS = {"rule": "delta", "step": 0.001}
@@ -63,7 +68,7 @@ def parameters_of(model: str, road: dict) -> dict:
 def test_every_model_is_constructed_on_any_road(model, road):
     """Against the integrator; the road of straight lines makes the state points jump."""
     parameters = parameters_of(model, road)
-    drawing = constructed(model, parameters, SETTINGS, 0.5)
+    drawing = draw_construction(model, parameters, SETTINGS, 0.5)
     frames = [f for f in drawing if abs(f.time / 0.05 - round(f.time / 0.05)) < 1e-6]
     columns = simulate(
         model, {**parameters, "solver.tolerance": 1e-9}, [f.time for f in frames], MODELS[model]
@@ -71,7 +76,7 @@ def test_every_model_is_constructed_on_any_road(model, road):
     for name in MODELS[model]:
         found = np.array([f.readings[name] for f in frames])
         assert np.max(np.abs(found - columns[name])) < 1e-4 * max(1.0, np.max(np.abs(found)) / 0.05)
-    assert told_of(drawing)["control"]
+    assert drawing_summary(drawing)["control"]
 
 
 @pytest.mark.parametrize(
@@ -87,7 +92,7 @@ def test_every_model_is_constructed_on_any_road(model, road):
 )
 def test_every_law_is_drawn(laws):
     parameters = parameters_of("QuarterCar", {**laws, "contact": "force"})
-    drawing = constructed("QuarterCar", parameters, {**SETTINGS, "step": 5e-4}, 0.2)
+    drawing = draw_construction("QuarterCar", parameters, {**SETTINGS, "step": 5e-4}, 0.2)
     assert [f.event for f in drawing if f.event] == ["lift_off", "touchdown"]
     names = MODELS["QuarterCar"]
     columns = simulate(
@@ -101,7 +106,7 @@ def test_every_law_is_drawn(laws):
 def test_an_initial_state_is_that_of_the_run():
     start = {"initial.body_displacement": 0.03, "initial.wheel_velocity": 0.4, "road.shape": "flat"}
     parameters = parameters_of("QuarterCar", start)
-    drawing = constructed("QuarterCar", parameters, SETTINGS, 0.2)
+    drawing = draw_construction("QuarterCar", parameters, SETTINGS, 0.2)
     first = drawing.frames[0].readings
     assert first["body_displacement"] == pytest.approx(0.03)
     assert first["wheel_velocity"] == pytest.approx(0.4)
@@ -114,13 +119,13 @@ def test_an_initial_state_is_that_of_the_run():
 def test_the_frame_that_yields():
     loads = {"force.table": "0:0, 0.1:5, 0.2:8, 0.3:7, 0.4:5, 0.5:3, 0.6:2, 0.7:1, 0.8:0"}
     parameters = parameters_of("Elastoplastic", loads)
-    drawing = constructed("Elastoplastic", parameters, SETTINGS, 0.9)
+    drawing = draw_construction("Elastoplastic", parameters, SETTINGS, 0.9)
     assert 1e3 * drawing.frames[-1].readings["permanent_set"] == pytest.approx(1.5223, abs=5e-5)
     times = np.linspace(0.0, 0.9, 451)
     columns = simulate("Elastoplastic", parameters, times.tolist(), ["displacement", "velocity"])
     rows = {name: np.asarray(column) for name, column in columns.items()} | {"time": times}
-    laid = laid_over(rows, "Elastoplastic", parameters, SETTINGS)
-    assert max(told_of(laid)["drift"].values()) < 1e-6
+    laid = overlay_run(rows, "Elastoplastic", parameters, SETTINGS)
+    assert max(drawing_summary(laid)["drift"].values()) < 1e-6
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -133,9 +138,9 @@ def test_every_model_is_laid_over_its_run(model):
         name: np.asarray(column)
         for name, column in simulate(model, parameters, times, names).items()
     } | {"time": np.array(times)}
-    drawing = laid_over(columns, model, parameters, {**SETTINGS, "duration": 0.4})
+    drawing = overlay_run(columns, model, parameters, {**SETTINGS, "duration": 0.4})
     assert len(drawing.frames) == 400
-    told = told_of(drawing)
+    told = drawing_summary(drawing)
     assert set(told["drift"]) == {plane.name for plane in planes}
     assert max(told["drift"].values()) < 1e-5
     assert "laid over 400 steps of up to 1 ms" in drawing.title
@@ -174,17 +179,19 @@ def test_what_sticks_is_refused():
 def test_a_step_too_long_is_told_apart():
     parameters = parameters_of("QuarterCar", {})
     with pytest.raises(DrawingError, match="at most a right angle"):
-        constructed("QuarterCar", parameters, {**SETTINGS, "step": 1.0}, 2.0)
+        draw_construction("QuarterCar", parameters, {**SETTINGS, "step": 1.0}, 2.0)
 
 
 def test_the_shortcut_is_drawn_if_asked():
     parameters = parameters_of("QuarterCar", {})
-    plain = constructed("QuarterCar", parameters, SETTINGS, 0.15)
-    drawn = constructed("QuarterCar", parameters, {**SETTINGS, "shortcut": True}, 0.15)
+    plain = draw_construction("QuarterCar", parameters, SETTINGS, 0.15)
+    drawn = draw_construction("QuarterCar", parameters, {**SETTINGS, "shortcut": True}, 0.15)
     assert drawn.frames == plain.frames
     assert [c.role for c in drawn.curves[len(plain.curves) :]] == ["shortcut", "shortcut"]
     with pytest.raises(DrawingError, match="shortcut for touchdown is for quarter cars"):
-        constructed("OneDof", parameters_of("OneDof", {}), {**SETTINGS, "shortcut": True}, 0.1)
+        draw_construction(
+            "OneDof", parameters_of("OneDof", {}), {**SETTINGS, "shortcut": True}, 0.1
+        )
 
 
 def test_replay_over_a_table():
@@ -438,7 +445,7 @@ def test_dry_friction_converges_to_the_motion_of_the_model(friction, more):
     planes = of_system(build("QuarterCar", parameters), {})
     errors = []
     for step in (1e-3, 5e-4):
-        drawing = march(planes, step=step, duration=0.5)
+        drawing = construct_motion(planes, step=step, duration=0.5)
         names = ["suspension_deflection", "wheel_displacement"]
         exact = simulate("QuarterCar", parameters, [f.time for f in drawing.frames], names)
         errors.append(
@@ -460,7 +467,7 @@ def test_while_the_strut_sticks_the_projection_backwards_is_that_forwards():
     parameters = {"road.shape": "bump", "friction": 1500.0, "speed": 15.0}
     planes = of_system(build("QuarterCar", parameters), {})
     assert isinstance(planes, QuarterCarPlanes)
-    drawing = march(planes, step=1e-3, duration=0.5)
+    drawing = construct_motion(planes, step=1e-3, duration=0.5)
     held = [frame for frame in drawing.frames if frame.scheme.endswith("sticking")]
     assert len(held) > 50
     for frame in held:

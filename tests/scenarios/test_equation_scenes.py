@@ -14,14 +14,14 @@ from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.run import run_scene
 from phaseplane.scenarios.draw import portraits
-from phaseplane.scenarios.draw.constructions import constructed
+from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.errors import SceneError
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.scene.loading import load_scene
 
 from phaseplane import figures
 from phaseplane.constructions.sheet import state_point
-from phaseplane.picture.words import MINUS
+from phaseplane.picture.text import MINUS
 
 PENDULUM = """
 fmu = "Equation"
@@ -82,7 +82,7 @@ def test_what_is_wrong_is_said_in_a_line(pendulum: str, setting: str, message: s
 
 def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -> None:
     scene = load_scene(pendulum)
-    drawing = constructed(
+    drawing = draw_construction(
         "Equation", scene.all_parameters, asdict(scene.construction), scene.duration
     )
     (plane,) = drawing.planes
@@ -91,7 +91,7 @@ def test_several_starts_have_their_integral_curves_on_one_sheet(pendulum: str) -
             pendulum, [f"displacement_start={start[0]}", f"velocity_start={start[1]}"]
         )
         settings = asdict(alone.construction) | {"starts": ()}
-        own = constructed("Equation", alone.all_parameters, settings, alone.duration)
+        own = draw_construction("Equation", alone.all_parameters, settings, alone.duration)
         curve = [c for c in drawing.curves if c.role == "trail"][k]
         points = [*(f.points["P"] for f in own), own.frames[-1].points["P'"]]
         assert curve.vertices == pytest.approx(points, abs=1e-15)
@@ -137,7 +137,7 @@ def test_curves_are_lettered_at_their_starts_and_named_after_their_coordinate(
     pendulum: str,
 ) -> None:
     scene = load_scene(pendulum)
-    drawing = constructed(
+    drawing = draw_construction(
         "Equation", scene.all_parameters, asdict(scene.construction), scene.duration
     )
     figure = figures.phase_planes(drawing)

@@ -14,7 +14,7 @@ HEAVY = (
     "contourpy", "lxml", "pythonfmu.builder", "importlib.metadata", "email",
     "numpy.ma", "pyarrow.compute", "concurrent.futures.thread",
     "phaseplane.suspension", "phaseplane.suspension.engine", "phaseplane.vehicle_fmus.build",
-    "phaseplane.constructions.marching", "phaseplane.figures.canvas", "phaseplane.figures.histories",
+    "phaseplane.constructions.step_loop", "phaseplane.figures.canvas", "phaseplane.figures.histories",
     "phaseplane.figures.animation", "phaseplane.recording.sinks", "phaseplane.recording.server",
     "phaseplane.portrait.system", "phaseplane.scenarios.studies", "phaseplane.scenarios.sweeps.plan",
     "pandas",
@@ -33,13 +33,13 @@ SCENE = {"numpy", "phaseplane.suspension"}
 ENGINE = "phaseplane.suspension.engine"  # also for the dense solution that measures are taken from
 RUN = {*SCENE, ENGINE, "fmpy", "pythonfmu"}
 DRAWN = {"matplotlib", "PIL", "numpy.ma"}
-PLANES = {*DRAWN, "phaseplane.constructions.marching", "phaseplane.figures.canvas"}
+PLANES = {*DRAWN, "phaseplane.constructions.step_loop", "phaseplane.figures.canvas"}
 RECORDED = {
     "rerun",
     "numpy.ma",
     "pyarrow",
     "PIL",
-    "phaseplane.constructions.marching",
+    "phaseplane.constructions.step_loop",
     "phaseplane.recording.sinks",
 }
 METADATA = {"importlib.metadata", "email"}  # scipy reads it

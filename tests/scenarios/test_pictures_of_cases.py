@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from phaseplane.scenarios.draw.constructions import constructed
+from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
 from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.loading import load_scene
@@ -40,7 +40,7 @@ def drawing_of(name: str) -> Drawing:
     scene = load_scene(name, [], expect=False)
     time = min(scene.construction_time, LONGEST)
     settings = asdict(scene.construction)
-    return constructed(scene.fmu.model, scene.all_parameters, settings, time)
+    return draw_construction(scene.fmu.model, scene.all_parameters, settings, time)
 
 
 def test_what_cannot_be_drawn_is_refused_in_words() -> None:

@@ -19,7 +19,7 @@ from phaseplane.scenarios.results.folder import (
     as_json,
     check_replaceable,
     read_results,
-    replaced_whole,
+    replace_folder,
     write_results,
 )
 
@@ -36,7 +36,7 @@ def results(values: list[float], scene: str = "made_up") -> Results:
 
 
 def write(folder: Path, values: list[float], *, extra: str = "") -> None:
-    with replaced_whole(Place(folder)) as draft:
+    with replace_folder(Place(folder)) as draft:
         if extra:
             (draft / extra).touch()
         write_results(results(values), draft)
@@ -93,7 +93,7 @@ def test_what_fails_midway_leaves_the_old_results(
     folder = tmp_path / "out"
     write(folder, [1.0])
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    with pytest.raises(failure), replaced_whole(Place(folder)) as draft:  # noqa: PT012
+    with pytest.raises(failure), replace_folder(Place(folder)) as draft:  # noqa: PT012
         (draft / "half").touch()
         raise failure
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
@@ -140,7 +140,7 @@ def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with (  # noqa: PT012
         pytest.raises(FolderError, match=r"contains diary\.txt"),
-        replaced_whole(Place(folder)) as draft,
+        replace_folder(Place(folder)) as draft,
     ):
         write_results(results([1.0]), draft)
         write(folder, [2.0])

@@ -9,7 +9,7 @@ from phaseplane.scenarios.results.report import report
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
 from phaseplane.scenarios.sweeps.plan import load_plan
-from phaseplane.scenarios.sweeps.report import summary_of, sweep_in_words
+from phaseplane.scenarios.sweeps.report import format_sweep, summary_of
 from phaseplane.scenarios.sweeps.running import sweep
 from phaseplane.suspension.extent import LENGTH
 from phaseplane.suspension.models import road_from
@@ -106,4 +106,4 @@ def test_a_sweep_says_how_many_roads_end(car: Path, tmp_path: Path) -> None:
     rows, told = sweep(plan, tmp_path / "journal", workers=1)
     summary = {**summary_of(plan, rows, told), "files": []}
     assert summary["remarks"] == [said]
-    assert said in sweep_in_words(plan, summary, tmp_path)
+    assert said in format_sweep(plan, summary, tmp_path)

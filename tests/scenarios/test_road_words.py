@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from phaseplane.scenarios.results.report import road_words
+from phaseplane.scenarios.results.report import format_road
 from phaseplane.suspension.variables import checked_parameters
 
 
@@ -32,4 +32,4 @@ from phaseplane.suspension.variables import checked_parameters
 )
 def test_words(road: dict[str, object], words: str) -> None:
     given = {f"road.{key}": value for key, value in road.items()}
-    assert road_words(checked_parameters("QuarterCar", given)) == words
+    assert format_road(checked_parameters("QuarterCar", given)) == words

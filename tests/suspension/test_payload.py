@@ -3,7 +3,7 @@
 import pytest
 from phaseplane.suspension.equilibrium import static_equilibrium
 from phaseplane.suspension.models import build
-from phaseplane.suspension.parts import payload_words
+from phaseplane.suspension.parts import format_payload
 from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variables import ParameterError, checked_parameters
 
@@ -27,7 +27,7 @@ def test_a_payload_is_a_mass_and_a_new_rest(payload):
         assert loaded.elements[0].spring.force(x) == pytest.approx(moved, abs=1e-9)
     assert loaded.axles[0].static_load == pytest.approx(plain.axles[0].static_load + payload * G)
     assert static_equilibrium(loaded) == (0.0, 0.0)
-    words = payload_words(checked_parameters("QuarterCar", {**CAR, "payload": payload}))
+    words = format_payload(checked_parameters("QuarterCar", {**CAR, "payload": payload}))
     assert f"{1e3 * (sink - wheel):.4g} mm" in words
 
 
@@ -46,7 +46,7 @@ def test_a_payload_may_rest_on_the_bump_stop():
     assert static_equilibrium(loaded) == (0.0, 0.0)
     stop = next(e.spring for e in loaded.elements if e.name == "bump_stop")
     assert stop.corners == pytest.approx((0.01,))  # the stop is left 10 mm above
-    words = payload_words(checked_parameters("QuarterCar", {**given, "payload": 400.0}))
+    words = format_payload(checked_parameters("QuarterCar", {**given, "payload": 400.0}))
     sink = (400.0 * G + 180e3 * 0.01) / 200e3
     assert words.endswith(f"bump stop compressed by {1e3 * (sink - 0.01):.4g} mm")
 

@@ -226,7 +226,7 @@ def _tables(
         lines.append(
             f"    {{{_text(v.name)}, {_KIND[type(v.start)]}, {v.causality.upper()}, {int(v.tunable)}, "
             f"{int(v.positive)}, {number(value)}, {number(low)}, {number(high)},\n"
-            f"        {_text(v.range_in_words())}, {text}, {index}}},"
+            f"        {_text(v.format_range())}, {text}, {index}}},"
         )
     tyres = {axle.tyre for axle in system.axles if axle.tyre}
     lines += ["};", "", "static const struct {", "    const char *name;",

@@ -14,7 +14,7 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
-from phaseplane.suspension import own
+from phaseplane.suspension import system_file
 from phaseplane.vehicle_fmus.build import build as build_in_python
 from phaseplane.vehicle_fmus.native import compilers
 from phaseplane.vehicle_fmus.native.pack import build
@@ -64,7 +64,7 @@ def _packed(
     file = folder / "own.toml"
     if text:
         file.write_text(text, encoding="utf-8")
-        own.load(text, checked=False)
+        system_file.load(text, checked=False)
     (path,) = pack(
         [model], folder, parameters={model: dict(settings)}, own={model: file} if text else {}
     )

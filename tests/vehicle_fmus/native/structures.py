@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
-from phaseplane.suspension import own
+from phaseplane.suspension import system_file
 
 SANITIZED = "PHASEPLANE_TEST_SANITIZED"
 """Set in the environment where native FMUs under test are to be compiled with sanitizers."""
@@ -25,7 +25,7 @@ class Structure:
     def loaded(self) -> str:
         """The name of the model, which is registered if it is a system of one's own."""
         if self.text:
-            own.load(self.text, checked=False)
+            system_file.load(self.text, checked=False)
         return self.model
 
 

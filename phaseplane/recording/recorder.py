@@ -32,7 +32,7 @@ from .steps import (
     send_here,
     send_point,
     send_steps,
-    send_words,
+    send_text,
 )
 
 _MOST_ROWS = 4000  # of a run in its planes
@@ -161,7 +161,7 @@ class Recorder:
                 if self.content.detail != "trail":
                     send_steps(self.recording, drawing, self.pages[0], self.clock, start, end)
             if self.words:
-                send_words(self.recording, drawing, self.quantities, self.clock, start, end)
+                send_text(self.recording, drawing, self.quantities, self.clock, start, end)
             if self.chart is not None:
                 cursors = np.array([self.chart.cursor(t) for t in self.clock.times[start:end]])
                 send_cursor(self.recording, cursors, self.clock, start)

@@ -60,10 +60,10 @@ from .outputs import (
     rotation,
     suspension_deflection,
 )
-from .own_module import model_in, model_name
-from .own_units import check_units
 from .parts import force_course, points, road_from, suspension_elements, tyre_element
 from .signals import Segment, Signal
+from .system_module import model_in, model_name
+from .system_units import check_units
 from .systems import Axle, Element, Load, System
 from .units import UNITS, UnitError, nearest, to_si
 from .variable import ParameterError, Value, Variable, number, parameter
@@ -260,7 +260,7 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
     Parameters
     ----------
     text : the content of its file
-    file : its name; that of a Python module ends in .py, see `own_module`
+    file : its name; that of a Python module ends in .py, see `system_module`
     key : name of the model; that of the file if empty
     checked : whether to check the whole system with its defaults
 
@@ -349,7 +349,7 @@ def _read(content: Mapping[str, Any]) -> Definition:
         raise ParameterError("system.coordinates is missing; give at least one with its mass")
     return Definition(
         name, str(content.get("about", "")), str(content.get("source", "")),
-        tuple(_own_parameters(tables["parameters"])), coordinates, couplings, wheels,
+        tuple(_declared_parameters(tables["parameters"])), coordinates, couplings, wheels,
         tables["elements"], tables["loads"],
     )  # fmt: skip
 
@@ -365,7 +365,7 @@ def _coordinates(table: Mapping[str, Any]) -> Iterator[tuple[str, tuple[object, 
         yield name, (whole["mass"], about, bool(whole.get("angle", False)))
 
 
-def _own_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
+def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
     """Yield the parameters of a file: a number, a text with a unit, or a table with more."""
     for name, said in table.items():
         _word(name, "system.parameters")

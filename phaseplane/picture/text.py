@@ -108,7 +108,7 @@ def bracketed(unit: str) -> str:
     return f" [{unit_text(unit)}]" if unit not in ("", "1") else ""
 
 
-def time_words(time: float) -> str:
+def format_time(time: float) -> str:
     """Return a time in s as text."""
     return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
 

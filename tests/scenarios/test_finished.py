@@ -16,7 +16,7 @@ from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
-from phaseplane.scenarios.results.folder import Place, read_results, replaced_whole, write_results
+from phaseplane.scenarios.results.folder import Place, read_results, replace_folder, write_results
 
 FIGURES = 'show.figures=["time_histories", "phase_planes"]'
 PICTURES = ["time_histories.png", "phase_planes.png"]
@@ -106,7 +106,7 @@ def test_nothing_is_added_to_the_results_of_another_run(run: Callable[..., Resul
     def draw(name: str, path: Path) -> None:
         path.write_bytes(b"picture")
         results = read_results(FOLDER)
-        with replaced_whole(Place(FOLDER)) as draft:
+        with replace_folder(Place(FOLDER)) as draft:
             write_results(
                 type(results)(results.columns, {**results.summary, "title": "other"}), draft
             )

@@ -1,4 +1,4 @@
-"""A whole portrait, and a suitable window for it."""
+"""A portrait, and a suitable window for it."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def fitted_window(shown: Section, otherwise: Window) -> Window:
     return Window(*map(float, (left, right, bottom, top)))
 
 
-def whole_portrait(
+def compute_portrait(
     system: PhaseSystem,
     window: Window,
     *,
@@ -107,7 +107,7 @@ def whole_portrait(
     periods: int = 100,
     frozen: float | None = None,
 ) -> Portrait:
-    """Compute the whole portrait in a window.
+    """Compute the portrait in a window.
 
     A driven system has no fixed field or equilibria, and its curves cross: its section is computed.
     Alternatively f is frozen at a given time, which is meaningful only for a slow excitation.

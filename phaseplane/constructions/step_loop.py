@@ -128,7 +128,7 @@ def _frames(
         ending.append(Frame(number, time, 0.0, scheme, points, readings, event))
 
 
-def march(
+def construct_motion(
     construction: Construction,
     rule: Rule = delta,
     *,

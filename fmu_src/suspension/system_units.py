@@ -11,7 +11,7 @@ from .units import UNITS
 from .variable import ParameterError, Variable
 
 if TYPE_CHECKING:
-    from .own import Definition
+    from .system_file import Definition
 
 _NAME = re.compile(r"[A-Za-z_][\w.]*")
 _RATE, _DAMPING, _FORCE = ("N/m", "J"), ("N.s/m",), ("N", "J")  # J: a moment, N.m

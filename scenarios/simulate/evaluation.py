@@ -45,7 +45,7 @@ class Measured:
     remarks: tuple[str, ...] = ()
 
 
-def measured(scene: Scene, rows: Columns, own: Solution | None = None) -> Measured:
+def evaluate(scene: Scene, rows: Columns, own: Solution | None = None) -> Measured:
     """Take the measures of a scene.
 
     Parameters

@@ -1,7 +1,7 @@
 """CSV files as measuring programs write them."""
 
 import pytest
-from phaseplane.suspension.measured import Wanted, read_columns, read_points
+from phaseplane.suspension.measurement_files import Wanted, read_columns, read_points
 
 GERMAN = """# Pruefstand 3
 Weg;Kraft

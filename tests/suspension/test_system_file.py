@@ -4,7 +4,7 @@ from math import cos, pi, sqrt
 
 import numpy as np
 import pytest
-from phaseplane.suspension import own
+from phaseplane.suspension import system_file
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variable import ParameterError
@@ -39,7 +39,7 @@ direction = { x = 1 }
 
 
 def test_a_wheel_and_a_body_are_the_quarter_car():
-    own.load(QUARTER)
+    system_file.load(QUARTER)
     times = [0.005 * k for k in range(101)]
     shared = {"speed": 15.0, "road.height": 0.06}
     stops = {"bump_stop.stiffness": 2e5, "bump_stop.gap": 0.03}
@@ -57,7 +57,7 @@ def test_a_wheel_and_a_body_are_the_quarter_car():
 
 
 def test_payloads_lie_over_the_wheels():
-    own.load(QUARTER)
+    system_file.load(QUARTER)
     ours = build("OwnQuarterCar", {"only.payload": 50.0})
     theirs = build("QuarterCar", {"payload": 50.0, "sprung_mass": 294.1995})
     assert ours.mass == theirs.mass
@@ -65,7 +65,7 @@ def test_payloads_lie_over_the_wheels():
 
 
 def test_a_load_is_an_input_and_a_table():
-    own.load(OSCILLATOR)
+    system_file.load(OSCILLATOR)
     omega = sqrt(800.0 / 2.0)
     session = Session("OwnOscillator", {"solver.tolerance": 1e-10})
     session.set_input("push", 8.0)
@@ -77,14 +77,14 @@ def test_a_load_is_an_input_and_a_table():
 
 
 def test_expressions_follow_the_parameters():
-    own.load(OSCILLATOR.replace('"mass"', '"2 * mass - mass^1 * (1 - 0.5) / 2"'))
+    system_file.load(OSCILLATOR.replace('"mass"', '"2 * mass - mass^1 * (1 - 0.5) / 2"'))
     assert build("OwnOscillator", {"mass": 4.0}).mass == ((7.0,),)
-    own.load(OSCILLATOR.replace('"mass"', '"1e3 * mass + 2.5E-1"'))
+    system_file.load(OSCILLATOR.replace('"mass"', '"1e3 * mass + 2.5E-1"'))
     assert build("OwnOscillator", {"mass": 4.0}).mass == ((4000.25,),)
 
 
 def test_a_sine_drives_at_its_frequency():
-    own.load(OSCILLATOR + 'sine = { amplitude = "stiffness / 800", frequency = 2 }\n')
+    system_file.load(OSCILLATOR + 'sine = { amplitude = "stiffness / 800", frequency = 2 }\n')
     system = build("OwnOscillator", {})
     wave = system.signals["push_sine"]
     assert [wave.value(t) for t in (0.0, 0.125, 0.375)] == pytest.approx([0.0, 1.0, -1.0])
@@ -95,7 +95,7 @@ def test_power_laws_and_friction_that_breaks_away():
     more = (
         "friction = 10\nbreakaway = 15\ndamper = { rate = 1, power = 3, exponent = 2 }\nspring = {"
     )
-    own.load(OSCILLATOR.replace("spring = {", more))
+    system_file.load(OSCILLATOR.replace("spring = {", more))
     (element,) = build("OwnOscillator", {}).elements
     assert [element.damper.force(v) for v in (-2.0, 0.5)] == pytest.approx([-14.0, 1.25])
     session = Session("OwnOscillator", {})
@@ -108,8 +108,8 @@ def test_power_laws_and_friction_that_breaks_away():
 
 
 def test_a_file_that_changes_replaces_its_model():
-    own.load(OSCILLATOR)
-    own.load(OSCILLATOR.replace("800", "900"))
+    system_file.load(OSCILLATOR)
+    system_file.load(OSCILLATOR.replace("800", "900"))
     assert checked_parameters("OwnOscillator", {})["stiffness"] == 900.0
 
 
@@ -140,4 +140,4 @@ def test_a_file_that_changes_replaces_its_model():
 def test_what_is_no_system_is_refused_in_words(before, after, words):
     assert before in OSCILLATOR
     with pytest.raises(ParameterError, match=words):
-        own.load(OSCILLATOR.replace(before, after, 1))
+        system_file.load(OSCILLATOR.replace(before, after, 1))

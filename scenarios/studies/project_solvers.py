@@ -14,10 +14,10 @@ from phaseplane.suspension.engine import Integrator, why_stopped
 from phaseplane.suspension.models import FILES
 from phaseplane.suspension.variables import MODELS
 
-from ..draw.constructions import constructed
+from ..draw.constructions import draw_construction
 from ..draw.planes import planes_of
 from ..errors import InputError, one_line
-from ..simulate.fmu_cache import kept
+from ..simulate.fmu_cache import cached_fmu
 from .workbench import Prepared, Run, UnableError, Workbench
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _unpacked(model: str) -> Path:
     """Return the folder of a model's unpacked FMU."""
     spare = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, spare, ignore_errors=True)
-    return kept(model, spare)[0]
+    return cached_fmu(model, spare)[0]
 
 
 def through_fmu(bench: Workbench, tolerance: float) -> Run:
@@ -114,7 +114,7 @@ def drawn(rule: str, bench: Workbench, step: float) -> Run:
     interval = problem.duration / problem.intervals
 
     def run() -> Vector:
-        drawing = constructed(problem.model, parameters, settings, problem.duration + step)
+        drawing = draw_construction(problem.model, parameters, settings, problem.duration + step)
         rows = np.full((len(problem.times), len(names)), np.nan)
         for frame in drawing:
             k = round(frame.time / interval)

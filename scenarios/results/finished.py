@@ -18,7 +18,7 @@ from .folder import SUMMARY, draft_beside
 from .plain import as_json
 
 
-class Standing:
+class FinishedFolder:
     """A results folder to which files are added.
 
     Parameters
