@@ -22,10 +22,13 @@ from typing import Any
 
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.simulation import instantiate_fmu
+from measuring import medians
 from native_fmu import OUTPUTS, native_fmu
 from phaseplane.suspension.session import simulate
 from phaseplane.vehicle_fmus.build import build
 from phaseplane.vehicle_fmus.native import compilers, pack
+
+import phaseplane
 
 STEP, STRETCH, ROUNDS = 1e-3, 40, 25  # s, steps
 READ = (
@@ -141,6 +144,41 @@ def host_costs(folder: Path) -> dict[str, float]:
     return {"step": 1e-9 * step, "instance": 1e-9 * instance}
 
 
+def run_costs(folder: Path, rounds: int = 9) -> dict[str, float]:
+    """Return the processor time of `phaseplane.run` with its measures, 4 s at 1 ms, s.
+
+    "FMPy" calls doStep, getReal, getInteger and getBoolean of the same FMU for the same outputs.
+    """
+    seconds = 4.0
+    through_fmu = phaseplane.run("ap57", through="fmu", duration=seconds)
+    unpacked = extract(str(build(["QuarterCar"], folder)[0]))
+    description = read_model_description(unpacked, validate=False)
+    wanted: dict[str, list[int]] = {"Real": [], "Integer": [], "Boolean": []}
+    for variable in description.modelVariables:
+        if variable.causality == "output" and variable.name in through_fmu:
+            wanted[variable.type].append(variable.valueReference)
+    slave: Any = instantiate_fmu(unpacked, description, "CoSimulation")
+
+    def by_fmpy() -> None:
+        slave.reset()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        slave.exitInitializationMode()
+        for step in range(round(seconds / STEP)):
+            slave.doStep(step * STEP, STEP)
+            for kind, references in wanted.items():
+                getattr(slave, f"get{kind}")(references)
+
+    return medians(
+        {
+            "in process": lambda: phaseplane.run("ap57", duration=seconds),
+            "through the FMU": lambda: phaseplane.run("ap57", through="fmu", duration=seconds),
+            "FMPy": by_fmpy,
+        },
+        rounds,
+    )
+
+
 def scene_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
     """Return the time of the AP57 scene, 1 s at 1 ms, in-process and by `fmpy.simulate_fmu`, s."""
     blank = tuple(f"y{k}" for k in range(OUTPUTS))
@@ -184,7 +222,7 @@ def measured() -> dict[str, Any]:
     """Return both tables with their ratios, the machine and the versions."""
     with tempfile.TemporaryDirectory() as work:
         step, scene = step_costs(Path(work)), scene_costs(Path(work))
-        host = host_costs(Path(work))
+        host, run = host_costs(Path(work)), run_costs(Path(work))
     return {
         "machine": {"processor": _processor(), "python": platform.python_version(),
                     **{name: version(name) for name in ("fmpy", "pythonfmu")}},
@@ -196,6 +234,9 @@ def measured() -> dict[str, Any]:
             name: round(1e6 * t, 2) for name, t in host.items()
         },
         "AP57 scene of 1 s at 1 ms, ms": {name: round(1e3 * t, 2) for name, t in scene.items()},
+        "phaseplane.run with its measures, 4 s at 1 ms, ms": {
+            name: round(1e3 * t, 1) for name, t in run.items()
+        },
         "ratio to in-process": round(scene["FMPy, QuarterCar"] / scene["in-process"], 2),
     }  # fmt: skip
 

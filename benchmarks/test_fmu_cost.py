@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmu_cost import host_costs, step_costs
+from fmu_cost import host_costs, run_costs, step_costs
 
 
 def test_a_communication_step(tmp_path: Path) -> None:
@@ -17,3 +17,9 @@ def test_a_native_fmu_in_a_host_in_c(tmp_path: Path) -> None:
     costs = host_costs(tmp_path)
     assert costs["step"] <= 1e-6, costs
     assert costs["instance"] <= 1e-3, costs
+
+
+def test_a_run_with_its_measures(tmp_path: Path) -> None:
+    costs = run_costs(tmp_path)
+    assert costs["through the FMU"] <= costs["FMPy"], costs
+    assert costs["in process"] <= 0.35 * costs["FMPy"], costs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -105,8 +106,8 @@ class Scene:
         """Warnings about settings that are allowed but probably not intended."""
         return [str(found) for found in self.idle]
 
-    @property
-    def all_parameters(self) -> dict[str, Value]:
+    @cached_property
+    def all_parameters(self) -> Mapping[str, Value]:
         """The FMU's defaults with the scene's parameters; a random road is as long as the run."""
         return self.fmu.with_defaults(self.parameters, self.duration)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
 from ctypes import (
+    byref,
     c_bool,
     c_double,
     c_float,
@@ -15,10 +16,12 @@ from ctypes import (
     c_int16,
     c_int32,
     c_int64,
+    c_size_t,
     c_uint8,
     c_uint16,
     c_uint32,
     c_uint64,
+    c_void_p,
 )
 from dataclasses import dataclass
 from math import ceil, isclose
@@ -88,7 +91,7 @@ class _Outputs:
     names: list[str]
     get: Callable[..., int]
     before: tuple[Any, ...]
-    after: tuple[int, ...]
+    after: tuple[Any, ...]
     values: Any
     column_type: type
 
@@ -123,7 +126,12 @@ class Rows:
         self._calls = [
             (
                 one.get,
-                (instance.component, *one.before, one.values.from_buffer(row[str(k)]), *one.after),
+                (
+                    c_void_p.from_param(instance.component),
+                    *one.before,
+                    byref(one.values.from_buffer(row[str(k)])),
+                    *one.after,
+                ),
             )
             for k, one in enumerate(self._outputs)
         ]
@@ -191,10 +199,11 @@ def _outputs(
             count = len(read)
             references = (c_uint32 * count)(*(v.valueReference for v in read))
             names = [v.name for v in read]
-            # FMPy's own method asks each time whether calls are logged, at several times the cost
-            get = getattr(instance.dll, getter)
-            after = (count,) if newer else ()
-            yield _Outputs(names, get, (references, count), after, c_type * count, column_type)
+            # FMPy's own method asks each time whether calls are logged, at several times the cost, and
+            # its function converts every argument; a new one takes them as they are
+            get, number = instance.dll[getter], c_size_t(count)
+            before, after = (byref(references), number), (number,) if newer else ()
+            yield _Outputs(names, get, before, after, c_type * count, column_type)
 
 
 def initialise(
