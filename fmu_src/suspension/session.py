@@ -9,7 +9,6 @@ point, because the inputs after it are unknown, and extrapolates them within eac
 from __future__ import annotations
 
 import json
-from array import array
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -355,8 +354,7 @@ class Session:
         """Let a new integrator of another system go on from the present state."""
         integrator = self._new_integrator(system, self.time)
         there = [self._system.element(element.name) for element in system.elements]
-        self._run.hand_on(integrator, array("i", [-1 if e is None else e for e in there]))
-        self._run.integrator = integrator
+        self._run.replace(integrator, [-1 if e is None else e for e in there])
         self._attach(system, integrator)
 
     def _stop_here(self) -> None:

@@ -31,6 +31,15 @@ def declared() -> dict[str, list[str]]:
     return found
 
 
+def given_a_value(node: ast.AST) -> ast.Attribute | None:
+    """The attribute that is assigned here, or that a function of C fills by its address."""
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "cython.address":
+        (node,) = node.args
+    elif not isinstance(getattr(node, "ctx", None), ast.Store):
+        return None
+    return node if isinstance(node, ast.Attribute) else None
+
+
 def assigned() -> tuple[dict[str, set[str]], set[str], dict[str, str]]:
     """What methods assign: their own attributes, by class, and others'; what each class derives from."""
     own: dict[str, set[str]] = {}
@@ -42,10 +51,9 @@ def assigned() -> tuple[dict[str, set[str]], set[str], dict[str, str]]:
                 continue
             own[node.name] = set()
             bases.update((node.name, base.id) for base in node.bases if isinstance(base, ast.Name))
-            for target in ast.walk(node):
-                if isinstance(target, ast.Attribute) and isinstance(target.ctx, ast.Store):
-                    mine = isinstance(target.value, ast.Name) and target.value.id == "self"
-                    (own[node.name] if mine else others).add(target.attr)
+            for target in filter(None, map(given_a_value, ast.walk(node))):
+                mine = isinstance(target.value, ast.Name) and target.value.id == "self"
+                (own[node.name] if mine else others).add(target.attr)
     return own, others, bases
 
 

@@ -1,7 +1,8 @@
 cimport cython
+from cpython.buffer cimport PyBUF_C_CONTIGUOUS, PyBUF_FORMAT, PyBUF_WRITABLE, PyBuffer_Release, PyObject_GetBuffer
 from cpython.bytearray cimport PyByteArray_AsString
 
-cdef int _LINE, _BLOCK, _SIZE_OF_DOUBLE, _SIZE_OF_INTEGER
+cdef int _LINE, _BLOCK, _SIZE_OF_DOUBLE, _SIZE_OF_INTEGER, _DOUBLE
 
 @cython.final
 cdef class Memory:
@@ -21,3 +22,8 @@ cdef class Memory:
     cdef object seen_marks(self, int *numbers, Py_ssize_t count)
     @cython.locals(block=bytearray, at=Py_ssize_t)
     cdef object _view(self, char *address, Py_ssize_t size)
+
+@cython.final
+cdef class Lent:
+    cdef Py_buffer view
+    cdef double *numbers

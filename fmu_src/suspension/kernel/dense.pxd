@@ -18,5 +18,5 @@ cdef class Dense:
                    first=double, second=double)
     cdef void read(self, double t) noexcept nogil
     @cython.locals(i=int, k=int, h=double, x=double, u=double, value=double)
-    cdef void read_values(self, double t, double datum, double[::1] out, Py_ssize_t at,
+    cdef void read_values(self, double t, double datum, double *out, Py_ssize_t at,
                           Py_ssize_t width) noexcept nogil

@@ -28,7 +28,7 @@ cdef class Elements(Laws):
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
     @cython.locals(e=int)
-    cdef int enter_elements(self, double[::1] x, int at) noexcept nogil
+    cdef int enter_elements(self, double *x, int at) noexcept nogil
     @cython.locals(e=int, kind=int, p=int, first=int, last=int, several=bint)
     cdef void list_switchable(self) noexcept nogil
     @cython.locals(n=int, r=int, i=int, s=int, d=double, w=double)

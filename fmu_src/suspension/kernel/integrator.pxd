@@ -1,7 +1,7 @@
 cimport cython
 from cpython.exc cimport PyErr_CheckSignals
 from libc.math cimport fabs, sqrt
-from .arrays cimport Memory
+from .arrays cimport Lent, Memory
 from .handover cimport Handover
 from .march cimport March
 
@@ -9,13 +9,14 @@ cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _INTERRUPTED, _SPRING, _CONTACT, _K
 
 @cython.final
 cdef class Integrator(March):
-    # arrays that a run fills
+    # arrays that a run fills, and what keeps them
     cdef bint want_v, want_a, want_f
     cdef Py_ssize_t count, places
     cdef Handover handover
     cdef public object going_on
     cdef double *given  # the coefficients of a signal
-    cdef double[::1] instants, out_q, out_v, out_a, out_f
+    cdef list lent
+    cdef double *instants, *out_q, *out_v, *out_a, *out_f
     # the record of the whole state, as bytes
     cdef object record_bytes, record_of_marks_bytes
     cdef Py_ssize_t record_size
@@ -24,9 +25,9 @@ cdef class Integrator(March):
     cdef double started
 
     @cython.locals(e=int)
-    cdef void take_over(self, Integrator earlier, int[::1] counterpart) noexcept nogil
+    cdef void take_over(self, Integrator earlier, int *counterpart) noexcept nogil
     @cython.locals(e=int)
-    cdef void take_laws(self, double[::1] x, int at) noexcept nogil
+    cdef void take_laws(self, double *x, int at) noexcept nogil
     @cython.locals(i=int, e=int)
     cdef void _go_on(self) noexcept nogil
     @cython.locals(before=double, jump=double, change=double, r=int)
@@ -68,7 +69,8 @@ cdef class Rows:
     cdef Memory memory
     cdef int *status, *filled, *steps, *log_end
     cdef double *time, *limited
-    cdef double[::1] numbers
+    cdef Lent lent
+    cdef double *numbers
     cdef Py_ssize_t rows, first, wanted, made
     cdef double start
     cdef bint logs, underway

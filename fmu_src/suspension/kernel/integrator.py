@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from array import array
-
 import cython
 
-from .arrays import Memory
+from .arrays import Lent, Memory
 from .elements import KINDS
 from .handover import Handover
 from .lines import Lines
@@ -95,7 +93,8 @@ class Integrator(March):
         """
         if len(displacements) != self.n or len(velocities) != self.n:
             raise ValueError(f"{self.n} displacements and {self.n} velocities are required")
-        self._enter_state(array("d", [*displacements, *velocities]), 0)
+        memory = Memory()
+        self._enter_state(memory.doubles([*displacements, *velocities]), 0)
 
     def take_over(self, earlier, counterpart):
         """Continue from the state of the integrator of a system with the same coordinates and signals.
@@ -156,7 +155,8 @@ class Integrator(March):
         ValueError : the method cannot integrate the system.
         """
         self.refuse(system)
-        self.take_laws(array("d", laws_of(system)), 0)
+        memory = Memory()
+        self.take_laws(memory.doubles(laws_of(system)), 0)
 
     def set_signal(self, signal, coefficients, jumps=True):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
@@ -304,8 +304,8 @@ class Integrator(March):
             status = self._reason_to_end(times[len(times) - 1])
             if status != 0:
                 break
-        self.instants = self.out_q = self.out_v = self.out_a = self.out_f = None
         self.count = self.places = 0
+        self.lent = []
         self._raise_failure(status)
         return status
 
@@ -326,14 +326,19 @@ class Integrator(March):
         ------
         ValueError : if an array is too short.
         """
-        self.count, self.places = len(times), runs
+        self.count = self.places = 0  # until all arrays are right
+        count = len(times)
         for out in (displacements, velocities, accelerations):
-            self._check_room(out, runs * self.count * self.n)
-        self._check_room(forces, runs * self.count * self.net.elements)
+            self._check_room(out, runs * count * self.n)
+        self._check_room(forces, runs * count * self.net.elements)
         self.want_v, self.want_a = velocities is not None, accelerations is not None
         self.want_f = forces is not None
-        self.instants, self.out_q = times, displacements
-        self.out_v, self.out_a, self.out_f = velocities, accelerations, forces
+        t, q, f = Lent(times), Lent(displacements), Lent(forces)
+        v, a = Lent(velocities), Lent(accelerations)
+        self.instants, self.out_q, self.out_f = t.numbers, q.numbers, f.numbers
+        self.out_v, self.out_a = v.numbers, a.numbers
+        self.lent = [t, q, v, a, f]
+        self.count, self.places = count, runs
         self.filled = 0
 
     def _check_room(self, out, numbers):
@@ -611,7 +616,8 @@ class Rows:
         """
         if len(numbers) % self.width:
             raise ValueError(f"{len(numbers)} numbers are not whole rows of {self.width}")
-        self.numbers, self.start, self.rows = numbers, start, len(numbers) // self.width
+        self.lent = Lent(numbers)
+        self.numbers, self.start, self.rows = self.lent.numbers, start, len(numbers) // self.width
 
     def go(self, first, last):
         """Make the runs from `first` up to `last`, or as many as there is room for, at least one.

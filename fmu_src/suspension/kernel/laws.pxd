@@ -17,7 +17,7 @@ cdef class Laws(Signals):
     cdef readonly object failure
 
     @cython.locals(i=int, k=int, p=int, first=int, last=int, law=int, curved=bint)
-    cdef int enter_laws(self, int e, double[::1] x, int at) noexcept nogil
+    cdef int enter_laws(self, int e, double *x, int at) noexcept nogil
     @cython.locals(first=int, last=int, p=int)
     cdef void _join(self, int law) noexcept nogil
     @cython.locals(x=double, before=double, after=double)

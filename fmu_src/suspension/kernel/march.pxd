@@ -66,9 +66,9 @@ cdef class March:
     cdef void _resume(self) noexcept nogil
 
     @cython.locals(i=int)
-    cdef int begin_row(self, double[::1] x, int at, double start) noexcept nogil
+    cdef int begin_row(self, double *x, int at, double start) noexcept nogil
     @cython.locals(i=int)
-    cdef void _enter_state(self, double[::1] x, int at) noexcept nogil
+    cdef void _enter_state(self, double *x, int at) noexcept nogil
     @cython.locals(e=int)
     cdef void _stand_still(self, double time, double reach) noexcept nogil
     @cython.locals(i=int)

@@ -1,5 +1,6 @@
 cimport cython
 from libc.math cimport fabs, sqrt
+from .arrays cimport Memory
 from .elements cimport Elements
 from .linear cimport decompose, solve
 
@@ -24,7 +25,7 @@ cdef class Network(Elements):
 
     cdef bint fits(self, system) except -1
     @cython.locals(n=int, i=int, k=int)
-    cdef int enter_system(self, double[::1] x, int at) noexcept nogil
+    cdef int enter_system(self, double *x, int at) noexcept nogil
     @cython.locals(e=int)
     cdef void forget(self) noexcept nogil
 

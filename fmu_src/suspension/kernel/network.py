@@ -6,10 +6,9 @@ sticks has a constrained rate; the constraint force, its multiplier, decides whe
 
 from __future__ import annotations
 
-from array import array
-
 import cython
 
+from .arrays import Memory
 from .elements import Elements, element_numbers
 from .laws import functions_of, pieces_of
 from .signals import signal_numbers
@@ -72,9 +71,10 @@ class Network(Elements):
         self.load_names = [load.signal for load in system.loads]
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
-        numbers = array("d", numbers_of(system))
+        numbers = numbers_of(system)
         self.size = len(numbers)
-        if self.enter_system(numbers, 0) != 0:
+        memory = Memory()  # needed here only
+        if self.enter_system(memory.doubles(numbers), 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def _find_roads(self):

@@ -76,4 +76,4 @@ cdef class Run:
     @cython.locals(e=int)
     cdef void _look(self, double time) noexcept nogil
     @cython.locals(k=int)
-    cpdef void hand_on(self, Integrator integrator, int[::1] counterpart) noexcept nogil
+    cdef void hand_on(self, Integrator integrator, int *counterpart) noexcept nogil

@@ -328,17 +328,23 @@ class Run:
     # -- another integrator --------------------------------------------------------------------------
 
     def hand_on(self, integrator, counterpart):
-        """Let another integrator go on from the present one; the host then puts it in its place.
+        """Let another integrator go on from the present one; the host then puts it in its place."""
+        for k in range(self.lines):
+            self._enter_course(k)
+            integrator.net.replace_signal(self.line_signal[k], self.line_time[k], self.coefficients)
+        integrator.take_over(self.integrator, counterpart)
+
+    def replace(self, integrator, counterpart):
+        """Let another integrator go on from the present one, in its place.
 
         Parameters
         ----------
         integrator : new, at the present time, of a system with other numbers
         counterpart : for each of its elements the number of the same one until now, or -1
         """
-        for k in range(self.lines):
-            self._enter_course(k)
-            integrator.net.replace_signal(self.line_signal[k], self.line_time[k], self.coefficients)
-        integrator.take_over(self.integrator, counterpart)
+        memory = Memory()
+        self.hand_on(integrator, memory.integers(counterpart))
+        self.integrator = integrator
 
     # -- whole state ---------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ cdef class Signals:
     cdef int *signal_first, *signal_count, *signal_now, *level, *is_road
 
     @cython.locals(i=int, k=int)
-    cdef int enter_signals(self, double[::1] x, int at) noexcept nogil
+    cdef int enter_signals(self, double *x, int at) noexcept nogil
     @cython.locals(i=int)
     cdef void find_level(self, int k) noexcept nogil
 
