@@ -76,6 +76,8 @@ Network = _integrator.Network
 Rest = _integrator.Rest
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
+Method = _integrator.Method
+METHODS: dict[str, type] = _integrator.METHODS
 
 
 def why_stopped(status: int, where: str) -> str:

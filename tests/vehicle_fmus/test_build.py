@@ -32,14 +32,14 @@ def guid(fmu: Path) -> str:
 def changed_fmu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The same FMU, packed from sources in which the kernel and a model differ."""
     sources = shutil.copytree(content.SUSPENSION, tmp_path / "sources")
-    stepper, parts = sources / "kernel" / "stepper.py", sources / "parts.py"
-    shorter_steps = stepper.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
+    errors, parts = sources / "kernel" / "errors.py", sources / "parts.py"
+    shorter_steps = errors.read_text().replace("_SHARE = 0.1", "_SHARE = 0.001")
     heavier = parts.read_text().replace(
         'number(p, "sprung_mass")', '2.0 * number(p, "sprung_mass")'
     )
-    assert shorter_steps != stepper.read_text()
+    assert shorter_steps != errors.read_text()
     assert heavier != parts.read_text()
-    stepper.write_text(shorter_steps)
+    errors.write_text(shorter_steps)
     parts.write_text(heavier)
     monkeypatch.setattr(content, "SUSPENSION", sources)
     return build(["QuarterCar"], tmp_path)[0]

@@ -3,7 +3,7 @@ from libc.math cimport fabs, isfinite
 from .balance cimport Balance, multiply, resist
 from .network cimport Network
 
-cdef int _SUBSTEPS, _DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE, _ITERATIONS
+cdef int _SUBSTEPS, _ITERATIONS
 cdef double _ENDLESS, _EPSILON, _SMALL, _LEAST_SHARE, _AHEAD, _DEPENDENT
 
 @cython.final

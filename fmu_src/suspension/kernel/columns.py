@@ -29,13 +29,14 @@ from functools import cache
 
 import cython
 
+from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
+
 if not cython.compiled:
     from math import fabs, isfinite
 
     from .balance import multiply, resist
 
 _SUBSTEPS = 5  # in the longest column
-_DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
 
 _ITERATIONS = 60
 _ENDLESS = 1e290  # m/s^2
@@ -44,6 +45,19 @@ _SMALL = 1e-10  # relative size of corrections that may stop decreasing
 _LEAST_SHARE = 1e-3  # of a correction
 _DEPENDENT = 1e-12  # share of a condition that those before it leave, if it follows from them
 _AHEAD = 10.0  # times the correction expected next
+
+
+# Substeps in each column of the extrapolation, by order; stable for overdamped modes.
+SEQUENCES = {2: (1,), 4: (1, 3), 6: (1, 2, 4), 8: (1, 2, 3, 5)}
+
+
+@cache
+def instants_of(sequence):
+    """Return the instants of all substeps of a macro step, as fractions of it, and which is whose."""
+    fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
+    return fractions, [
+        fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_SUBSTEPS)
+    ]
 
 
 @cache
@@ -115,7 +129,7 @@ class Columns:
         0, or the key in `integrator.FAILURES` of the reason why it failed.
         """
         if h != self.step and self._prepare(h) != 0:
-            return _NOT_POSITIVE
+            return NOT_POSITIVE
         n = self.n
         for c in range(self.columns):
             for i in range(n):
@@ -341,7 +355,7 @@ class Columns:
                 lack = max(lack, fabs(rest))
                 rounding = max(rounding, _EPSILON * size)
             if not lack < _ENDLESS:
-                return _DIVERGED
+                return DIVERGED
             if (
                 lack > lack_before
                 and before > _SMALL / _EPSILON * rounding
@@ -353,7 +367,7 @@ class Columns:
                 continue
             share = 1.0
             if self._correct(bends, c) != 0:
-                return _NOT_POSITIVE
+                return NOT_POSITIVE
             size = 0.0
             for p in range(bends):
                 self.x[p] += self.dx[p]
@@ -370,7 +384,7 @@ class Columns:
                 return 0
             before = size
             lack_before = lack
-        return _NOT_CONVERGED
+        return NOT_CONVERGED
 
     def _expect(self, n, bends, c, k, instant):
         """Find d*, w* and x without curved forces, and expect x as a parabola through the last three."""

@@ -1,10 +1,11 @@
 cimport cython
 from libc.math cimport cos, fabs, isfinite, sin
 from .linear cimport solve
+from .method cimport Method
 from .network cimport Network
 
-cdef int _TERMS, _POWERS, _SEGMENT, _DIVERGED
-cdef double _SHORT
+cdef int _TERMS, _POWERS, _SEGMENT
+cdef double _SHORT, _FINER
 
 @cython.final
 cdef class Propagator:
@@ -40,3 +41,10 @@ cdef class Propagator:
     cdef void _multiply(self, double *left, double *right) noexcept nogil
     @cython.locals(size=int, i=int, j=int, x=double)
     cdef void _apply(self) noexcept nogil
+
+cdef class Exact(Method):
+    cdef Propagator propagator
+    cdef double *middle_q, *middle_v
+
+    @cython.locals(i=int, status=int, rounding=double)
+    cdef int attempt(self, double t, double h) noexcept nogil

@@ -1,8 +1,8 @@
 cimport cython
 from libc.math cimport fabs
 from .ledger cimport Ledger
+from .motion cimport Motion
 from .network cimport Network
-from .stepper cimport Stepper
 
 @cython.final
 cdef class Handover:
@@ -13,7 +13,7 @@ cdef class Handover:
     cdef long long steps
 
     @cython.locals(i=int)
-    cdef void take_run(self, Stepper stepper, Ledger ledger, Network net, double scale,
+    cdef void take_run(self, Motion motion, Ledger ledger, Network net, double scale,
                        long long steps) noexcept nogil
     cdef void take_element(self, int here, int there, double *work,
                            double *limited_time) noexcept nogil

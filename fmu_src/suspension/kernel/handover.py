@@ -26,12 +26,12 @@ class Handover:
         self.exchange = self.supplied = self.residual = 0.0
         self.steps = 0
 
-    def take_run(self, stepper, ledger, net, scale, steps):
+    def take_run(self, motion, ledger, net, scale, steps):
         """Note motion, energies and counts at the end of the last step."""
         for i in range(self.n):
-            self.q[i], self.v[i] = stepper.q[i], stepper.v[i]
-            self.origin[i] = stepper.origin[i]
-        self.reach, self.scale, self.steps = stepper.reach, scale, steps
+            self.q[i], self.v[i] = motion.q[i], motion.v[i]
+            self.origin[i] = motion.origin[i]
+        self.reach, self.scale, self.steps = motion.reach, scale, steps
         self.datum, self.exchange = net.datum, net.exchange
         self.supplied = ledger.supplied + fabs(ledger.initial_energy)
         self.residual = ledger.residual_end

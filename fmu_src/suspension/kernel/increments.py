@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import cython
 
+from .extrapolated import Extrapolated
+from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
+
 if not cython.compiled:
     from math import fabs, isfinite
 
     from .linear import decompose, solve
 
-_DIVERGED, _NOT_CONVERGED, _NOT_POSITIVE = 2, 4, 5  # keys of integrator.FAILURES
-
+_MOST_MEANS = 200
 _LEAST_SHARE = 1e-3  # of a correction
 
 
@@ -24,11 +26,11 @@ class Increments:
     Parameters
     ----------
     network : of the system
-    once : whether to use the tangents at the start only
     """
 
-    def __init__(self, network, once):
-        self.net, self.n, self.once = network, network.n, once
+    def __init__(self, network):
+        self.net, self.n = network, network.n
+        self.once = False  # whether to use the tangents at the start only
         memory, n, size = self.net.memory, self.n, self.n * self.n
         self.stiffness, self.damping = memory.zeros(size), memory.zeros(size)
         self.stiffness2, self.damping2 = memory.zeros(size), memory.zeros(size)
@@ -56,6 +58,36 @@ class Increments:
 
     def add(self, t, h, q, v, a):
         """Step from t to t + h; return 0 or a key of `FAILURES`."""
+        self._begin(t, q, v, a)
+        before = 1e300
+        share = 1.0
+        for iteration in range(_MOST_MEANS):
+            self._excitation_increment(t, h)
+            self._add_resistance(h)
+            if self._solve_step_matrix(h) != 0:
+                return NOT_POSITIVE
+            if iteration > 0:
+                self._find_change(iteration)
+            self._move(h, q, v, a)
+            if not isfinite(self.largest):
+                return DIVERGED
+            if self.once:
+                return 0
+            if iteration > 0:
+                if self._is_settled(before):
+                    return 0
+                # the mean may oscillate between both sides of a damper's saturation; where changes
+                # go on in one direction, a smaller share would only stop short of the equilibrium
+                if self.most_change > 0.9 * before and self.turn < 0.0:
+                    share = max(0.5 * share, _LEAST_SHARE)
+                before = self.most_change
+            for i in range(self.n):
+                self.correction[i] = a[i] - self.sa[i]
+            self._average(t + h, share, q, v)
+        return NOT_CONVERGED
+
+    def _begin(self, t, q, v, a):
+        """Note the state at the start, and use the tangents there."""
         n = self.n
         for i in range(n):
             self.pq[i], self.pv[i], self.sa[i] = q[i], v[i], a[i]
@@ -69,64 +101,59 @@ class Increments:
         for r in range(self.net.rows):
             self.start_k[r] = self.mean_k[r] = self.net.row_k[r]
             self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
-        before = 1e300
-        share = 1.0
-        for iteration in range(200):
-            self._excitation_increment(t, h)
-            for i in range(n):
-                for k in range(n):
-                    self.rhs[i] -= h * self.damping2[i * n + k] * self.sa[k]
-                    self.rhs[i] -= self.stiffness2[i * n + k] * (
-                        h * self.pv[k] + h * h / 2.0 * self.sa[k]
-                    )
-            if self._solve_step_matrix(h) != 0:
-                return _NOT_POSITIVE
-            change = turn = 0.0
-            largest = 1e-30
-            for i in range(n):
-                if iteration > 0:
-                    difference = self.rhs[i] - self.correction[i]
-                    turn += self.change[i] * difference if iteration > 1 else 0.0
-                    self.change[i] = difference
-                    change = max(change, fabs(difference))
-                largest = max(largest, fabs(self.rhs[i]) + fabs(self.sa[i]))
-                v[i] = self.pv[i] + h * self.sa[i] + h / 2.0 * self.rhs[i]
-                q[i] = (
-                    self.pq[i] + h * self.pv[i] + h * h / 2.0 * self.sa[i]
-                    + h * h / 6.0 * self.rhs[i]
-                )  # fmt: skip
-                a[i] = self.sa[i] + self.rhs[i]
-            if not isfinite(largest):
-                return _DIVERGED
-            if self.once:
-                return 0
-            if iteration > 0 and (
-                change <= 1e-15 * largest or (change <= 1e-10 * largest and change >= 0.5 * before)
-            ):
-                return 0
-            if iteration > 0:
-                # the mean may oscillate between both sides of a damper's saturation; where changes
-                # go on in one direction, a smaller share would only stop short of the equilibrium
-                if change > 0.9 * before and turn < 0.0:
-                    share = max(0.5 * share, _LEAST_SHARE)
-                before = change
-            self.net.all_signals(t + h)
-            self.net.row_states(q, v)
-            self.net.row_forces()
-            self.net.assemble(self.net.row_k, self.net.row_c, self.stiffness_end, self.damping_end)
-            for i in range(n):
-                self.correction[i] = a[i] - self.sa[i]
-            for i in range(n * n):
-                mean = 0.5 * (self.stiffness[i] + self.stiffness_end[i])
-                self.stiffness2[i] += share * (mean - self.stiffness2[i])
-                mean = 0.5 * (self.damping[i] + self.damping_end[i])
-                self.damping2[i] += share * (mean - self.damping2[i])
-            for r in range(self.net.rows):
-                mean = 0.5 * (self.start_k[r] + self.net.row_k[r])
-                self.mean_k[r] += share * (mean - self.mean_k[r])
-                mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
-                self.mean_c[r] += share * (mean - self.mean_c[r])
-        return _NOT_CONVERGED
+
+    def _add_resistance(self, h):
+        """Subtract from `rhs` what the motion at the start changes in the forces (15.14)."""
+        n = self.n
+        for i in range(n):
+            for k in range(n):
+                self.rhs[i] -= h * self.damping2[i * n + k] * self.sa[k]
+                self.rhs[i] -= self.stiffness2[i * n + k] * (
+                    h * self.pv[k] + h * h / 2.0 * self.sa[k]
+                )
+
+    def _find_change(self, iteration):
+        """Find the change of `rhs` by the last iteration, and whether it turns against the one before."""
+        self.most_change = self.turn = 0.0
+        for i in range(self.n):
+            difference = self.rhs[i] - self.correction[i]
+            self.turn += self.change[i] * difference if iteration > 1 else 0.0
+            self.change[i] = difference
+            self.most_change = max(self.most_change, fabs(difference))
+
+    def _move(self, h, q, v, a):
+        """Find the end from the change of acceleration in `rhs` (15.16 to 15.18)."""
+        self.largest = 1e-30
+        for i in range(self.n):
+            self.largest = max(self.largest, fabs(self.rhs[i]) + fabs(self.sa[i]))
+            v[i] = self.pv[i] + h * self.sa[i] + h / 2.0 * self.rhs[i]
+            q[i] = (
+                self.pq[i] + h * self.pv[i] + h * h / 2.0 * self.sa[i] + h * h / 6.0 * self.rhs[i]
+            )
+            a[i] = self.sa[i] + self.rhs[i]
+
+    def _is_settled(self, before):
+        """Return whether changes have come down to rounding, or are small and decrease no more."""
+        if self.most_change <= 1e-15 * self.largest:
+            return 1
+        return self.most_change <= 1e-10 * self.largest and self.most_change >= 0.5 * before
+
+    def _average(self, t, share, q, v):
+        """Move the tangents by a share towards the mean of those at both ends (15.7)."""
+        self.net.all_signals(t)
+        self.net.row_states(q, v)
+        self.net.row_forces()
+        self.net.assemble(self.net.row_k, self.net.row_c, self.stiffness_end, self.damping_end)
+        for i in range(self.n * self.n):
+            mean = 0.5 * (self.stiffness[i] + self.stiffness_end[i])
+            self.stiffness2[i] += share * (mean - self.stiffness2[i])
+            mean = 0.5 * (self.damping[i] + self.damping_end[i])
+            self.damping2[i] += share * (mean - self.damping2[i])
+        for r in range(self.net.rows):
+            mean = 0.5 * (self.start_k[r] + self.net.row_k[r])
+            self.mean_k[r] += share * (mean - self.mean_k[r])
+            mean = 0.5 * (self.start_c[r] + self.net.row_c[r])
+            self.mean_c[r] += share * (mean - self.mean_c[r])
 
     def _excitation_increment(self, t, h):
         """Set `rhs` to Delta f of (15.6): loads, and roads through the same tangents as the motion."""
@@ -149,3 +176,42 @@ class Increments:
                     )
                     for i in range(n):
                         self.rhs[i] += self.net.row_direction[r * n + i] * f
+
+
+class Mean(Extrapolated):
+    """The incremental step with the mean of the tangents at both of its ends (15.7), iterated.
+
+    In straight branches and where friction sticks it is the single step that ends in equilibrium.
+    """
+
+    def __init__(self, motion, balance, modes, errors, order, theta):
+        Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
+        self.controls = self.reads_switches = False
+        self.most_error = 1.0
+        # the interpolant is a cubic; its acceleration at the end is not that of the equation of motion
+        self.cubic = self.to_end = True
+        self.increments = Increments(self.net)
+
+    @staticmethod
+    def order_of(system, step, tolerance, order):
+        return 2
+
+    def attempt(self, t, h):
+        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        if not self.balance.bends or self.net.stuck:
+            return self.extrapolate(t, h)
+        for i in range(self.n):
+            self.motion.qb[i], self.motion.vb[i] = self.motion.q[i], self.motion.v[i]
+            self.motion.ab[i] = self.motion.a[i]
+        status = self.increments.add(t, h, self.motion.qb, self.motion.vb, self.motion.ab)
+        if status == 0:
+            self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        return status
+
+
+class Tangent(Mean):
+    """The incremental step with the tangents at its start, as in a calculation by hand."""
+
+    def __init__(self, motion, balance, modes, errors, order, theta):
+        Mean.__init__(self, motion, balance, modes, errors, order, theta)
+        self.increments.once = True

@@ -5,7 +5,7 @@ from .arrays cimport Lent, Memory
 from .handover cimport Handover
 from .march cimport March
 
-cdef int _PAUSED, _EVENT_CAPACITY, _NO_MASS, _INTERRUPTED, _SPRING, _CONTACT, _KINDS, _TOO_MANY, _ENOUGH_STEPS, _MOST_STEPS
+cdef int _EVENT_CAPACITY, _SPRING, _CONTACT, _KINDS, _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(March):

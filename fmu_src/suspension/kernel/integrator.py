@@ -9,14 +9,28 @@ from .elements import KINDS
 from .handover import Handover
 from .lines import Lines
 from .march import March
+from .method import Method
+from .methods import METHODS
 from .network import Network, laws_of
+from .outcomes import INTERRUPTED, NO_MASS, PAUSED, TOO_MANY
 from .rest import Rest
 from .run import Run
 
 if not cython.compiled:
     from math import sqrt
 
-__all__ = ["FAILURES", "KINDS", "Integrator", "Lines", "Network", "Rest", "Rows", "Run"]
+__all__ = [
+    "FAILURES",
+    "KINDS",
+    "METHODS",
+    "Integrator",
+    "Lines",
+    "Method",
+    "Network",
+    "Rest",
+    "Rows",
+    "Run",
+]
 
 # Why a run of steps ended early, and after the semicolon what to try.
 FAILURES = {
@@ -34,8 +48,7 @@ FAILURES = {
     12: "the run was interrupted; let it end to have the rest",
 }
 
-_PAUSED, _EVENT_CAPACITY = 1, 512  # as in march
-_TOO_MANY, _NO_MASS, _INTERRUPTED = 9, 10, 12
+_EVENT_CAPACITY = 512  # as in march
 _ENOUGH_STEPS = 200000  # after which the number of steps still to come is estimated, repeatedly
 _MOST_STEPS = 30000000  # still to come, in one call
 _SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
@@ -108,7 +121,7 @@ class Integrator(March):
         counterpart : for each element here the number of the same one there, or -1
         """
         self.handover.take_run(
-            earlier.stepper, earlier.ledger, earlier.net, earlier.scale, earlier.step_count
+            earlier.motion, earlier.ledger, earlier.net, earlier.scale, earlier.step_count
         )
         for e in range(self.net.elements):
             self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited_time)
@@ -119,7 +132,7 @@ class Integrator(March):
 
         The state is then that after `take_over` by a new integrator, but nothing else is read again.
         """
-        self.handover.take_run(self.stepper, self.ledger, self.net, self.scale, self.step_count)
+        self.handover.take_run(self.motion, self.ledger, self.net, self.scale, self.step_count)
         for e in range(self.net.elements):
             self.handover.take_element(e, e, self.ledger.work, self.limited_time)
         self.net.enter_elements(x, at)
@@ -130,21 +143,21 @@ class Integrator(March):
         self._stand_still(self.time, self.handover.scale)  # whatever was before
         self.net.set_datum(self.handover.datum)
         for i in range(self.n):
-            self.stepper.q[i] = self.handover.q[i]
-            self.stepper.v[i] = self.handover.v[i]
-        self.stepper.count_from_here()
+            self.motion.q[i] = self.handover.q[i]
+            self.motion.v[i] = self.handover.v[i]
+        self.motion.count_from_here()
         self.in_step = True
         self._begin()
-        self.stepper.reach, self.scale = self.handover.reach, self.handover.scale
+        self.motion.reach, self.scale = self.handover.reach, self.handover.scale
         for i in range(self.n):
-            self.stepper.origin[i] = self.handover.origin[i]
+            self.motion.origin[i] = self.handover.origin[i]
         self.step_count = self.handover.steps
         self.net.exchange = self.handover.exchange
         for e in range(self.net.elements):
             self.ledger.work[e] = self.handover.work[e]
             self.limited_time[e] = self.handover.limited_time[e]
         self.ledger.supplied = self.handover.supplied
-        self.ledger.strike_balance(self.time, self.stepper.q, self.stepper.v)
+        self.ledger.strike_balance(self.time, self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
 
     def retune(self, system):
@@ -189,15 +202,15 @@ class Integrator(March):
         if self.net.is_road[signal]:  # a load leaves elements where they are, if on a corner, too
             if jumps and jump != 0.0:
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
-                self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+                self.net.locate_branches(self.time, self.motion.q, self.motion.v)
                 self.stepper.refresh(self.time)
-                self.net.impulse(signal, jump, interval, self.rate_before, self.stepper.v)
-            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+                self.net.impulse(signal, jump, interval, self.rate_before, self.motion.v)
+            self.net.locate_branches(self.time, self.motion.q, self.motion.v)
         if jumps:  # at the start the road has always been there, and nothing was lost or met
             self._book_contacts()
         self._note_changes()
         if not jumps:  # what is at rest slips, if at all, the way that all loads together push it
-            self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
+            self.net.follow_slips(self.time, self.motion.q, self.motion.v)
         self._enter_branches()
         if not jumps:
             self._break_loose()
@@ -240,7 +253,7 @@ class Integrator(March):
         while True:
             with cython.nogil:
                 status = self._advance(until, stop)
-            if status != _PAUSED:
+            if status != PAUSED:
                 self._raise_failure(status)
                 return status
             status = self._reason_to_end(until)
@@ -268,8 +281,8 @@ class Integrator(March):
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
         if self.going_on is not None and not self.going_on(self.time):
-            return _INTERRUPTED
-        return 0 if self.keeps_pace(until) else _TOO_MANY
+            return INTERRUPTED
+        return 0 if self.keeps_pace(until) else TOO_MANY
 
     def keeps_pace(self, until):
         """Return whether the number of steps still to come, at the present pace, is acceptable."""
@@ -299,7 +312,7 @@ class Integrator(March):
         while True:
             with cython.nogil:
                 status = self._run(0)
-            if status != _PAUSED:
+            if status != PAUSED:
                 break
             status = self._reason_to_end(times[len(times) - 1])
             if status != 0:
@@ -486,7 +499,7 @@ class Integrator(March):
             for k in range(self.ledger.works):
                 self.ledger.until[k] = self.ledger.work[k]
             self.net.all_signals(self.time)
-            self.ledger.take_stock(self.stepper.q, self.stepper.v)
+            self.ledger.take_stock(self.motion.q, self.motion.v)
             return
         self._show_last_branches()
         self.ledger.find_part(t)
@@ -522,7 +535,7 @@ class Integrator(March):
     def permanent_set(self, e):
         """Return the deflection at which element e, which can yield, is free of force, m."""
         d = sum(
-            self.net.row_direction[self.net.element_row[e] * self.n + i] * self.stepper.q[i]
+            self.net.row_direction[self.net.element_row[e] * self.n + i] * self.motion.q[i]
             for i in range(self.n)
         )
         s = self.net.row_signal[self.net.element_row[e]]
@@ -674,7 +687,7 @@ class Rows:
                 status = self._begin()
             if status == 0:
                 status = self.integrator._run(self.made)
-            if status == _PAUSED:
+            if status == PAUSED:
                 return 1
             self._end(status)
         return 0
@@ -684,7 +697,7 @@ class Rows:
         status = self.integrator.begin_row(self.numbers, at, self.start)
         self.integrator._look_at_pace()
         self.underway = True
-        return _NO_MASS if status != 0 else 0
+        return NO_MASS if status != 0 else 0
 
     def _end(self, status):
         """Note how the present run has ended."""

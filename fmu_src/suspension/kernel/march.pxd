@@ -2,28 +2,32 @@ cimport cython
 from libc.math cimport fabs, pow, sqrt
 from .dense cimport Dense
 from .ledger cimport Ledger
+from .method cimport Method
+from .motion cimport Motion
 from .network cimport Network
 from .stepper cimport Stepper
 from .switches cimport Switches
 from .watch cimport Watch
 
-cdef int _REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL, _HALTED, _AT_SWITCHES, _AT_STEPS
+cdef int _AT_SWITCHES, _AT_STEPS
 cdef int _LAWS, _PIECE, _SEGMENT, _HALF
 cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED, _KNOTS
-cdef double _LINK
-cdef int _OVERRUNS, _PAUSE, _UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE
+cdef int _OVERRUNS, _PAUSE
 cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
 
 cdef class March:
     cdef Network net
     cdef Stepper stepper
+    cdef Method method
+    cdef Motion motion
+    cdef object kind, method_name
     cdef Switches switches
     cdef Watch watch
     cdef Dense dense, whole
     cdef Ledger ledger
     cdef int n
-    cdef bint reads_switches, controlled, landing, energy, exact, in_step, entered
-    cdef double fixed_step, no_error, most_error
+    cdef bint reads_switches, controlled, landing, energy, in_step, entered
+    cdef double fixed_step, no_error
     cdef public int halts
     # its state
     cdef readonly double time

@@ -9,20 +9,27 @@ from __future__ import annotations
 import cython
 
 from .dense import Dense
-from .exact import not_straight
 from .ledger import Ledger
+from .methods import METHODS
 from .network import Network, numbers_of
-from .stepper import METHODS, Stepper
+from .outcomes import (
+    DIVERGED,
+    ENERGY_GROWS,
+    HALTED,
+    NO_TIME_PASSES,
+    OUT_OF_BALANCE,
+    PAUSED,
+    REACHED,
+    STEP_TOO_SMALL,
+    UNSTABLE,
+)
+from .stepper import Stepper
 from .switches import Switches
-from .watch import LIMITS, POLICIES, UNLIMITED, Watch
+from .watch import POLICIES, Watch
 
 if not cython.compiled:
     from math import fabs, pow, sqrt
 
-# How a run of steps ended; 2 and above are keys of integrator.FAILURES.
-_REACHED, _PAUSED, _DIVERGED, _STEP_TOO_SMALL = 0, 1, 2, 3
-_UNSTABLE, _ENERGY_GROWS, _NO_TIME_PASSES, _OUT_OF_BALANCE = 6, 7, 8, 11
-_HALTED = -1  # where the host wants to look, short of the time it has named
 _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
 _CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
@@ -30,8 +37,6 @@ _LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _HALF = 1 << 30
 _EVENT_CAPACITY = 512
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
-_LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
-_FINE = 1e-4  # tolerance below which order 8 is faster than order 6
 _PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _STALLED = 100  # consecutive steps in which no time passes
 _OVERRUNS = 1000  # overruns allowed in a run
@@ -40,7 +45,6 @@ _ORDERS = (0, 2, 4, 6, 8)
 _NO_STEP = 1e300
 _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
-_EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _ROAD_PHASE = 1.5  # as in signals
@@ -72,8 +76,6 @@ class March:
     ):
         if method not in METHODS:
             raise ValueError(f"method {method!r} is not one of {', '.join(METHODS)}")
-        if method == "exact":
-            _refuse_curved(system)
         if not theta >= _LEAST_THETA:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
         if order not in _ORDERS:
@@ -87,31 +89,30 @@ class March:
                 f"{len(system.scales)} scales for {len(system.mass)} coordinates: each needs the scale "
                 "of its errors until something has moved, such as 0.01 m"
             )
-        self.wanted = method, step, tolerance, order
-        columns = _columns(system, *self.wanted)
+        self.method_name, self.kind = method, METHODS[method]
+        self.refuse(system)
+        self.wanted = step, tolerance, order
+        order = self.kind.order_of(system, *self.wanted)
         # a fixed step of higher order keeps it only if it ends where the second derivative jumps
-        self.net = Network(system, joins=step == 0.0 or columns == 1)
-        self.stepper = Stepper(self.net, method, columns, tolerance, theta)
+        self.net = Network(system, joins=step == 0.0 or order == 2)
+        self.stepper = Stepper(self.net, self.kind, order, tolerance, theta)
+        self.method, self.motion = self.stepper.method, self.stepper.motion
         self.switches = Switches(self.stepper)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        limit = 0.0 if method in UNLIMITED else LIMITS[columns]
-        self.watch = Watch(self.stepper, self.net, beyond_stable, limit)
+        self.watch = Watch(self.stepper.modes, beyond_stable, self.method.limit)
         self.n = n = self.net.n
-        plain = method in ("equilibrium", "mean", "tangent")
         memory = self.net.memory
-        self.dense = Dense(memory, n, plain, method in ("mean", "tangent"))
+        self.dense = Dense(memory, n, self.method.cubic, self.method.to_end)
         self.ledger = Ledger(self.stepper.balance, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
-        self.exact = method == "exact"  # accurate even where the ledger is not
         self.halts = 0  # set by a host that wants to see every switch, or every step
-        self.controlled = method in ("extrapolated", "exact") and step == 0.0
-        self.stepper.controlled = self.controlled
-        self.no_error = (0.9 / 4.0) ** (2 * columns + 1)  # below it steps grow most
-        self.most_error = _EXCESS if method == "extrapolated" else 1.0
+        self.controlled = self.method.controls and step == 0.0
+        self.stepper.errors.controlled = self.controlled
+        self.no_error = (0.9 / 4.0) ** (order + 1)  # below it steps grow most
         self.whole = Dense(memory, n, False, False)  # an attempt in which a switch is located
-        self.reads_switches = self.controlled and method == "extrapolated"
+        self.reads_switches = self.controlled and self.method.reads_switches
         # results at the last sampled instant, which Python sees as `sample_q` and the like
         self.read_q, self.read_v, self.read_a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.read_low = memory.zeros(n)  # displacements from the datum
@@ -133,12 +134,15 @@ class March:
 
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
-        return self.net.fits(system) and _columns(system, *self.wanted) == self.stepper.columns
+        return (
+            self.net.fits(system) and self.kind.order_of(system, *self.wanted) == self.method.order
+        )
 
     def refuse(self, system):
         """Refuse a system that the method cannot integrate."""
-        if self.stepper.method == METHODS["exact"]:
-            _refuse_curved(system)
+        why = self.kind.refusal(system)
+        if why:
+            raise ValueError(f"method {self.method_name!r} cannot take this system: {why}")
 
     def row(self, system, displacements, velocities):
         """Return the numbers `begin_row` reads: of a system that fits and its start (m, m/s).
@@ -173,9 +177,9 @@ class March:
         """Start from the displacements and velocities in x[at:]."""
         self.net.find_datum(self.time, self.scale)
         for i in range(self.n):
-            self.stepper.q[i] = x[at + i] - self.net.datum
-            self.stepper.v[i] = x[at + self.n + i]
-        self.stepper.count_from_here()
+            self.motion.q[i] = x[at + i] - self.net.datum
+            self.motion.v[i] = x[at + self.n + i]
+        self.motion.count_from_here()
         self.in_step = True
         self._begin()
 
@@ -199,19 +203,19 @@ class March:
 
     def _begin(self):
         """Find branches, accelerations and energy of the present state, and set both ends of the step."""
-        self.net.settle(self.time, self.stepper.q, self.stepper.v)
-        self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+        self.net.settle(self.time, self.motion.q, self.motion.v)
+        self.net.locate_branches(self.time, self.motion.q, self.motion.v)
         self._enter_branches()
         self._break_loose()
         for i in range(self.n):
-            self.dense.qa[i] = self.dense.qb[i] = self.stepper.q[i]
-            self.dense.va[i] = self.dense.vb[i] = self.stepper.v[i]
-            self.dense.aa[i] = self.dense.ab[i] = self.stepper.a[i]
-            self.dense.ja[i] = self.dense.jb[i] = self.stepper.j[i]
-            self.stepper.drift[i] = 0.0
+            self.dense.qa[i] = self.dense.qb[i] = self.motion.q[i]
+            self.dense.va[i] = self.dense.vb[i] = self.motion.v[i]
+            self.dense.aa[i] = self.dense.ab[i] = self.motion.a[i]
+            self.dense.ja[i] = self.dense.jb[i] = self.motion.j[i]
+            self.motion.drift[i] = 0.0
         self.dense.start = self.dense.end = self.time
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        self.ledger.initial_energy = self.net.energy(self.stepper.v) - self.net.exchange
+        self.net.row_states(self.motion.q, self.motion.v)
+        self.ledger.initial_energy = self.net.energy(self.motion.v) - self.net.exchange
 
     def _break_loose(self):
         """Let what sticks slip now if that needs more than it can hold, the most overloaded first."""
@@ -220,13 +224,13 @@ class March:
             loose = -1
             for p in range(self.net.stuck):
                 e = self.net.stuck_element[p]
-                over = fabs(self.stepper.multiplier[e]) - self.net.breakaway[e]
+                over = fabs(self.motion.multiplier[e]) - self.net.breakaway[e]
                 if over > most:
                     most, loose = over, e
             if loose < 0:
                 return
-            side = 1 if self.stepper.multiplier[loose] > 0.0 else -1
-            self.net.enter(loose, _FRICTION, side, self.time, self.stepper.q, self.stepper.v)
+            side = 1 if self.motion.multiplier[loose] > 0.0 else -1
+            self.net.enter(loose, _FRICTION, side, self.time, self.motion.q, self.motion.v)
             self._enter_branches()
 
     def _enter_branches(self):
@@ -241,7 +245,7 @@ class March:
         while self.time < until:
             events = self.event_count
             if events - self.event_base > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
-                return _PAUSED
+                return PAUSED
             self.since_pause += 1
             before = self.time
             status = self._step(until if stop else 1e300)
@@ -258,8 +262,8 @@ class March:
             if self.halts == _AT_STEPS or (
                 self.halts == _AT_SWITCHES and self.event_count > events
             ):
-                return _HALTED
-        return _REACHED
+                return HALTED
+        return REACHED
 
     def _passes(self, h):
         """Return whether h is more than the rounding of time."""
@@ -277,9 +281,9 @@ class March:
         self.overruns += 1
         joint = self.net.next_joint()
         end = min(joint, latest)
-        h = _SHORT_PHASE / (self.stepper.quickest + 1.0)
+        h = _SHORT_PHASE / (self.stepper.modes.quickest + 1.0)
         if self.overruns > _OVERRUNS:
-            return _NO_TIME_PASSES
+            return NO_TIME_PASSES
         to_end = self.time + h >= end
         if to_end:
             h = end - self.time
@@ -291,23 +295,23 @@ class March:
             self._pass_joint()
         before = self._energy_now()
         self._relocate(True)
-        self.net.exchange += self.net.energy(self.stepper.v) - before
+        self.net.exchange += self.net.energy(self.motion.v) - before
         self._enter_branches()
         return 0
 
     def _energy_now(self):
         """Return kinetic energy and the energy stored in the elements, in the present branches."""
         self.net.all_signals(self.time)
-        self.net.row_states(self.stepper.q, self.stepper.v)
-        return self.net.energy(self.stepper.v)
+        self.net.row_states(self.motion.q, self.motion.v)
+        return self.net.energy(self.motion.v)
 
     def _relocate(self, flows):
         """Choose the branches from the state, with those of flow if `flows`; note the changes."""
         self._remember_branches()
         if flows:
-            self.net.follow(self.time, self.stepper.q, self.stepper.v)
+            self.net.follow(self.time, self.motion.q, self.motion.v)
         else:
-            self.net.locate_branches(self.time, self.stepper.q, self.stepper.v)
+            self.net.locate_branches(self.time, self.motion.q, self.motion.v)
         self._note_changes()
 
     def _remember_branches(self):
@@ -321,7 +325,7 @@ class March:
         for k in range(self.contacts):
             e = self.contact_element[k]
             if self.net.branch[_KINDS * e + _CONTACT] != self.branch_before[_KINDS * e + _CONTACT]:
-                self.net.book_exchange(e, self.time, self.stepper.q, self.stepper.v)
+                self.net.book_exchange(e, self.time, self.motion.q, self.motion.v)
 
     def _note_changes(self):
         for i in range(_KINDS * self.net.elements):
@@ -343,7 +347,7 @@ class March:
         self.grid_start = self._number(self.grid_start)
         self.proposal = self._number(self.proposal)
         self.scale = self._number(self.scale)
-        self.stepper.reach = self._number(self.stepper.reach)
+        self.motion.reach = self._number(self.motion.reach)
         self.net.exchange = self._number(self.net.exchange)
         self.net.set_datum(self._number(self.net.datum))
         self.ledger.residual_start = self._number(self.ledger.residual_start)
@@ -367,15 +371,15 @@ class March:
         self._numbers(self.dense.vb, 0, n)
         self._numbers(self.dense.ab, 0, n)
         self._numbers(self.dense.jb, 0, n)
-        self._numbers(self.stepper.q, 0, n)
-        self._numbers(self.stepper.v, 0, n)
-        self._numbers(self.stepper.a, 0, n)
-        self._numbers(self.stepper.j, 0, n)
-        self._numbers(self.stepper.softest, 0, n)
-        self._numbers(self.stepper.drift, 0, n)
-        self._numbers(self.stepper.origin, 0, n)
-        self._numbers(self.stepper.multiplier, 0, elements)
-        self._numbers(self.stepper.multiplier_rate, 0, elements)
+        self._numbers(self.motion.q, 0, n)
+        self._numbers(self.motion.v, 0, n)
+        self._numbers(self.motion.a, 0, n)
+        self._numbers(self.motion.j, 0, n)
+        self._numbers(self.stepper.modes.softest, 0, n)
+        self._numbers(self.motion.drift, 0, n)
+        self._numbers(self.motion.origin, 0, n)
+        self._numbers(self.motion.multiplier, 0, elements)
+        self._numbers(self.motion.multiplier_rate, 0, elements)
         self._numbers(self.ledger.work, 0, self.ledger.works)
         self._numbers(self.ledger.brought, elements, self.net.signals)
         self._numbers(self.limited_time, 0, elements)
@@ -461,16 +465,16 @@ class March:
             if fabs(h / self.fixed_step - 1.0) < rounding:
                 h = self.fixed_step  # to the bit, so that its factorisation is reused
             return self.watch.fit(self.time, h)
-        omega = sqrt(self.stepper.omega_squared)
+        omega = sqrt(self.stepper.modes.omega_squared)
         road = self.net.road_limit(self.time)
-        self.stepper.road_rate = _ROAD_PHASE / road if road > 0.0 else 0.0
+        self.stepper.modes.road_rate = _ROAD_PHASE / road if road > 0.0 else 0.0
         if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
-            h = sqrt(self.stepper.tolerance) / omega if omega > 0.0 else road
+            h = sqrt(self.stepper.errors.tolerance) / omega if omega > 0.0 else road
             h = self._while_decaying(h)
         else:
             h = self.proposal if self.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
-            h = self.stepper.bound(h)
+            h = self.stepper.modes.bound(h, self.method.least_damping)
         return road if h > road else h
 
     def _while_decaying(self, h):
@@ -480,16 +484,16 @@ class March:
         that long steps turn it over and hardly damp it, and Wilson's overshoot. The first step resolves
         it, and the next ones are at most twice as long as the one before.
         """
-        if h * self.stepper.quickest <= _DECAY_PHASE:
+        if h * self.stepper.modes.quickest <= _DECAY_PHASE:
             return h
         last = 0.0 if self.entered else self.dense.end - self.dense.start
-        return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.quickest))
+        return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.modes.quickest))
 
     def _step(self, latest):
         """Take one accepted macro step, ended at joints and switches."""
         h = self._proposed_step()
         if h == 0.0:
-            return _UNSTABLE
+            return UNSTABLE
         flips = 0
         longer = 0.0  # the next step, by the error of the last attempt
         knots = 0  # how often it was shortened to a point of a smooth table
@@ -501,8 +505,8 @@ class March:
                 h = end - self.time
                 to_end = 1
             if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
-                runs_away = self.stepper.reach > _RUNAWAY * self.scale
-                return _DIVERGED if runs_away else _STEP_TOO_SMALL
+                runs_away = self.motion.reach > _RUNAWAY * self.scale
+                return DIVERGED if runs_away else STEP_TOO_SMALL
             status = self.stepper.attempt(self.time, h)
             if status != 0:
                 h *= 0.25
@@ -516,7 +520,7 @@ class March:
                     if at < 1.0:
                         h *= at
                         continue
-                if self.stepper.error > self.most_error:
+                if self.stepper.errors.error > self.method.most_error:
                     h *= self._factor_for_error()
                     continue
             at = self.switches.first(self.time, h) if self.landing else 2.0
@@ -560,17 +564,17 @@ class March:
         if landed or to_end or not self.landing:
             self._enter_branches()
         elif self.stepper.balance.bends:
-            self.stepper.follow_tangents()
+            self.stepper.modes.follow()
         if self._has_diverged():
-            return _DIVERGED
+            return DIVERGED
         if self.energy and self.ledger.grows():
-            return _ENERGY_GROWS
-        if self.energy and not self.exact and self.ledger.is_out_of_balance():
-            return _OUT_OF_BALANCE
-        return _REACHED
+            return ENERGY_GROWS
+        if self.energy and not self.method.exact and self.ledger.is_out_of_balance():
+            return OUT_OF_BALANCE
+        return REACHED
 
     def _has_diverged(self):
-        return not self.stepper.reach < _FAR * max(self.scale, 1.0)
+        return not self.motion.reach < _FAR * max(self.scale, 1.0)
 
     def _count_limited(self, h):
         """Add the time that elements are at their limit."""
@@ -589,7 +593,7 @@ class March:
             jump = self.net.enter_segment(s, self.time)
             if jump != 0.0:
                 jumped = True
-                self.net.kerb(s, jump, self.stepper.v)
+                self.net.kerb(s, jump, self.motion.v)
                 self._relocate(False)
                 self._book_contacts()
                 now = self._energy_now() - self.net.exchange
@@ -597,7 +601,7 @@ class March:
                 before = now
         if not jumped:
             self._remember_branches()
-            self.net.follow_slips(self.time, self.stepper.q, self.stepper.v)
+            self.net.follow_slips(self.time, self.motion.q, self.motion.v)
             self._note_changes()
 
     def _knot_that_matters(self, h):
@@ -606,38 +610,38 @@ class March:
         The second derivative of the force jumps there, of which the result of the extrapolation shows
         much more than the difference of its columns.
         """
-        if self.stepper.error <= self.most_error / _JUMP:
+        if self.stepper.errors.error <= self.method.most_error / _JUMP:
             return 2.0
         knot = self.switches.first_knot(self.time, h, _LEAST_KNOT)
         return knot if knot < 1.0 - _LEAST_KNOT else 2.0
 
     def _factor_for_error(self):
         """Return the factor of the step that brings the error to the tolerance."""
-        if self.stepper.error <= self.no_error:
+        if self.stepper.errors.error <= self.no_error:
             return 4.0
-        factor = 0.9 * pow(self.stepper.error, -1.0 / self.stepper.error_order)
+        factor = 0.9 * pow(self.stepper.errors.error, -1.0 / self.stepper.errors.order)
         return min(max(factor, 0.2), 4.0)
 
     def _accept(self, h, t):
         """Make the attempt the last step."""
         for i in range(self.n):
-            self.dense.qa[i] = self.stepper.q[i]
-            self.dense.va[i] = self.stepper.v[i]
-            self.dense.aa[i] = self.stepper.a[i]
-            self.dense.ja[i] = self.stepper.j[i]
-            self.dense.qb[i] = self.stepper.q[i] = self.stepper.qb[i]
-            self.dense.vb[i] = self.stepper.v[i] = self.stepper.vb[i]
-            self.dense.ab[i] = self.stepper.a[i] = self.stepper.ab[i]
-            self.dense.jb[i] = self.stepper.j[i] = self.stepper.jb[i]
-            self.stepper.drift[i] = self.stepper.drift_end[i]
-        self.stepper.reach = self.stepper.reach_at(self.stepper.q)
+            self.dense.qa[i] = self.motion.q[i]
+            self.dense.va[i] = self.motion.v[i]
+            self.dense.aa[i] = self.motion.a[i]
+            self.dense.ja[i] = self.motion.j[i]
+            self.dense.qb[i] = self.motion.q[i] = self.motion.qb[i]
+            self.dense.vb[i] = self.motion.v[i] = self.motion.vb[i]
+            self.dense.ab[i] = self.motion.a[i] = self.motion.ab[i]
+            self.dense.jb[i] = self.motion.j[i] = self.motion.jb[i]
+            self.motion.drift[i] = self.motion.drift_end[i]
+        self.motion.reach = self.motion.reach_at(self.motion.q)
         self._count_limited(h)
         # an element that has just switched still departs while others switch at the same time
         if self.entered and self._passes(h):
             self.entered = 0
             self.net.clear_marks()
         if self.net.stuck:
-            self.stepper.keep_multipliers()
+            self.motion.keep_multipliers()
         self.in_step = True
         self.dense.start = self.time
         self.dense.end = self.time = t
@@ -645,7 +649,7 @@ class March:
         self.step_count += 1
         if self.energy:
             self.ledger.book()
-            self.ledger.strike_balance(t, self.stepper.q, self.stepper.v)
+            self.ledger.strike_balance(t, self.motion.q, self.motion.v)
 
     def _land(self, h):
         """End the attempt on the switch found, by Newton's method, at last along Taylor's series.
@@ -656,14 +660,14 @@ class March:
         shortened because a gap opens in it.
         """
         step = self.switches.at * h
-        reads = self.reads_switches and self.stepper.can_read(self.switches.at, h)
+        reads = self.reads_switches and self.stepper.errors.can_read(self.switches.at, h)
         near = h  # how far from its end the stored attempt may be read
         if reads:
             self._keep_attempt(h)
         status = self._end_at(step, reads)
         if self.reads_switches and not (reads or self.net.stuck):
             self._keep_attempt(step)
-            reads = step * self.stepper.quickest < _READ_PHASE
+            reads = step * self.stepper.modes.quickest < _READ_PHASE
             near = _NEAR_END * step
         self.switches.recedes = False
         best = 1e300
@@ -679,7 +683,7 @@ class March:
             if self.time + new == self.time + step:
                 break
             best = self.switches.miss
-            if fabs(late) * self.stepper.quickest < _SHORT_PHASE:
+            if fabs(late) * self.stepper.modes.quickest < _SHORT_PHASE:
                 self.stepper.shift_end(self.time + new, -late)
             else:
                 status = self._end_at(new, reads and fabs(late) < near)
@@ -696,10 +700,10 @@ class March:
 
     def _keep_attempt(self, h):
         for i in range(self.n):
-            self.whole.qa[i], self.whole.qb[i] = self.stepper.q[i], self.stepper.qb[i]
-            self.whole.va[i], self.whole.vb[i] = self.stepper.v[i], self.stepper.vb[i]
-            self.whole.aa[i], self.whole.ab[i] = self.stepper.a[i], self.stepper.ab[i]
-            self.whole.ja[i], self.whole.jb[i] = self.stepper.j[i], self.stepper.jb[i]
+            self.whole.qa[i], self.whole.qb[i] = self.motion.q[i], self.motion.qb[i]
+            self.whole.va[i], self.whole.vb[i] = self.motion.v[i], self.motion.vb[i]
+            self.whole.aa[i], self.whole.ab[i] = self.motion.a[i], self.motion.ab[i]
+            self.whole.ja[i], self.whole.jb[i] = self.motion.j[i], self.motion.jb[i]
         self.whole.start, self.whole.end = self.time, self.time + h
         self.whole.known = 0
 
@@ -707,7 +711,7 @@ class March:
         """Move element e to the neighbouring branch, now, and note the event."""
         self._leave_step()
         before = self.net.branch[_KINDS * e + kind]
-        new = self.net.enter(e, kind, side, self.time, self.stepper.q, self.stepper.v)
+        new = self.net.enter(e, kind, side, self.time, self.motion.q, self.motion.v)
         if self.net.yields[e] and kind < _CONTACT:
             before = new - side  # a change of sign of the rate ends the flow of the spring
         self._note(e, kind, before, new)
@@ -728,41 +732,3 @@ class March:
         if self.in_step:
             self.net.keep_branches()
             self.in_step = False
-
-
-def _columns(system, method, step, tolerance, order):
-    """Return the number of columns of the extrapolation."""
-    if method == "exact":
-        return 4
-    if method != "extrapolated":
-        return 1
-    if order:
-        return order // 2
-    return 4 if tolerance < _FINE or step > 0.0 or _is_stiffly_damped(system) else 3
-
-
-def _is_stiffly_damped(system):
-    """Return whether a damper acts like a rigid link: c b'M^-1 b >> omega_max.
-
-    Order 8 damps such a motion in every step, order 6 hardly (see `stepper`). M counts by its diagonal.
-    """
-    fastest = 0.0
-    for element in system.elements:
-        fastest += abs(element.spring.tangent(0.0)) * _mobility(system, element)
-    for element in system.elements:
-        for piece in element.damper.pieces:
-            rate = abs(piece.coefficients[1]) + abs(piece.saturation) / piece.scale
-            decay = rate * _mobility(system, element)
-            if decay * decay > _LINK * _LINK * fastest:
-                return True
-    return False
-
-
-def _mobility(system, element):
-    return sum(b * b / system.mass[i][i] for i, b in enumerate(element.direction))
-
-
-def _refuse_curved(system):
-    why = not_straight(system)
-    if why:
-        raise ValueError(f"method 'exact' cannot take this system: {why}")

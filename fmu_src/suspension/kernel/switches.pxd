@@ -1,6 +1,7 @@
 cimport cython
 from libc.math cimport fabs
 from .bernstein cimport Crossing
+from .motion cimport Motion
 from .network cimport Network
 from .stepper cimport Stepper
 
@@ -10,6 +11,7 @@ cdef double _NEVER
 @cython.final
 cdef class Switches:
     cdef Stepper stepper
+    cdef Motion motion
     cdef Network net
     cdef Crossing crossing
     cdef int watched, element, kind, side

@@ -30,7 +30,7 @@ class Switches:
 
     def __init__(self, stepper):
         self.stepper = stepper
-        self.net = self.stepper.net
+        self.net, self.motion = self.stepper.net, self.stepper.motion
         self.crossing = Crossing()
         most = len(KINDS) * self.net.elements
         memory = self.net.memory
@@ -204,15 +204,15 @@ class Switches:
             if b == 0.0:
                 continue
             if end:
-                d0 += b * self.stepper.qb[i]
-                d1 += b * self.stepper.vb[i]
-                d2 += b * self.stepper.ab[i]
-                d3 += b * self.stepper.jb[i]
+                d0 += b * self.motion.qb[i]
+                d1 += b * self.motion.vb[i]
+                d2 += b * self.motion.ab[i]
+                d3 += b * self.motion.jb[i]
             else:
-                d0 += b * self.stepper.q[i]
-                d1 += b * self.stepper.v[i]
-                d2 += b * self.stepper.a[i]
-                d3 += b * self.stepper.j[i]
+                d0 += b * self.motion.q[i]
+                d1 += b * self.motion.v[i]
+                d2 += b * self.motion.a[i]
+                d3 += b * self.motion.j[i]
         if self.net.row_signal[r] >= 0:
             at = 8 * self.net.row_signal[r] + 4 * end
             d0 -= self.road[at]
@@ -265,7 +265,7 @@ class Switches:
         if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
-                self.stepper.multiplier[e], self.stepper.multiplier_rate[e],
+                self.motion.multiplier[e], self.motion.multiplier_rate[e],
                 self.net.multiplier[e], self.net.multiplier_rate[e], h,
             )  # fmt: skip
             return 3

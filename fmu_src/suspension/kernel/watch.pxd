@@ -1,14 +1,15 @@
 cimport cython
 from libc.math cimport fabs, floor, sqrt
+from .modes cimport Modes
 from .network cimport Network
-from .stepper cimport Stepper
+
 
 cdef int _REFUSE, _ALLOW, _SWEEPS
 cdef double _BELOW
 
 @cython.final
 cdef class Watch:
-    cdef Stepper stepper
+    cdef Modes modes
     cdef Network net
     cdef int n, policy, stamp
     cdef double limit, omega, beyond_since, beyond_step

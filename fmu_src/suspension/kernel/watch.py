@@ -15,25 +15,23 @@ if not cython.compiled:
 
 POLICIES = {"substep": 0, "refuse": 1, "allow": 2}
 _REFUSE, _ALLOW = 1, 2
-# omega_max h by number of columns, and the methods without a limit
-LIMITS = {1: 12.0**0.5, 2: 2.2, 3: 2.2, 4: 3.2}
-UNLIMITED = ("wilson", "exact")
 _BELOW = 0.9999  # of the limit: at the limit itself the amplitude grows in proportion to time
 _SWEEPS = 30
 
 
 class Watch:
-    """Watch the fixed steps of one stepper.
+    """Watch the fixed steps of one integrator.
 
     Parameters
     ----------
-    stepper, network : give the tangent stiffness and the mass
+    modes : of the present tangents
     policy : key of `POLICIES`
     limit : largest stable omega_max h; 0 for none
     """
 
-    def __init__(self, stepper, network, policy, limit):
-        self.stepper, self.net, self.n = stepper, network, network.n
+    def __init__(self, modes, policy, limit):
+        self.modes = modes
+        self.net, self.n = self.modes.net, self.modes.n
         self.policy, self.limit = POLICIES[policy], _BELOW * limit
         self.stamp = -1
         self.omega = 0.0
@@ -50,7 +48,7 @@ class Watch:
         if self.limit == 0.0 or self.policy == _ALLOW:
             return h
         # a known upper bound
-        if h * h * self.stepper.omega_squared <= self.limit * self.limit:
+        if h * h * self.modes.omega_squared <= self.limit * self.limit:
             return h
         omega = self.fastest()
         if h * omega <= self.limit:
@@ -64,8 +62,8 @@ class Watch:
 
     def fastest(self):
         """Return omega_max of the present tangent, rad/s; 0 without a restoring force."""
-        if self.stamp != self.stepper.stamp:
-            self.stamp = self.stepper.stamp
+        if self.stamp != self.modes.stamp:
+            self.stamp = self.modes.stamp
             largest = self._largest_eigenvalue()
             self.omega = sqrt(largest) if largest > 0.0 else 0.0
         return self.omega
@@ -75,7 +73,7 @@ class Watch:
         n = self.n
         m, low = self.matrix, self.net.mass_factor
         for i in range(n * n):
-            m[i] = self.stepper.stiffness[i]
+            m[i] = self.modes.stiffness[i]
         for i in range(n):
             for p in range(i):
                 for j in range(n):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from importlib import import_module
@@ -28,6 +29,7 @@ class Definition:
     tree: ast.FunctionDef
     path: Path
     owner: str  # the class it belongs to in C, or empty
+    generation: int = 0  # how many classes the one that defines it derives from
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,36 +46,54 @@ class Sources:
     """All modules of a kernel.
 
     In C a class has the fields and methods of its bases, too, and stands for them: only classes that no
-    other is derived from become records. A class without a method of the small language is none.
+    other is derived from become records. Of several classes derived from one, such as the methods, only
+    the one in use does. A class without a method of the small language is none.
+
+    Parameters
+    ----------
+    modules : the modules of the kernel
+    used : names of such classes; without any, the first of several stands for them
     """
 
     modules: tuple[Module, ...]
+    used: frozenset[str] = frozenset()
 
     @cached_property
-    def records(self) -> dict[str, Record]:
-        return {
-            r.name: r
-            for m in self.modules
-            for r in m.declared.records.values()
-            if any(method.nogil for method in r.methods.values())
-        }
-
-    def in_c(self, name: str) -> str:
-        """Return the class that stands for a class in C.
-
-        Raises
-        ------
-        ValueError : two classes are derived from one.
-        """
-        derived = [r.name for r in self.records.values() if r.base == name]
-        if len(derived) > 1:
-            raise ValueError(f"{' and '.join(derived)} are both derived from {name}")
-        return self.in_c(derived[0]) if derived else name
+    def _declared(self) -> dict[str, Record]:
+        return {r.name: r for m in self.modules for r in m.declared.records.values()}
 
     def bases(self, name: str) -> list[str]:
         """Return a class and its bases, the last base first."""
-        base = self.records[name].base
+        base = self._declared[name].base
         return [*(self.bases(base) if base else ()), name]
+
+    @cached_property
+    def alternatives(self) -> tuple[str, ...]:
+        """The classes of which one can be in use: those derived from a class that others are, too."""
+        roots = {name: self.bases(name)[0] for name, r in self._declared.items() if r.base}
+        several = Counter(root for name, root in roots.items() if not self._has_heir(name))
+        return tuple(name for name, root in roots.items() if several[root] > 1)
+
+    def _has_heir(self, name: str) -> bool:
+        return any(record.base == name for record in self._declared.values())
+
+    @cached_property
+    def records(self) -> dict[str, Record]:
+        chosen = [name for name in self.alternatives if name in self.used]
+        kept = {base for name in chosen or self.alternatives[:1] for base in self.bases(name)}
+        return {
+            name: record
+            for name, record in self._declared.items()
+            if (name not in self.alternatives or name in kept)
+            and any(
+                m.nogil for base in self.bases(name) for m in self._declared[base].methods.values()
+            )
+        }
+
+    def in_c(self, name: str) -> str:
+        """Return the class that stands for a class in C."""
+        derived = [r.name for r in self.records.values() if r.base == name]
+        return self.in_c(derived[0]) if derived else name
 
     @cached_property
     def fields(self) -> dict[str, dict[str, str]]:
@@ -90,16 +110,24 @@ class Sources:
 
     @cached_property
     def routines(self) -> dict[tuple[str, str], Definition]:
-        """Every routine of the small language, by class in C (empty for a function) and name."""
-        return {(d.owner, d.types.name): d for m in self.modules for d in self._defined(m)}
+        """Every routine of the small language, by class in C (empty for a function) and name.
+
+        What a class defines anew takes the place of what its base defines.
+        """
+        found: dict[tuple[str, str], Definition] = {}
+        for module in self.modules:
+            for definition in self._defined(module):
+                key = definition.owner, definition.types.name
+                if key not in found or found[key].generation < definition.generation:
+                    found[key] = definition
+        return found
 
     def calls_python(self, owner: str, name: str) -> bool:
         """Return whether a method calls a function in Python: it is declared `with gil`."""
         parts = self.bases(owner) if owner in self.records else []
-        return any(
-            name in self.records[part].methods and self.records[part].methods[name].with_gil
-            for part in parts
-        )
+        defined = [self.records[part].methods.get(name) for part in parts]
+        last = next((routine for routine in reversed(defined) if routine), None)
+        return last is not None and last.with_gil
 
     def _defined(self, module: Module) -> Iterator[Definition]:
         for node in module.tree.body:
@@ -111,17 +139,25 @@ class Sources:
                     if isinstance(child, ast.FunctionDef) and child.name in methods:
                         types, owner = methods[child.name], self.in_c(node.name)
                         if types.nogil:
-                            yield Definition(types, child, module.path, owner)
+                            generation = len(self.bases(node.name))
+                            yield Definition(types, child, module.path, owner, generation)
 
 
-def sources(folder: Path = KERNEL) -> Sources:
-    """Return the kernel in a folder: every module with declarations beside it."""
+def sources(folder: Path = KERNEL, used: Iterable[str] = ()) -> Sources:
+    """Return the kernel in a folder: every module with declarations beside it.
+
+    Parameters
+    ----------
+    folder : where the modules are
+    used : of classes that stand for each other, such as the methods, the names of those in use
+    """
     paths = [path.with_suffix(".py") for path in sorted(folder.glob("*.pxd"))]
     return Sources(
         tuple(
             Module(path, read(path.with_suffix(".pxd")), ast.parse(path.read_text("utf-8")))
             for path in paths
-        )
+        ),
+        frozenset(used),
     )
 
 

@@ -92,7 +92,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     given : parameters that are not at their defaults, in SI; texts, switches and what decides on the
         structure keep their values
     """
-    tape, kernel = Tape(), sources()
+    tape = Tape()
     parameters = checked_parameters(model, given)
     declared = variables(model)
     noted: dict[str, Any] = {
@@ -113,6 +113,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         theta=solver["solver.theta"],
         beyond_stable=solver["solver.beyond_stable"],
     )
+    kernel = sources(used=[type(plain.method).__name__])
     directions = _directions(plain, system)
     if not plain.fits(_directed(system, packed)):
         raise ValueError("the structure of the system depends on how it is built")

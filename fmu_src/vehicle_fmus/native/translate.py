@@ -902,10 +902,12 @@ def check(folder: Path) -> list[str]:
     """Return what in a kernel is not in the small language, one sentence each."""
     from .kernel_sources import sources  # noqa: PLC0415
 
-    kernel, found = sources(folder), []
-    for definition in kernel.routines.values():
-        try:
-            _Routine(kernel, definition)
-        except NotTranslatableError as error:
-            found.append(str(error))
-    return found
+    found: dict[str, None] = {}
+    for used in sources(folder).alternatives or ("",):
+        kernel = sources(folder, [used])
+        for definition in kernel.routines.values():
+            try:
+                _Routine(kernel, definition)
+            except NotTranslatableError as error:
+                found[str(error)] = None
+    return list(found)

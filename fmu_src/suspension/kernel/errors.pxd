@@ -1,0 +1,31 @@
+cimport cython
+from libc.math cimport fabs
+from .balance cimport Balance
+from .modes cimport Modes
+from .motion cimport Motion
+from .network cimport Network
+
+cdef double _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE
+
+@cython.final
+cdef class Errors:
+    cdef Motion motion
+    cdef Balance balance
+    cdef Modes modes
+    cdef Network net
+    cdef int n, order
+    cdef bint controlled
+    cdef double tolerance, time, error, allowed
+    cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack
+
+    @cython.locals(i=int, size=double)
+    cdef void begin(self) noexcept nogil
+    cdef inline void note(self, double size) noexcept nogil
+    @cython.locals(i=int, slowest=double)
+    cdef double negligible(self, double h) noexcept nogil
+    @cython.locals(i=int, v=double, a=double, j=double)
+    cdef void read_middle(self, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void find_lack(self, double h) noexcept nogil
+    @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)
+    cdef bint can_read(self, double x, double h) noexcept nogil

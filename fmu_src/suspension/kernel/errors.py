@@ -1,0 +1,113 @@
+"""The error of an attempt, in units of the one allowed, and what the septic through its ends is worth."""
+
+from __future__ import annotations
+
+import cython
+
+if not cython.compiled:
+    from math import fabs
+
+_SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps add up
+_ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
+_LEAST_LENGTH = 1e-290  # m, instead of none
+_READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
+_READ_PHASE = (
+    3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
+)
+_NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
+
+
+class Errors:
+    """The error of the attempt just made.
+
+    Parameters
+    ----------
+    motion, balance, modes : of the steps
+    tolerance : relative to the largest motion so far
+    """
+
+    def __init__(self, motion, balance, modes, tolerance):
+        self.motion, self.balance, self.modes = motion, balance, modes
+        self.net, self.n = self.motion.net, self.motion.n
+        self.tolerance = tolerance
+        self.controlled = False  # whether the error controls the step
+        self.order = 0  # exponent of the step in the error
+        memory, n = self.net.memory, self.n
+        self.middle_a = memory.zeros(n)
+        self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)
+        self.septic_a = memory.zeros(n)
+        self.lack = memory.zeros(n)
+
+    def begin(self):
+        """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
+
+        It is at least the rounding of displacements and of the forces that balance at rest.
+        """
+        self.error = 0.0
+        size = self.motion.scale
+        for i in range(self.n):
+            size = max(size, fabs(self.motion.q[i]), fabs(self.motion.origin[i]))
+        self.allowed = _SHARE * self.tolerance * self.motion.reach_at(self.motion.qb)
+        self.allowed = max(self.allowed, _ROUNDING * size) + _LEAST_LENGTH
+
+    def note(self, size):
+        """Update the largest error, m."""
+        if not size <= self.error:
+            self.error = size
+
+    def negligible(self, h):
+        """Return the error of accelerations that does not matter in a step, m/s^2; 0 for a fixed one."""
+        if not self.controlled:
+            return 0.0
+        slowest = h
+        for i in range(self.n):
+            slowest = max(slowest, self.modes.velocity_scale[i])
+        return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.reach / (h * slowest)
+
+    def read_middle(self, h):
+        """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""
+        for i in range(self.n):
+            v, a, j = (
+                self.motion.vb[i] - self.motion.v[i],
+                self.motion.ab[i] - self.motion.a[i],
+                self.motion.jb[i] - self.motion.j[i],
+            )
+            self.septic_q[i] = 0.5 * (self.motion.q[i] + self.motion.qb[i]) - h * (
+                11.0 / 64.0 * v
+                - h * (3.0 / 128.0 * (self.motion.a[i] + self.motion.ab[i]) - h / 768.0 * j)
+            )
+            self.septic_v[i] = (
+                35.0 / 16.0 * (self.motion.qb[i] - self.motion.q[i]) / h
+                - 19.0 / 32.0 * (self.motion.v[i] + self.motion.vb[i])
+                + h * (a / 16.0 - h / 384.0 * (self.motion.j[i] + self.motion.jb[i]))
+            )
+            self.septic_a[i] = (
+                15.0 / 8.0 * v / h
+                - 7.0 / 16.0 * (self.motion.a[i] + self.motion.ab[i])
+                + h / 32.0 * j
+            )
+
+    def find_lack(self, h):
+        """Find the residual of the septic in the equation of motion halfway, m/s^2."""
+        self.read_middle(h)
+        self.balance.accelerations(self.time + 0.5 * h, self.septic_q, self.septic_v, self.middle_a)
+        for i in range(self.n):
+            self.lack[i] = fabs(self.septic_a[i] - self.middle_a[i])
+
+    def can_read(self, x, h):
+        """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.
+
+        An error e of it goes with (x (1 - x))^4; halfway its second derivative is -32 e / h^2.
+        """
+        if self.net.stuck or h * self.modes.quickest > _READ_PHASE:
+            return 0
+        if self.balance.bends == 0:
+            self.find_lack(h)
+        u = x * (1.0 - x)
+        of_q = 8.0 * h * h * u * u * u * u
+        of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
+        for i in range(self.n):
+            error = max(of_q, of_v * self.modes.velocity_scale[i]) * self.lack[i]
+            if not error <= _READ_SHARE * self.allowed:
+                return 0
+        return 1

@@ -1,0 +1,25 @@
+cimport cython
+from libc.math cimport fabs
+from .columns cimport Columns
+from .method cimport Method
+
+cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE
+
+cdef class Extrapolated(Method):
+    cdef Columns columns
+
+    cdef void enter(self) noexcept nogil
+    cdef int attempt(self, double t, double h) noexcept nogil
+    @cython.locals(status=int)
+    cdef int extrapolate(self, double t, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _find_error(self, double h) noexcept nogil
+    @cython.locals(phase=double, better=double)
+    cdef void _expect_better(self, double h) noexcept nogil
+    @cython.locals(i=int, lack=double)
+    cdef void _check_middle(self, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _check_reading(self, double h) noexcept nogil
+
+cdef class Equilibrium(Extrapolated):
+    pass

@@ -1,0 +1,172 @@
+"""The incremental step extrapolated, and the single one that ends in equilibrium.
+
+In a linear branch the last column of the extrapolation (see `columns`) is better than the one before by
+the square of the phase of the fast modes, once that is small, so that errors are proportional to the
+tolerance. An infinitely damped mode is multiplied by -1 in each substep and by the sum of w (-1)^n in a
+macro step, where w are the weights of the extrapolation: -0.59 for 1, 2, 3 and 5 substeps, but 6.2 if
+the last column had 4.
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .columns import SEQUENCES, Columns, instants_of
+from .method import Method
+from .outcomes import DIVERGED
+
+if not cython.compiled:
+    from math import fabs
+
+    from .errors import _SHARE
+
+# Phase per macro step, of the fastest mode, its decay and the road together, below which the last column
+# is better than the one before by the square of the phase; a gain of at most `_MOST_BETTER` is assumed.
+_SLOW_PHASE = 2.0
+_MOST_BETTER = 10.0
+# the least share of that difference that is taken for the error with curved forces
+_BENT_BETTER = 0.3
+_STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
+_EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
+_FINE = 1e-4  # tolerance below which order 8 is faster than order 6
+_LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
+# By order: the damping with which no mode grows up to a phase of 6 (see `modes`; a single column takes no
+# longer steps), and the largest omega h at which an undamped mode grows by less than 1/1000.
+_LEAST_DAMPING = {2: 1e3, 4: 0.04, 6: 0.017, 8: 0.008}
+_LIMITS = {2: 12.0**0.5, 4: 2.2, 6: 2.2, 8: 3.2}
+
+
+class Extrapolated(Method):
+    """Columns of 1, 2, 3 and 5 incremental steps, extrapolated to order 8; 2, 4 and 6 with fewer."""
+
+    def __init__(self, motion, balance, modes, errors, order, theta):
+        Method.__init__(self, motion, balance, modes, errors, order, theta)
+        self.controls = self.reads_switches = True
+        self.most_error = _EXCESS
+        self.least_damping = _LEAST_DAMPING[order]
+        sequence = SEQUENCES[order]
+        self.columns = Columns(self.balance, sequence, instants_of(sequence)[1])
+
+    @staticmethod
+    def order_of(system, step, tolerance, order):
+        if order:
+            return order
+        return 8 if tolerance < _FINE or step > 0.0 or _is_stiffly_damped(system) else 6
+
+    @staticmethod
+    def limit_of(order):
+        return _LIMITS[order]
+
+    @staticmethod
+    def instants(order, theta):
+        return instants_of(SEQUENCES[order])[0]
+
+    def enter(self):
+        """Forget the matrices."""
+        self.columns.forget()
+
+    def attempt(self, t, h):
+        """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
+        return self.extrapolate(t, h)
+
+    def extrapolate(self, t, h):
+        """Take all columns, and find the error from the last two."""
+        self.balance.prepare(t, h)
+        if self.balance.bends:
+            self.columns.enough = self.errors.negligible(h)
+        status = self.columns.attempt(h, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
+        if status != 0:
+            return status
+        if self.columns.extrapolate(self.motion.qb, self.motion.vb) != 0:
+            return DIVERGED
+        self.balance.end_step(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        if self.errors.controlled:
+            self._find_error(h)
+        return 0
+
+    def _find_error(self, h):
+        """Find the error of the attempt, in units of the one allowed."""
+        self.errors.begin()
+        for i in range(self.n):
+            self.errors.note(fabs(self.columns.error_q[i]))
+            self.errors.note(fabs(self.columns.error_v[i]) * self.modes.velocity_scale[i])
+        self._expect_better(h)
+        if self.balance.bends:
+            self._check_middle(h)
+        if h * self.modes.quickest > _STIFF_PHASE:
+            self._check_reading(h)
+        self.errors.error /= self.errors.allowed
+
+    def _expect_better(self, h):
+        """Take the last column for better than the one before by the square of the phase, if small.
+
+        With curved forces only by the phase, as their own changes count, too.
+        """
+        phase = h * (self.modes.quickest + self.modes.road_rate) / _SLOW_PHASE
+        if phase < 1.0 and self.balance.bends:
+            self.errors.error *= max(phase, _BENT_BETTER)
+        elif phase < 1.0:
+            better = phase * phase
+            if better > 1.0 / _MOST_BETTER:
+                self.errors.order += 2
+            else:
+                better = 1.0 / _MOST_BETTER
+            self.errors.error *= better
+
+    def _check_middle(self, h):
+        """Count the residual of the septic in the equation of motion halfway as an error of the step.
+
+        It shows a knee of a curved force that all substeps miss. An error e of the septic, which
+        vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is at most 0.12 h e''.
+        """
+        self.errors.find_lack(h)
+        for i in range(self.n):
+            lack = _SHARE * h * self.errors.lack[i]
+            self.errors.note(h / 32.0 * lack)
+            self.errors.note(0.12 * self.modes.velocity_scale[i] * lack)
+
+    def _check_reading(self, h):
+        """Count the effect of the end jerks on the septic halfway as an error, for stiff motions.
+
+        If a motion decays within a small part of the step, the jerks contain its remainder times the
+        square of its decay rate, and do not describe the step.
+        """
+        for i in range(self.n):
+            self.errors.note(
+                _SHARE * h * h * h / 768.0 * fabs(self.motion.jb[i] - self.motion.j[i])
+            )
+
+
+class Equilibrium(Extrapolated):
+    """One incremental step to the equilibrium at its end: the single column, of order 2."""
+
+    def __init__(self, motion, balance, modes, errors, order, theta):
+        Extrapolated.__init__(self, motion, balance, modes, errors, order, theta)
+        self.controls = self.reads_switches = False
+        self.most_error = 1.0
+        self.cubic = True
+
+    @staticmethod
+    def order_of(system, step, tolerance, order):
+        return 2
+
+
+def _is_stiffly_damped(system):
+    """Return whether a damper acts like a rigid link: c b'M^-1 b >> omega_max.
+
+    Order 8 damps such a motion in every step, order 6 hardly (see above). M counts by its diagonal.
+    """
+    fastest = 0.0
+    for element in system.elements:
+        fastest += abs(element.spring.tangent(0.0)) * _mobility(system, element)
+    for element in system.elements:
+        for piece in element.damper.pieces:
+            rate = abs(piece.coefficients[1]) + abs(piece.saturation) / piece.scale
+            decay = rate * _mobility(system, element)
+            if decay * decay > _LINK * _LINK * fastest:
+                return True
+    return False
+
+
+def _mobility(system, element):
+    return sum(b * b / system.mass[i][i] for i, b in enumerate(element.direction))

@@ -1,0 +1,20 @@
+cimport cython
+from .balance cimport Balance
+from .errors cimport Errors
+from .modes cimport Modes
+from .motion cimport Motion
+from .network cimport Network
+
+cdef class Method:
+    cdef Motion motion
+    cdef Balance balance
+    cdef Modes modes
+    cdef Errors errors
+    cdef Network net
+    cdef readonly int n, order
+    cdef readonly double theta, limit, least_damping, most_error
+    cdef readonly bint controls, reads_switches, exact, cubic, to_end
+
+    cdef void enter(self) noexcept nogil
+    @cython.locals(i=int)
+    cdef int attempt(self, double t, double h) noexcept with gil

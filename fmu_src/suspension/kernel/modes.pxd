@@ -1,0 +1,24 @@
+cimport cython
+from libc.math cimport fabs, sqrt
+from .balance cimport Balance
+from .network cimport Network
+
+cdef double _SAFE_PHASE, _DAMPED_PHASE
+
+@cython.final
+cdef class Modes:
+    cdef Balance balance
+    cdef Network net
+    cdef int n, stamp, damping_known
+    cdef double road_rate, omega_squared, quickest, longest
+    cdef double *stiffness, *damping, *stiffness_known, *softest, *velocity_scale
+
+    @cython.locals(i=int)
+    cdef void start(self) noexcept nogil
+    cdef void follow(self) noexcept nogil
+    @cython.locals(i=int, same=bint)
+    cdef void _find_fastest(self) noexcept nogil
+    @cython.locals(omega=double, longer=double)
+    cdef double bound(self, double h, double least_damping) noexcept nogil
+    @cython.locals(k=int, at=int, omega=double, decay=double)
+    cdef void _scale_velocities(self) noexcept nogil

@@ -1,0 +1,90 @@
+"""How fast the motion of the present branches can be: fastest mode, decays, and what bounds a step."""
+
+from __future__ import annotations
+
+import cython
+
+if not cython.compiled:
+    from math import fabs, sqrt
+
+# Phase of a mode per macro step up to which an undamped mode grows by less than 1/500 at any order, and
+# phase up to which it does not grow with the least damping of the method: see `bound`.
+_SAFE_PHASE = 2.4
+_DAMPED_PHASE = 6.0
+
+
+class Modes:
+    """Frequencies and decays of the present tangents.
+
+    Parameters
+    ----------
+    balance : equation of motion of the branches, with its tangents
+    """
+
+    def __init__(self, balance):
+        self.balance = balance
+        self.net, self.n = self.balance.net, self.balance.n
+        memory, n = self.net.memory, self.n
+        self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
+        self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
+        self.softest, self.velocity_scale = memory.doubles([1e300] * n), memory.zeros(n)
+        self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
+        self.stamp = (
+            0  # changes with every branch, to mark what belongs to an earlier one as outdated
+        )
+
+    def start(self):
+        """Forget all branches so far."""
+        for i in range(self.n):
+            self.softest[i] = 1e300
+        self.stiffness_known[0] = -1e300  # none yet
+
+    def follow(self):
+        """Update what depends on the tangents, after a change of them."""
+        self.stamp += 1
+        self._find_fastest()
+        self._scale_velocities()
+
+    def _find_fastest(self):
+        """Find the fastest mode, if the stiffness has changed; most switches are of dampers."""
+        same = 1
+        for i in range(self.n * self.n):
+            if self.stiffness[i] != self.stiffness_known[i]:
+                same = 0
+            self.stiffness_known[i] = self.stiffness[i]
+        if not same:
+            self.omega_squared = self.net.fastest_mode(self.stiffness)
+        self.quickest = sqrt(self.omega_squared)
+        self.longest = _SAFE_PHASE / self.quickest if self.quickest > 0.0 else 1e300
+        self.damping_known = 0
+
+    def bound(self, h, least_damping):
+        """Return the macro step h, or the longest one in which no mode grows numerically, if shorter.
+
+        The limit is 2.4 rad for an undamped mode. In a linear branch it is 6 rad if every mode beyond
+        2.4 is damped: c_i > x h (omega_i^2 - (2.4 / h)^2), where x is the least damping, that of the
+        method (0 for none). This holds if B - x h (K - (2.4 / h)^2 M) is positive definite.
+        """
+        if h > self.longest and not self.damping_known:
+            self.damping_known = 1
+            omega = sqrt(self.omega_squared)
+            longer = _DAMPED_PHASE / omega
+            if least_damping > 0.0 and self.net.is_damped(
+                self.stiffness, self.damping, least_damping * longer, _SAFE_PHASE / longer
+            ):
+                self.longest = longer
+        return self.longest if h > self.longest else h
+
+    def _scale_velocities(self):
+        """Find the factors that turn errors of velocity into errors of displacement.
+
+        An error of velocity becomes a displacement by the lowest natural frequency in any branch so far,
+        at least 1 rad/s, as even the stiffest stop is soon left; or an acceleration by strong damping.
+        """
+        for k in range(self.n):
+            at = k * self.n + k
+            omega = sqrt(fabs(self.stiffness[at]) / self.net.mass[at])
+            self.softest[k] = omega = min(self.softest[k], omega if omega > 1.0 else 1.0)
+            decay = self.damping[at] / self.net.mass[at]
+            self.velocity_scale[k] = max(omega, decay) / (omega * omega)
+            self.quickest += decay

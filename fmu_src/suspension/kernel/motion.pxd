@@ -1,0 +1,20 @@
+cimport cython
+from libc.math cimport fabs
+from .network cimport Network
+
+@cython.final
+cdef class Motion:
+    cdef Network net
+    cdef int n, elements
+    cdef double reach, scale
+    cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *drift, *drift_end, *origin
+    cdef double *multiplier, *multiplier_rate
+
+    @cython.locals(i=int, e=int)
+    cdef void start(self, double scale) noexcept nogil
+    @cython.locals(i=int)
+    cdef void count_from_here(self) noexcept nogil
+    @cython.locals(i=int, reach=double, x=double)
+    cdef double reach_at(self, double *q) noexcept nogil
+    @cython.locals(e=int)
+    cdef void keep_multipliers(self) noexcept nogil

@@ -1,0 +1,68 @@
+"""The motion now, and at the end of an attempt: what every method is given, and what it must return."""
+
+from __future__ import annotations
+
+import cython
+
+if not cython.compiled:
+    from math import fabs
+
+
+class Motion:
+    """Displacements, velocities, accelerations and their rates, now and at the end of an attempt.
+
+    Parameters
+    ----------
+    network : of the system
+    """
+
+    def __init__(self, network):
+        n, elements = network.n, network.elements
+        self.net, self.n, self.elements = network, n, elements
+        memory = self.net.memory
+        # now
+        self.q, self.v = memory.zeros(n), memory.zeros(n)
+        self.a, self.j = memory.zeros(n), memory.zeros(n)
+        # at the end of the attempt
+        self.qb, self.vb = memory.zeros(n), memory.zeros(n)
+        self.ab, self.jb = memory.zeros(n), memory.zeros(n)
+        # the acceleration of the method minus that of the equation of motion, which is in `a`
+        self.drift, self.drift_end = memory.zeros(n), memory.zeros(n)
+        self.origin = memory.zeros(n)  # start of the run, from which the motion is measured
+        self.reach = 0.0  # the largest motion so far, m, to which errors are relative
+        self.scale = 0.0
+        # forces of sticking
+        self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
+
+    def start(self, scale):
+        """Reset to rest in the equilibrium of the system that the network has read.
+
+        `scale` is a displacement, m; errors below its rounding do not matter.
+        """
+        self.scale = scale
+        for i in range(self.n):
+            self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
+        self.count_from_here()
+        for e in range(self.elements):
+            self.multiplier[e] = self.multiplier_rate[e] = 0.0
+
+    def count_from_here(self):
+        """Measure the motion from the present displacements, the start of a run."""
+        self.reach = 0.0
+        for i in range(self.n):
+            self.origin[i] = self.q[i]
+
+    def reach_at(self, q):
+        """Return the largest motion so far, including that at displacements q, m."""
+        reach = self.reach
+        for i in range(self.n):
+            x = fabs(q[i] - self.origin[i])
+            if not x <= reach:
+                reach = x
+        return reach
+
+    def keep_multipliers(self):
+        """Store the present forces of sticking, as attempts overwrite those of the network."""
+        for e in range(self.elements):
+            self.multiplier[e] = self.net.multiplier[e]
+            self.multiplier_rate[e] = self.net.multiplier_rate[e]

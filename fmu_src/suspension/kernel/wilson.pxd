@@ -1,0 +1,12 @@
+cimport cython
+from libc.math cimport isfinite
+from .columns cimport Columns
+from .method cimport Method
+
+cdef class Wilson(Method):
+    cdef Columns columns
+    cdef double *start_a
+
+    cdef void enter(self) noexcept nogil
+    @cython.locals(n=int, i=int, status=int, a0=double, a1=double)
+    cdef int attempt(self, double t, double h) noexcept nogil
