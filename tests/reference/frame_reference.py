@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from switched import Array, Switch, march
+from switched import Array, Switch, integrate
 
 
 class Frame:
@@ -84,5 +84,5 @@ def solve(parameters: Mapping[str, Any], times: Array) -> Solution:
     """
     frame = Frame(parameters)
     start = [0.0, 0.0, parameters["permanent_set"], 0.0, 0.0, 0.0]
-    rows, switches = march(frame, start, times, list(frame.instants))
+    rows, switches = integrate(frame, start, times, list(frame.instants))
     return Solution(rows[:, :1], rows[:, 1:2], rows[:, 2:3], rows[-1, 3:], switches)

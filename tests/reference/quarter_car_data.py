@@ -152,7 +152,7 @@ class RoadPiece(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """Force of one element, piece by piece: c0 + c1 u + c3 u^3, u the `argument` it depends on.
+    """Force of one element, piece by piece: c0 + c1 u, u the `argument` it depends on.
 
     Branch i lies between corners[i - 1] and corners[i]. For the tyre u is what its contact force
     would be; branch 0 is flight, branch 1 contact, and its forces stand in the equations of motion.
@@ -163,11 +163,7 @@ class Law:
     argument: str  # "deflection", "rate" or "contact"
     corners: tuple[float, ...]
     branches: tuple[str, ...]
-    coefficients: tuple[tuple[float, float, float], ...]
-
-    def force(self, branch: int, u: float) -> float:
-        c0, c1, c3 = self.coefficients[branch]
-        return c0 + u * (c1 + u * u * c3)
+    coefficients: tuple[tuple[float, float], ...]
 
     def at(self, arguments: Mapping[str, float]) -> int:
         """The branch at a state; on a corner the upper one."""
@@ -248,7 +244,7 @@ def _polyline(
             if abs(intercept) > 1e-9 * abs(f):
                 raise ValueError(f"{element}: the force at 0 is {intercept} N and must be 0")
             intercept = 0.0  # to the last bit, or rest would not be rest
-        lines.append((intercept, slope, 0.0))
+        lines.append((intercept, slope))
     return Law(element, argument, edges[1:-1], tuple(names), tuple(lines))
 
 
@@ -333,16 +329,18 @@ def car_from(parameters: Parameters) -> Car:
 
     Raises
     ------
-    ValueError : an unknown name or road.
+    ValueError : an unknown name or road; a cubic spring.
     """
     wanted = {name: v for name, v in parameters.items() if not name.startswith("solver.")}
     if unknown := sorted(set(wanted) - set(DEFAULTS)):
         raise ValueError(f"unknown parameters {unknown}; known are {sorted(DEFAULTS)}")
     p: dict[str, Any] = {**DEFAULTS, **wanted}
+    if p["spring.cubic"]:
+        raise ValueError("a cubic spring has no exact propagation; use vehicle_reference")
     spring = (
         _table("spring", "deflection", p["spring.table"])
         if p["spring.table"]
-        else Law("spring", "deflection", (), ("",), ((0.0, p["spring.rate"], p["spring.cubic"]),))
+        else Law("spring", "deflection", (), ("",), ((0.0, p["spring.rate"]),))
     )
     damper = _table("damper", "rate", p["damper.table"]) if p["damper.table"] else _damper(p)
     weight = (p["sprung_mass"] + p["unsprung_mass"]) * p["gravity"]
@@ -366,7 +364,7 @@ def car_from(parameters: Parameters) -> Car:
 
 def _tyre(rule: str) -> Law:
     """The tyre by its rule of contact, which is empty where it is held to the road."""
-    nothing = (0.0, 0.0, 0.0)
+    nothing = (0.0, 0.0)
     if rule == "gap":
         return TyreAcrossGap("tyre", "contact", (), ("flight", "flight", "contact"), 3 * (nothing,))
     if rule == "force":
@@ -412,12 +410,12 @@ def refuse_endless_switching(events: Sequence[Event], t: float) -> None:
 def longest_step(car: Car) -> float:
     """A step in which no argument turns twice: small against the fastest mode and the road, s."""
     stiffness = car.tyre_stiffness + sum(
-        max(abs(c1) for _, c1, _ in law.coefficients)
+        max(abs(c1) for _, c1 in law.coefficients)
         for law in car.suspension
         if law.argument == "deflection"
     )
     damping = car.tyre_damping + sum(
-        max(abs(c1) for _, c1, _ in law.coefficients)
+        max(abs(c1) for _, c1 in law.coefficients)
         for law in car.suspension
         if law.argument == "rate"
     )

@@ -48,7 +48,7 @@ def _exact_matrix(car: Car, branch: Sequence[int], omega: float) -> Array:
     form, one = _exact_forms(car), ONE[CONSTANT]
     force = np.zeros(8)
     for law, b in zip(car.suspension, branch, strict=False):
-        c0, c1, _ = law.coefficients[b]
+        c0, c1 = law.coefficients[b]
         force += c0 * one + c1 * form[law.argument]
     in_contact = car.tyre.branches[branch[-1]] == "contact"
     tyre = car.weight * one - form["contact"] if in_contact else car.weight * one
@@ -116,8 +116,8 @@ def _earliest_exit(A: Array, z: Array, limit: Array, h: float) -> float:
     return float(brentq(room, start, end, xtol=1e-18))
 
 
-def march(car: Car, times: Array) -> tuple[Array, list[Event]]:
-    """March with matrix exponentials from switch to switch."""
+def propagate(car: Car, times: Array) -> tuple[Array, list[Event]]:
+    """Go on by matrix exponentials from switch to switch."""
     end, h = float(times[-1]), longest_step(car)
     events = road_events(car, end)
     rows = np.empty((len(times), 7))

@@ -1,4 +1,4 @@
-"""Two references for the quarter car, sharing no code with the package they are held against.
+"""A reference for the quarter car, sharing no code with the package it is held against.
 
     M x1'' + S = 0,   m x2'' - S + T = 0                                  (AP57 eqs. 14, 29)
     S = F(y) + Phi(y'),   y = x1 - x2
@@ -9,13 +9,8 @@ below x2st = (M + m) g / c2 or, while it is below, where N would become positive
 would become positive, across a gap as well (eq. 28 for both ends).
 
 Between two switches (contact, damper corner, end stop, corner of a table, joint of the road) the
-right-hand side is smooth. Both references keep the branch of every element until its switch, locate
-the switch to rounding and start afresh from there:
-
-- `exact`: piecewise linear cars. State, road and a one form an autonomous linear system, carried on
-  by its matrix exponential; switches are roots of the exact solution.
-- `integrated`: any car. The equations of motion as they stand, by scipy's DOP853 with its own
-  events, at a relative tolerance of 1e-13.
+right-hand side is linear. Every element keeps its branch until its switch, which is a root of the exact
+solution by matrix exponentials (`quarter_car_exact`). Cars with a cubic spring: see `vehicle_reference`.
 
 Run as a program, it remakes the stored files beside it:
 
@@ -52,8 +47,7 @@ from quarter_car_data import (
     car_from,
     largest_difference,
 )
-from quarter_car_exact import march as march_exactly
-from quarter_car_integrated import march as march_by_dop853
+from quarter_car_exact import propagate
 
 __all__ = [
     "BLOW_OFF_TABLE",
@@ -81,7 +75,7 @@ STORED: dict[str, tuple[dict[str, Value], float, int]] = {
 }
 
 
-def solve(parameters: Parameters, times: ArrayLike, method: str = "") -> Reference:
+def solve(parameters: Parameters, times: ArrayLike) -> Reference:
     """The quarter car from rest in static equilibrium at t = 0.
 
     Parameters
@@ -89,12 +83,11 @@ def solve(parameters: Parameters, times: ArrayLike, method: str = "") -> Referen
     parameters : by public name, SI units; those not given are AP57 section 8
     times : (n,) ascending instants, s, none negative; where the road's velocity jumps, values are
         those just after
-    method : "exact" (piecewise linear cars), "integrated" (any), or empty: exact where possible
 
     Raises
     ------
-    ValueError : unknown parameter, road or method; times that do not ascend; a cubic spring with
-        "exact"; a table that misses the origin.
+    ValueError : unknown parameter or road; times that do not ascend; a cubic spring; a table that
+        misses the origin.
     """
     car, instants = car_from(parameters), np.asarray(times, dtype=float)
     if (
@@ -103,13 +96,7 @@ def solve(parameters: Parameters, times: ArrayLike, method: str = "") -> Referen
         or not all(np.diff(instants, prepend=-1e-300) > 0.0)
     ):
         raise ValueError("times must ascend, and start at 0 or later")
-    curved = any(c3 != 0.0 for law in car.laws for _, _, c3 in law.coefficients)
-    if method not in ("", "exact", "integrated"):
-        raise ValueError(f"method {method!r}: 'exact' and 'integrated' are known")
-    if curved and method == "exact":
-        raise ValueError("a cubic spring has no exact propagation; use 'integrated'")
-    march = march_by_dop853 if curved or method == "integrated" else march_exactly
-    rows, events = march(car, instants)
+    rows, events = propagate(car, instants)
     return _reference([instants, *rows.T.copy()], events)
 
 
@@ -146,20 +133,17 @@ def _write(path: Path, text: str) -> None:
 
 
 def main() -> None:
-    """Remake the stored files and say how well the two references agree."""
+    """Remake the stored files."""
     switches: dict[str, Any] = {}
     for name, (parameters, duration, count) in STORED.items():
         times = np.linspace(0.0, duration, count)
-        exact, integrated = (solve(parameters, times, m) for m in ("exact", "integrated"))
-        difference = largest_difference(exact, integrated)
+        exact = solve(parameters, times)
         text = io.StringIO()
         text.write(
             "# Quarter car of AP57 section 8 (M. Apetaur, L. Pust, Aplikace matematiky 2 (1957) "
             "81-104) in SI units, from rest;\n"
             f"# parameters that differ from it: {json.dumps(parameters)}\n"
-            "# Made by exact piecewise linear propagation, restarted at every switch; DOP853 at "
-            "rtol 1e-13 agrees\n"
-            f"# within {difference:.0e} of the peak. "
+            "# Made by exact piecewise linear propagation, restarted at every switch. "
             "Remake with: python tests/reference/quarter_car_reference.py\n"
         )
         writer = csv.writer(text, lineterminator="\n")
@@ -171,7 +155,7 @@ def main() -> None:
             "parameters": parameters,
             "events": [event._asdict() for event in exact.events],
         }
-        print(f"{name}: {len(exact.events)} events, agreement {difference:.1e} of the peak")
+        print(f"{name}: {len(exact.events)} events")
     _write(HERE / "ap57_events.json", json.dumps(switches, indent=1) + "\n")
 
 

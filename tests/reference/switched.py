@@ -1,4 +1,4 @@
-"""Marching through motions whose equations switch: DOP853 from switch to switch, each located.
+"""Motions whose equations switch: DOP853 from switch to switch, each located.
 
 A problem keeps its branch until the room it has left there falls below zero, which is looked for at
 eight instants of every step; the switch is located on the dense output, and the next run starts there.
@@ -45,7 +45,7 @@ class Problem(Protocol):
         """From now on the excitation is that between these two joints."""
 
 
-def march(
+def integrate(
     problem: Problem, state: Sequence[float], times: Array, joints: Sequence[float]
 ) -> tuple[Array, list[Switch]]:
     """States at the given instants, (len(times), len(state)), and every switch.

@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from switched import Array, Switch, march
+from switched import Array, Switch, integrate
 
 MODELS = {"OneDof": (1, False), "QuarterCar": (1, True),
           "HalfCarRigidTyres": (2, False), "HalfCar": (2, True)}  # fmt: skip
@@ -235,5 +235,11 @@ def solve(model: str, parameters: Mapping[str, Any], times: Array) -> Solution:
     """
     vehicle = Vehicle(model, parameters)
     n = vehicle.n
-    rows, switches = march(vehicle, [0.0] * (2 * n + 3 * len(vehicle.axles)), times, vehicle.joints)
+    rows, switches = integrate(
+        vehicle, [0.0] * (2 * n + 3 * len(vehicle.axles)), times, vehicle.joints
+    )
     return Solution(rows[:, :n], rows[:, n : 2 * n], rows[-1, 2 * n :].reshape(-1, 3), switches)
+
+
+#: A damper that never blows off and a tyre that never leaves the road, whatever the motion.
+HELD = {"damper.bump_limit": 1e9, "damper.rebound_limit": 1e9, "gravity": 1e9}

@@ -110,31 +110,6 @@ def test_contact_switches_turn_by_turn_and_the_ledger_closes(tyre: str, contact:
     assert abs(integrator.residual_end) < 1e-7 * turned_over
 
 
-@pytest.mark.parametrize("contact", ["gap", "force"])
-@pytest.mark.parametrize("loss", ["plain", "none"])
-def test_two_quarter_cars_are_a_half_car(loss: str, contact: str) -> None:
-    """With rho^2 = a b each axle goes its own way, its own contact included."""
-    damping = 1000.0 if loss == "plain" else 0.0
-    axle = {"unsprung_mass": WHEEL, "tyre.stiffness": 150e3, "tyre.damping": damping}
-    half = {f"{side}.{name}": x for side in ("front", "rear") for name, x in axle.items()}
-    shared = {"contact": contact, "road.height": 0.08, "solver.tolerance": 1e-9}
-    whole = Session(
-        "HalfCar",
-        {**half, **shared, "sprung_mass": 2 * BODY, "cg_to_front": 2.0, "cg_to_rear": 2.0,
-         "pitch_radius_of_gyration": 2.0},
-    )  # fmt: skip
-    quarter = Session("QuarterCar", {**axle, **shared, "sprung_mass": BODY})
-    for t in np.linspace(0.01, 0.19, 19):  # before the rear axle meets the bump
-        whole.advance(t)
-        quarter.advance(t)
-        for name in ("wheel_displacement", "contact_force"):
-            assert whole.value(f"front_{name}") == pytest.approx(quarter.value(name), abs=1e-5)
-    assert whole.value("front_last_touchdown") == pytest.approx(
-        quarter.value("last_touchdown"), abs=1e-9
-    )
-    assert quarter.value("last_touchdown") > 0.0
-
-
 def launched(contact: str, road: roads.Signal, up: float = 0.03) -> Integrator:
     """The car in the air above a road, with nothing moving yet."""
     integrator = Integrator(car(road, contact), tolerance=1e-10)

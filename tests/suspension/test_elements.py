@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import KINDS, Integrator
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.systems import Element, System, damper_family
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import quad
 
 RATES = st.floats(10.0, 1e5)
 FORCES = st.floats(1.0, 1e4)
@@ -85,70 +83,6 @@ def test_a_family_gives_its_curves_and_what_lies_between() -> None:
 
 
 MASS, RATE = 300.0, 2e4
-CURVES = {-0.02: law.saturating(4e3, 900.0, 1e3), 0.0: law.linear(300.0), 0.03: law.linear(2e3)}
-
-
-def damping(rate: float, deflection: float) -> float:
-    """The family of CURVES, written again."""
-    low = 900.0 * math.tanh((4e3 if rate > 0.0 else 1e3) * rate / 900.0)
-    return float(np.interp(deflection, [-0.02, 0.0, 0.03], [low, 300.0 * rate, 2e3 * rate]))
-
-
-def restarted(rates: Callable, corners: list[Callable], t_end: float, y: list[float]) -> Callable:
-    """DOP853 from corner to corner, as a function of time."""
-    for corner in corners:
-        corner.terminal = True  # type: ignore[attr-defined]
-    parts, t = [], 0.0
-    while t < t_end:
-        part = solve_ivp(
-            rates, (t, t_end), y, "DOP853", events=corners, rtol=1e-12, atol=1e-14,
-            dense_output=True, first_step=1e-6,
-        )  # fmt: skip
-        parts.append(part.sol)
-        y = part.y[:, -1]
-        # a little way on, so that the corner just met is not met again
-        rate = np.array(rates(part.t[-1], y))
-        t, y = part.t[-1] + 1e-10, y + 1e-10 * rate
-    ends = [sol.t_max for sol in parts]
-    return lambda s: parts[min(np.searchsorted(ends, s), len(parts) - 1)](s)
-
-
-def system() -> System:
-    return System(
-        coordinates=("body",),
-        mass=((MASS,),),
-        elements=(
-            Element("spring", (1.0,), law.linear(RATE), road="road"),
-            *damper_family("damper", (1.0,), CURVES, "road"),
-        ),
-        signals={"road": roads.sine(0.06, 4.0, 10.0)},
-        scales=(0.03,),
-    )
-
-
-def test_a_family_against_dop853_restarted_at_every_corner() -> None:
-    omega = 2.0 * math.pi * 10.0 / 4.0
-
-    def relative(t: float, y: np.ndarray) -> tuple[float, float]:
-        return y[0] - 0.03 * math.sin(omega * t), y[1] - 0.03 * omega * math.cos(omega * t)
-
-    def rates(t: float, y: np.ndarray) -> list[float]:
-        d, w = relative(t, y)
-        return [y[1], -(RATE * d + damping(w, d)) / MASS]
-
-    corners = [lambda t, y, c=c: relative(t, y)[0] - c for c in CURVES]
-    corners.append(lambda t, y: relative(t, y)[1])
-    reference = restarted(rates, corners, 1.5, [0.0, 0.0])
-    for tolerance in (1e-5, 1e-9):
-        integrator = Integrator(system(), tolerance=tolerance)
-        worst = 0.0
-        for t in np.linspace(0.01, 1.5, 150):
-            assert integrator.advance(t) == 0
-            integrator.sample(t)
-            worst = max(worst, abs(integrator.sample_q[0] - reference(t)[0]))
-        assert worst < 3.0 * tolerance * 0.05
-        assert abs(integrator.residual_end) < 100.0 * tolerance
-    assert {KINDS[event[2]] for event in integrator.log} == {"damper", "modulation"}
 
 
 def test_a_modulated_damper_needs_no_iteration_where_its_factor_is_level() -> None:

@@ -12,7 +12,6 @@ from phaseplane.suspension import characteristics, roads
 from phaseplane.suspension.engine import KINDS, Integrator
 from phaseplane.suspension.models import Element, Load, System
 from phaseplane.suspension.session import Session
-from scipy.integrate import solve_ivp
 
 MASS, RATE, FRICTION = 2.0, 800.0, 1.0
 OMEGA = sqrt(RATE / MASS)
@@ -78,61 +77,6 @@ def test_it_breaks_loose_when_the_force_reaches_the_friction() -> None:
     t, _, kind, before, after = integrator.log[0]
     assert (KINDS[kind], before, after) == ("friction", 0, 1)
     assert t == pytest.approx(0.5, abs=1e-12)
-
-
-def test_against_scipy_restarted_at_every_switch() -> None:
-    """Stick and slip under a sine; the reference shares nothing with the package."""
-    peak, drive, damping = 3.0, 9.0, 4.0
-    force = roads.Signal(
-        (roads.Segment(-np.inf, 0.0, amplitude=peak, phase=(-pi / 2, drive, 0.0)),), peak
-    )
-    system = System(
-        ("x",),
-        ((MASS,),),
-        (
-            Element(
-                "leaf", (1.0,), characteristics.linear(RATE), characteristics.linear(damping),
-                friction=2.0,
-            ),
-        ),
-        {"force": force},
-        (Load((1.0,), "force"),),
-        (1e-2,),
-    )  # fmt: skip
-
-    def pull(t: float, x: float) -> float:
-        return peak * float(np.sin(drive * t)) - RATE * x
-
-    instants = np.linspace(0.0, 3.0, 121)
-    t, y, slip = 0.0, np.zeros(2), 0
-    found = {0.0: 0.0}
-    while t < 3.0:
-
-        def rates(s: float, z: np.ndarray, slip: int = slip) -> list[float]:
-            if slip == 0:
-                return [0.0, 0.0]
-            return [z[1], (pull(s, z[0]) - damping * z[1] - slip * 2.0) / MASS]
-
-        def leaves(s: float, z: np.ndarray, slip: int = slip) -> float:
-            return 2.0 - abs(pull(s, z[0])) if slip == 0 else slip * z[1]
-
-        leaves.terminal, leaves.direction = True, -1  # type: ignore[attr-defined]
-        part = solve_ivp(
-            rates, (t, 3.0), y, "DOP853", events=leaves, rtol=1e-12, atol=1e-15,
-            dense_output=True, max_step=0.005,
-        )  # fmt: skip
-        for s in instants[(instants > t) & (instants <= part.t[-1] + 1e-12)]:
-            found[float(s)] = float(part.sol(min(s, part.t[-1]))[0])
-        t, y = part.t[-1], part.y[:, -1].copy()
-        if part.status == 1:
-            needed = pull(t, y[0])
-            y[1] = 0.0
-            slip = int(np.sign(needed)) if abs(needed) >= 2.0 - 1e-9 else 0
-    integrator = Integrator(system, tolerance=1e-10)
-    for s in instants:
-        assert position(integrator, float(s)) == pytest.approx(found[float(s)], abs=2e-10)
-    assert len(integrator.log) > 15
-    assert abs(integrator.residual_end) < 1e-8
 
 
 def test_two_that_stick_at_once_move_as_one_body() -> None:

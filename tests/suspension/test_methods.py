@@ -91,10 +91,9 @@ def test_the_step_of_wilson_is_its_own_amplification_matrix() -> None:
         assert integrator.sample_v[0] == pytest.approx(v, rel=1e-12)
 
 
-@pytest.mark.parametrize("parameters", [{}, {"spring.cubic": 5e6, "lift_off": False}])
+@pytest.mark.parametrize("parameters", [{}, {"spring.rate": 5e4, "lift_off": False}])
 def test_wilson_is_of_order_two(parameters: dict[str, object]) -> None:
-    times = np.linspace(0.0, 0.4, 21)
-    truth = reference.solve(parameters, times, method="integrated")
+    truth = reference.solve(parameters, np.linspace(0.0, 0.4, 21))
     steps = 5e-4 / 2.0 ** np.arange(4)
     errors = [error(parameters, truth, method="wilson", step=h) for h in steps]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.1)

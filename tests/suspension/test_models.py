@@ -5,19 +5,17 @@ from __future__ import annotations
 import doctest
 from collections.abc import Callable
 from dataclasses import replace
-from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads, systems
 from phaseplane.suspension.batch import outputs_over_time, run_many
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import Element, System, axle_masses, build
 from phaseplane.suspension.session import Session, simulate
-from phaseplane.suspension.variables import ParameterError, variables
-from scipy.integrate import solve_ivp
+from phaseplane.suspension.variables import ParameterError
 
 TIMES = [0.005 * k for k in range(121)]
 TIGHT = {"solver.tolerance": 1e-11}
@@ -28,11 +26,7 @@ FRONT = {
     "bump_stop.gap": 0.03, "bump_stop.stiffness": 1.5e5, "rebound_stop.gap": 0.025,
     "rebound_stop.stiffness": 1e5,
 }  # fmt: skip
-REAR = {**FRONT, "spring.rate": 21e3, "damper.rebound_rate": 2300.0, "rebound_stop.gap": 0.035}
-FRONT_WHEEL = {"unsprung_mass": 33.0, "tyre.stiffness": 160e3, "tyre.damping": 400.0}
-REAR_WHEEL = {"unsprung_mass": 41.0, "tyre.stiffness": 190e3, "tyre.damping": 250.0}
 BODY = {"sprung_mass": 620.0, "cg_to_front": 1.1, "cg_to_rear": 1.5}
-DECOUPLED = {**BODY, "pitch_radius_of_gyration": sqrt(1.1 * 1.5)}
 
 
 def of_axle(axle: str, *parts: dict[str, float]) -> dict[str, float]:
@@ -43,66 +37,7 @@ def axle_run(model: str, parameters: dict[str, object], outputs: list[str]) -> d
     return simulate(model, {**parameters, **TIGHT}, TIMES, outputs)
 
 
-def largest_difference(a: dict[str, list], b: dict[str, list], names: dict[str, str]) -> float:
-    """Largest difference of outputs of a and b, relative to the peak of each; names of a -> of b."""
-    return max(
-        float(np.max(np.abs(np.subtract(a[x], b[y]))) / np.max(np.abs(b[y])))
-        for x, y in names.items()
-    )
-
-
 # -- equations written out -------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("gyration", [0.9, 1.7])
-def test_the_half_car_on_rigid_tyres_obeys_its_equations(gyration: float) -> None:
-    """AP57 eqs. 33, 34 with M3 of either sign, as an ordinary initial value problem."""
-    a, b, mass, speed, height, length = 1.1, 1.5, 620.0, 20.0, 0.05, 1.0
-    base, passing, lag = a + b, length / speed, (a + b) / speed
-    m1 = (gyration**2 + b**2) * mass / base**2
-    m2 = (gyration**2 + a**2) * mass / base**2
-    m3 = (a * b - gyration**2) * mass / base**2
-    c1, g1, k1, c2, g2, k2 = 17e3, 8e5, 1300.0, 21e3, -2e5, 1700.0
-
-    def road(t: float, on: bool) -> tuple[float, float]:
-        w = 2.0 * pi / passing
-        return (0.5 * height * (1.0 - cos(w * t)), 0.5 * height * w * sin(w * t)) if on else (0, 0)
-
-    def motion(on_front: bool, on_rear: bool) -> Callable[[float, np.ndarray], list[float]]:
-        def derivative(t: float, s: np.ndarray) -> list[float]:
-            x1, x2, v1, v2 = s
-            (xi1, rate1), (xi2, rate2) = road(t, on_front), road(t - lag, on_rear)
-            s1 = c1 * (x1 - xi1) + g1 * (x1 - xi1) ** 3 + k1 * (v1 - rate1)
-            s2 = c2 * (x2 - xi2) + g2 * (x2 - xi2) ** 3 + k2 * (v2 - rate2)
-            det = m1 * m2 - m3 * m3
-            return [v1, v2, (m3 * s2 - m2 * s1) / det, (m3 * s1 - m1 * s2) / det]
-
-        return derivative
-
-    assert passing < lag
-    state, times, expected = np.zeros(4), np.array(TIMES), np.zeros((2, len(TIMES)))
-    joints = (0.0, passing, lag, lag + passing, TIMES[-1])
-    for k, on in enumerate([(True, False), (False, False), (False, True), (False, False)]):
-        span = joints[k : k + 2]
-        run = solve_ivp(
-            motion(*on), span, state, "DOP853", rtol=1e-12, atol=1e-14, dense_output=True
-        )
-        inside = (times >= span[0]) & (times <= span[1])
-        expected[:, inside] = run.sol(times[inside])[:2]
-        state = run.y[:, -1]
-    own = {
-        **BODY, "pitch_radius_of_gyration": gyration, "front.spring.rate": c1,
-        "front.spring.cubic": g1, "front.damper.rebound_rate": k1, "front.damper.bump_rate": k1,
-        "rear.spring.rate": c2, "rear.spring.cubic": g2, "rear.damper.rebound_rate": k2,
-        "rear.damper.bump_rate": k2,
-    }  # fmt: skip
-    names = ["front_body_displacement", "rear_body_displacement"]
-    got = axle_run("HalfCarRigidTyres", own, [*names, "body_displacement", "pitch_angle"])
-    peak = np.max(np.abs(expected))
-    assert np.max(np.abs(np.array([got[name] for name in names]) - expected)) < 1e-9 * peak
-    bounce, pitch = (b * expected[0] + a * expected[1]) / base, (expected[0] - expected[1]) / base
-    assert got["body_displacement"] == pytest.approx(bounce, abs=1e-9 * peak)
-    assert got["pitch_angle"] == pytest.approx(pitch, abs=1e-9 * peak)
 
 
 lengths, velocities = st.floats(0.1, 5.0), st.floats(-10.0, 10.0)
@@ -153,47 +88,16 @@ def test_the_body_obeys_newton_and_euler_at_its_centre_of_gravity(model: str) ->
             for axle in ("front", "rear")
         )
         vertical = 620.0 * float(session.value("body_acceleration"))
+        ends = [float(session.value(f"{axle}_body_displacement")) for axle in ("front", "rear")]
+        bounce = (1.5 * ends[0] + 1.1 * ends[1]) / 2.6
+        assert session.value("body_displacement") == pytest.approx(bounce, abs=1e-15)
+        assert session.value("pitch_angle") == pytest.approx((ends[0] - ends[1]) / 2.6, abs=1e-15)
         moment = 620.0 * 1.4**2 * float(session.value("pitch_acceleration"))
         assert vertical == pytest.approx(-400.0 - front - rear, abs=1e-8)
         assert moment == pytest.approx(1.5 * rear - 1.1 * front, abs=1e-8)
 
 
 # -- from outside ----------------------------------------------------------------------------------
-
-
-def test_a_half_car_takes_both_roads_from_outside() -> None:
-    inside = simulate("HalfCar", {}, TIMES, ["front_wheel_displacement", "rear_wheel_displacement"])
-    road = roads.bump(0.05, 1.0, 20.0)
-    later = road.delayed(2.5 / 20.0)
-    session = Session("HalfCar", {"road.shape": "input"})
-    worst = 0.0
-    for k in range(1, 1201):
-        t = 5e-4 * (k - 1)
-        for axle, its in (("front", road), ("rear", later)):
-            session.set_input(f"{axle}_road_elevation", its.value(t))
-            session.set_input(f"{axle}_road_velocity", its.rate(t))
-        session.advance(5e-4 * k)
-        if k % 10 == 0:
-            for name in ("front_wheel_displacement", "rear_wheel_displacement"):
-                worst = max(worst, abs(float(session.value(name)) - float(inside[name][k // 10])))
-    assert worst < 2e-3 * 0.05
-    assert session.value("front_lift_off_count") == session.value("rear_lift_off_count") == 1
-
-
-@pytest.mark.parametrize("instant", [0.045, 0.17])
-def test_rollback_of_a_half_car_continues_to_the_bit(instant: float) -> None:
-    """At 0.045 s the front wheel is in the air, at 0.17 s the rear one."""
-    session, other = Session("HalfCar", {}), Session("HalfCar", {})
-    names = [v.name for v in variables("HalfCar") if v.causality == "output"]
-    session.advance(instant)
-    assert session.value("front_airborne") is not session.value("rear_airborne")
-    kept = session.snapshot()
-    session.advance(0.3)
-    ahead = [session.value(name) for name in names]
-    other.restore(kept)
-    other.advance(0.3)
-    assert [other.value(name) for name in names] == ahead
-    assert (other.value("front_lift_off_count"), other.value("rear_lift_off_count")) == (1, 1)
 
 
 # -- a system of a user's own ----------------------------------------------------------------------
@@ -265,24 +169,6 @@ def test_a_full_car_rolls_over_a_bump_on_one_side_and_its_energy_balances() -> N
         largest = max(largest, abs(car.sample_q[2]))
         assert abs(car.residual_at(t)) < 1e-7 * 0.5 * 15000 * 9.80665 * 0.05**2
     assert largest > 1e-3
-
-
-@settings(max_examples=25)
-@given(
-    st.sampled_from(["OneDof", "HalfCarRigidTyres", "HalfCar"]),
-    st.floats(0.3, 3.0),
-    st.floats(0.3, 3.0),
-    st.floats(-0.1, 0.1),
-)
-def test_the_energy_balance_closes(model: str, mass: float, rate: float, height: float) -> None:
-    axles = ("",) if model == "OneDof" else ("front.", "rear.")
-    own: dict[str, object] = {f"{axle}spring.rate": 15e3 * rate for axle in axles}
-    own |= {"sprung_mass": 300.0 * mass * len(axles), "road.height": height}
-    session = Session(model, {**own, "solver.tolerance": 1e-9})
-    stored = 0.5 * (15e4 if model == "HalfCar" else 15e3 * rate) * height**2
-    for t in (0.03, 0.15, 0.5):
-        session.advance(t)
-        assert abs(float(session.value("energy_residual"))) <= 1e-6 * stored + 1e-15
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.suspension.roads import bump
 from phaseplane.suspension.session import Session, SimulationError, simulate
 from phaseplane.suspension.variables import MODELS, ParameterError, outputs, variables
 
@@ -71,44 +70,6 @@ def test_contact_is_counted_by_located_instants() -> None:
     assert session.value("last_lift_off") == pytest.approx(0.0306624689, abs=1e-9)
     assert session.value("last_touchdown") == pytest.approx(0.0719525917, abs=1e-9)
     assert [text.split(" at ")[0] for _, text in session.messages] == ["lift-off", "touchdown"]
-
-
-@pytest.mark.parametrize("given_velocity", [True, False])
-def test_a_sampled_road_converges_at_second_order(given_velocity: bool) -> None:
-    road = bump(0.05, 1.0, 20.0)
-    times = [1e-3 * k for k in range(201)]
-    truth = simulate("QuarterCar", {"solver.tolerance": 1e-11}, times, MOTION[:2])
-
-    def error(samples: int) -> float:
-        session = Session("QuarterCar", {"road.shape": "input", "solver.tolerance": 1e-9})
-        worst = 0.0
-        for k in range(200 * samples):
-            t = 1e-3 * k / samples
-            session.set_input("road_elevation", road.value(t))
-            if given_velocity:
-                session.set_input("road_velocity", road.rate(t))
-            session.advance(1e-3 * (k + 1) / samples)
-            if (k + 1) % samples == 0:
-                worst = max(
-                    worst,
-                    *(
-                        abs(float(session.value(n)) - float(truth[n][(k + 1) // samples]))
-                        for n in MOTION[:2]
-                    ),
-                )
-        return worst
-
-    counts = np.array([1, 2, 4, 8, 16])
-    errors = [error(int(n)) for n in counts]
-    assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] > 1.8
-    assert errors[-1] < 1.5e-6
-
-
-def test_a_road_that_starts_elsewhere_gives_no_kick() -> None:
-    session = Session("QuarterCar", {"road.shape": "input"})
-    session.set_input("road_elevation", 0.01)
-    session.advance(0.0)
-    assert session.value("wheel_velocity") == 0.0
 
 
 @pytest.mark.parametrize("instant", [0.02, 0.045, 0.3])

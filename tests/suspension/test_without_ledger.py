@@ -69,18 +69,6 @@ def test_where_results_are_read_changes_no_bit(system: System, parts: int) -> No
     assert log == log_often
 
 
-def test_a_state_goes_on_to_the_bit(system: System) -> None:
-    through = Integrator(system, "equilibrium", STEP, energy=False)
-    again = Integrator(system, "equilibrium", STEP, energy=False)
-    through.advance(0.4)
-    again.restore(through.snapshot())
-    for integrator in (through, again):
-        assert integrator.advance(1.0) == 0
-        integrator.sample(1.0)
-    assert list(through.sample_q) == list(again.sample_q)
-    assert list(through.sample_a) == list(again.sample_a)
-
-
 def test_a_whole_run_is_the_same() -> None:
     system = build("QuarterCar", BUSY)
     times = array("d", np.linspace(0.0, 1.0, 333))

@@ -63,31 +63,6 @@ def walk(car: Any, times: list[float], *names: str) -> list[list[float]]:
     return rows
 
 
-@pytest.mark.parametrize(
-    ("fine", "coarse", "tolerance"),
-    [
-        (1e-3, 7.3e-3, 1e-12),  # where the sums of the two differ by rounding
-        (1 / 1024, 7.5 / 1024, 0.0),  # where they do not
-    ],
-)
-def test_the_communication_step_does_not_matter(
-    car: Any, fine: float, coarse: float, tolerance: float
-) -> None:
-    names = (*MOTION, "contact_force", "energy_residual", "airborne_time")
-    found = []
-    for step in (fine, coarse):
-        with car.instance():
-            car.start()
-            times = [k * step for k in range(round(0.3 / step))]
-            rows = dict(zip((round(t / fine, 6) for t in times), walk(car, times, *names),
-                            strict=True))  # fmt: skip
-            found.append(rows)
-    common = sorted(found[0].keys() & found[1].keys())
-    assert len(common) > 3
-    for instant in common:
-        assert found[0][instant] == pytest.approx(found[1][instant], rel=tolerance, abs=tolerance)
-
-
 def test_values_before_during_and_after(car: Any) -> None:
     with car.instance():
         assert car.get("sprung_mass") == MODELS["QuarterCar"][0].start
@@ -135,15 +110,6 @@ def test_tuned_parameters_act_from_the_present_instant_on(car: Any) -> None:
         session.set_parameter(name, value)
     session.advance(0.5)
     assert after[-1][:4] == [session.value(name) for name in MOTION]
-
-
-def test_constant_force_on_the_body_ends_in_static_deflection(car: Any) -> None:
-    with car.instance():
-        car.start(road__shape="flat", spring__rate=2e4, tyre__stiffness=1e5)
-        car.set(body_force=500.0)
-        car.step(0.0, 20.0)
-        assert car.get("body_displacement") == pytest.approx(500.0 / 2e4 + 500.0 / 1e5, rel=1e-5)
-        assert car.get("suspension_deflection") == pytest.approx(500.0 / 2e4, rel=1e-5)
 
 
 def test_starts_at_another_time(car: Any) -> None:
@@ -197,28 +163,6 @@ def test_a_road_that_ends_before_the_experiment_reaches_the_log(
         car.fmu.enterInitializationMode()
         car.fmu.exitInitializationMode()
         assert ("road ends at 10 s of 20 s" in car.texts) is told
-
-
-def test_a_velocity_of_zero_counts_as_set(car: Any) -> None:
-    """A kerb between two samples, on a road that stands still before and behind it."""
-    kerb = {"road.height": 0.03, "road.start": 0.05, "speed": 1.0, "lift_off": False}
-    inside = simulate("QuarterCar", {**kerb, "road.shape": "step"}, [0.0, 0.3], MOTION)
-    with car.instance():
-        car.start(road__shape="input", lift_off=False)
-        for k in range(30):
-            car.set(road_elevation=0.03 * (k >= 5), road_velocity=0.0)
-            car.step(0.01 * k, 0.01 * (k + 1))
-        for name in ("body_displacement", "wheel_displacement"):
-            assert car.get(name) == pytest.approx(inside[name][-1], abs=1e-6)
-
-
-def test_a_start_in_flight_is_told(car: Any) -> None:
-    with car.instance():
-        car.start(road__shape="flat", initial__wheel_displacement=0.05)
-        assert car.get("airborne")
-        car.step(0.0, 0.01)
-        assert car.get("lift_off_count") == 0
-        assert "wheel in the air at the start" in car.texts
 
 
 # -- whole state -----------------------------------------------------------------------------------
