@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import ceil, isfinite, nan
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +29,7 @@ from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 from .variables import outputs as outputs_of
 
+_Solver = tuple[str, float, float, float, str]  # method, step, tolerance, theta, beyond
 _CHUNK = 1024  # runs per task of a thread
 _MANY = 32  # runs from which on their systems are built by columns
 _MOST_KINDS = 8  # of systems, with an integrator for each
@@ -205,8 +205,8 @@ class _Kind:
     numbers : the rows of their systems, one after the other
     """
 
-    solver: tuple[Value, ...]
-    integrator: Any
+    solver: _Solver
+    integrator: Integrator
     series: Series
     runs: list[int] = field(default_factory=list)
     systems: list[System] = field(default_factory=list)
@@ -312,7 +312,7 @@ class _Bench:
             kind.systems.append(system)
         return kind
 
-    def _kind(self, solver: tuple[Value, ...], system: System) -> _Kind:
+    def _kind(self, solver: _Solver, system: System) -> _Kind:
         """Return the kind of a system, the latest first."""
         for k, kind in enumerate(self._kinds):
             if kind.solver == solver and kind.integrator.fits(system):
@@ -380,6 +380,6 @@ def _checked(variable: Variable, value: object) -> float:
         return nan
 
 
-_solver = itemgetter(
+_solver: Callable[[Mapping[str, Value]], _Solver] = itemgetter(
     "solver.method", "solver.step", "solver.tolerance", "solver.theta", "solver.beyond_stable"
 )

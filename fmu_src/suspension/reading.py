@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from .outputs import (
     ACCELERATION,
@@ -21,6 +21,9 @@ from .outputs import (
 from .signals import Signal
 from .systems import System
 from .variable import Value, Variable
+
+if TYPE_CHECKING:
+    from .engine import Integrator
 
 Read = Callable[[], Value]
 ReadMany = Callable[[Sequence[int]], list[Value]]
@@ -76,7 +79,13 @@ class State:
     integrator : its integrator
     """
 
-    def __init__(self, system: System, integrator: Any) -> None:
+    q: Sequence[float]
+    v: Sequence[float]
+    _a: Sequence[float]
+    _f: Sequence[float]
+    _set: Sequence[float]
+
+    def __init__(self, system: System, integrator: Integrator) -> None:
         self._integrator = integrator
         self.q, self.v = integrator.sample_q, integrator.sample_v
         self._a, self._f = integrator.sample_a, integrator.sample_f
@@ -152,7 +161,7 @@ class Readers(dict[str, Read]):
     """
 
     def __init__(
-        self, declared: Mapping[str, Variable], system: System, integrator: Any, run: Run
+        self, declared: Mapping[str, Variable], system: System, integrator: Integrator, run: Run
     ) -> None:
         super().__init__()
         self._declared, self._system = declared, system
@@ -173,7 +182,7 @@ class Readers(dict[str, Read]):
         return reading.quantity, reading.terms, signals, reading.offset
 
 
-def _reader(reading: Reading, integrator: Any, run: Run) -> Read:
+def _reader(reading: Reading, integrator: Integrator, run: Run) -> Read:
     match reading:
         case Line():
             return _of_line(reading, run.state)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .engine import KINDS, Rows
+from .engine import KINDS, Integrator, Rows
 from .outputs import (
     ACCELERATION,
     DISPLACEMENT,
@@ -93,7 +93,7 @@ class Series:
 
     def __init__(
         self,
-        integrator: Any,
+        integrator: Integrator,
         system: System,
         times: array[float],
         over_time: Mapping[str, Variable],
@@ -118,8 +118,8 @@ class Series:
         room = _MOST_FILLED // (len(times) * sum(wide.values()))
         most = min(max(room, 1), _MOST_RUNS)
         self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
-        filled = (self._filled.get(kind) for kind in range(4))
-        integrator.prepare(most, times, *(x if x is None else x.reshape(-1) for x in filled))
+        flat = {kind: x.reshape(-1) for kind, x in self._filled.items()}
+        integrator.prepare(most, times, flat[0], flat.get(1), flat.get(2), flat.get(3))
         self._rows = Rows(integrator, self._logged)
 
     def take(self, systems: Sequence[System], numbers: array[float]) -> None:

@@ -110,7 +110,7 @@ class Session:
             start_time,
             len(self._inputs),
             driven(system, self._inputs, sampled),
-            [system.element(axle.tyre) for axle in self._tyres],
+            [e for axle in self._tyres if (e := system.element(axle.tyre)) is not None],
             sampled,
         )
         self._attach(system, integrator)
@@ -143,7 +143,7 @@ class Session:
         self._run.begin_account()
         self._energies = None
 
-    def _new_integrator(self, system: System, time: float) -> Any:
+    def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
         p = self.parameters
         wanted = p["solver.tolerance"]
@@ -164,7 +164,7 @@ class Session:
         except ValueError as error:
             raise ParameterError(str(error)) from None
 
-    def _attach(self, system: System, integrator: Any) -> None:
+    def _attach(self, system: System, integrator: Integrator) -> None:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
         self._behind = integrator.snapshot()
@@ -402,7 +402,7 @@ class Session:
                 )
 
     @property
-    def integrator(self) -> Any:
+    def integrator(self) -> Integrator:
         """The integrator, for quantities that are not outputs."""
         return self._integrator
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,9 @@ from .models import ALL
 from .session import start_state
 from .trace import Node, Tape
 from .variable import Value
+
+if TYPE_CHECKING:
+    from .engine import Integrator
 
 _Values = Any  # a column, or a number that all runs have in common
 _OPERATIONS: Mapping[str, Callable[..., _Values]] = {
@@ -48,7 +51,7 @@ class Slots:
         model: str,
         parameters: Mapping[str, Value],
         varied: Sequence[str],
-        integrator: Any,
+        integrator: Integrator,
         start: float,
     ) -> None:
         self._tape = tape = Tape()

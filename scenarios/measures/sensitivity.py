@@ -14,6 +14,7 @@ from .reading import Measure, Reading, Run
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from phaseplane.suspension.engine import Integrator
 
     Rows = npt.NDArray[np.float64]
 
@@ -86,7 +87,7 @@ def magnification(model: str, parameters: Mapping[str, Value], duration: float) 
 
 
 def _grown(
-    integrator: Any, snapshot: bytes, times: Rows, rows: Rows, kick: tuple[float, float]
+    integrator: Integrator, snapshot: bytes, times: Rows, rows: Rows, kick: tuple[float, float]
 ) -> float:
     """Return the largest difference that a kick at a snapshot makes, m; infinite if the run fails."""
     integrator.restore(snapshot)

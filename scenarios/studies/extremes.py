@@ -160,7 +160,7 @@ def run_case(case: Extreme) -> Happened:
 
 def _motion(
     system: System, duration: float, options: Mapping[str, Any]
-) -> tuple[list[float], Any, str]:
+) -> tuple[list[float], Integrator, str]:
     """Return the displacements over time, the integrator, and why it stopped early ("" if not)."""
     integrator = Integrator(system, **options)
     found: list[float] = []

@@ -155,7 +155,7 @@ class Limit:
     measured: float | None
 
 
-def _begun(problem: Problem, options: dict[str, Any]) -> Any:
+def _begun(problem: Problem, options: dict[str, Any]) -> Integrator:
     integrator = Integrator(problem.system, **options)
     if problem.displacements or problem.velocities:
         rest = [0.0] * len(problem.system.mass)

@@ -374,12 +374,12 @@ class _TracedState(reading.State):
     def signals(self) -> Any:
         return self._roads
 
-    def derivatives(self, quantity: int) -> list[Number]:
+    def derivatives(self, quantity: int) -> Sequence[Any]:
         """The derivatives of displacements, or of velocities."""
         return self._a if quantity == VELOCITY else self.v
 
 
-def _array(tape: Tape, name: str, count: int) -> list[Number]:
+def _array(tape: Tape, name: str, count: int) -> list[Any]:
     return [tape.given(f"{name}[{i}]", 0.5 + 0.1 * i, f"->{name}[{i}]") for i in range(count)]
 
 
@@ -389,7 +389,7 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     def number_of(text: str) -> Number:
         return tape.given(text, 0.5, f"->{text}")
 
-    integrator = SimpleNamespace(
+    integrator: Any = SimpleNamespace(
         residual_at=lambda time: number_of("Integrator_residual_at(of, run->time)"),
         stable_step=lambda: number_of("Integrator_stable_step(of)"),
         step_count=number_of("(double) of->step_count"),
