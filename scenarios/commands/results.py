@@ -48,7 +48,8 @@ def show(
     """Summarise RESULTS: a run's folder or a table.
 
     A table may be a CSV file of any program: units below the heading, a decimal comma and comments are
-    read. With several RESULTS, all of them are drawn, and the first is summarised.
+    read. With several RESULTS, all of them are drawn, and the first is summarised. The others may also be
+    TOML files with a table [measured], as for `compare`.
     """
     _check_there(*paths)
     data = contents(paths[0], columns, figure, _plane(plane, figure), paths[1:])
@@ -101,6 +102,9 @@ def compare(
     as_data: bool,
 ) -> int:
     """Compare the results A and B column by column.
+
+    B may also be a TOML file with a table [measured], such as that of a fit: it gives a file of measured
+    signals with columns, units, offsets and a time shift of its own.
 
     Rows, times and columns that only one of them has also count as differences. Exit status 1 if they
     differ.

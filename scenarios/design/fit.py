@@ -12,9 +12,9 @@ from phaseplane.suspension.batch import run_many
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, RunError, one_line, shown
-from ..results.signals import KEYS as SIGNAL_KEYS
-from ..results.signals import read_signals
-from ..sweeps.plan import Plan, read_content
+from ..results.signals import signals_in
+from ..scene.layers import read_content
+from ..sweeps.plan import Plan
 from .space import Points, Runs, Space, journaled, read_search
 
 KEYS = ("scene", "title", "vary", "measured", "search")
@@ -92,9 +92,6 @@ def read_task(path: Path) -> Task:
                 one_line(f"{path}: unknown key {shown(key)}{nearest(key, KEYS)}; allowed: "
                          f"{', '.join(KEYS)}")
             )  # fmt: skip
-    measured = content.get("measured")
-    if not isinstance(measured, dict):
-        raise InputError(f"{path}: measured is missing; give a table with {', '.join(SIGNAL_KEYS)}")
     space = Space.read(path, content, {"step_count": "measured"})
     space.given()
     scene = space.plan.scene
@@ -102,10 +99,7 @@ def read_task(path: Path) -> Task:
         raise InputError(f"{path}: scene: only models of this package can be fitted")
     outputs = scene.fmu.outputs()
     units = {name: variable.unit or "1" for name, variable in outputs.items()}
-    try:
-        columns = read_signals(measured, path.parent, units)
-    except InputError as error:
-        raise InputError(one_line(f"{path}: measured: {error}")) from None
+    columns = signals_in(path, content, units)
     during = (columns["time"] >= 0.0) & (columns["time"] <= scene.duration)
     time = columns.pop("time")[during]
     if len(time) <= len(space.plan.keys):

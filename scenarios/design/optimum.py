@@ -13,7 +13,8 @@ from phaseplane.suspension.units import nearest
 from ..errors import InputError, RunError, one_line, shown
 from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
-from ..sweeps.plan import Plan, read_content
+from ..scene.layers import read_content
+from ..sweeps.plan import Plan
 from ..sweeps.running import run_chunk
 from .space import Points, Runs, Space, journaled, read_search
 

@@ -12,10 +12,12 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line, shown
+from ..scene.layers import read_content
 from .comparison import Difference, check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
 from .quantities import quantity
 from .report import aligned, report
+from .signals import signals_in
 
 if TYPE_CHECKING:
     from phaseplane.figures.style import Figure
@@ -38,7 +40,7 @@ def contents(
     names : columns to list and draw; all if empty
     figure : picture to write, of the columns over time
     plane : two columns that the picture shows one over the other instead, the abscissa first
-    others : further results that the picture shows too
+    others : further results that the picture shows too, or TOML files with a table [measured]
 
     Raises
     ------
@@ -46,7 +48,7 @@ def contents(
     """
     if figure is not None:
         check_picture(figure)
-    results = read_results(what)
+    results = _read(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
     if not isinstance(units, Mapping):
@@ -67,11 +69,32 @@ def contents(
         },
     }
     if figure is not None:
-        drawn = {what: results, **{path: read_results(path) for path in others}}
+        drawn = {what: results, **{path: _read(path, results) for path in others}}
         title = str(results.summary.get("title", what.name)) if not others else ""
         figures.save(_picture(drawn, names, plane, units, title), figure)
         data["files"] = [str(figure)]
     return data
+
+
+def _read(path: Path, run: Results | None = None) -> Results:
+    """Return results, or the measured signals of outputs of a run that a TOML file describes.
+
+    The first column of a table is the time if no other is called so and it is in a unit of time.
+    """
+    if path.suffix != ".toml":
+        found = read_results(path)
+        units = found.summary.get("units", {})
+        first = next(iter(found.columns))
+        if "time" in found.columns or not isinstance(units, Mapping) or units.get(first) != "s":
+            return found
+        columns = {"time" if name == first else name: x for name, x in found.columns.items()}
+        return Results(columns, {**found.summary, "units": {**units, "time": "s"}})
+    if run is None:
+        raise InputError(f"{path}: give the results of a run first, then the measured signals")
+    units = run.summary.get("units", {})
+    known = {name: units.get(name) or "1" for name in run.columns if name != "time"}
+    columns = signals_in(path, read_content(path), known)
+    return Results(columns, {"units": {"time": "s", **known}})
 
 
 def _picture(
@@ -130,7 +153,7 @@ def difference(
 
     Parameters
     ----------
-    ours, other : results folders, or single tables
+    ours, other : results folders, or single tables; the other may be a TOML file with a table [measured]
     tolerance : largest difference over the peak that counts as equal
     names : columns to compare; all if empty
     figure : picture of the columns that differ most
@@ -143,7 +166,8 @@ def difference(
     """
     if figure is not None:
         check_picture(figure)
-    first, second = read_results(ours), read_results(other)
+    first = _read(ours)
+    second = _read(other, first)
     for results, path in ((first, ours), (second, other)):
         _time(results, path)
         _chosen(results, names, path)

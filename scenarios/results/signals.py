@@ -93,6 +93,25 @@ def read_signals(
     return dict(zip(("time", *columns), map(np.array, found), strict=True))
 
 
+def signals_in(
+    path: Path, content: Mapping[str, Any], known: Mapping[str, str]
+) -> dict[str, npt.NDArray[np.float64]]:
+    """Return the signals that the table [measured] of a TOML file describes, as `read_signals`.
+
+    Parameters
+    ----------
+    path, content : of the TOML file
+    known : the SI units of the outputs by name
+    """
+    measured = content.get("measured")
+    if not isinstance(measured, Mapping):
+        raise InputError(f"{path}: measured is missing; give a table with {', '.join(KEYS)}")
+    try:
+        return read_signals(measured, path.parent, known)
+    except InputError as error:
+        raise InputError(one_line(f"{path}: measured: {error}")) from None
+
+
 def _from_table(
     path: Path, heading: str, tables: Mapping[str, Mapping[str, Any]], said: Mapping[str, Any],
     known: Mapping[str, str],

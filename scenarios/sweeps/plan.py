@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
@@ -32,7 +31,7 @@ from ..scene.fields import (
     schema_of,
     whole,
 )
-from ..scene.layers import KEYS, Setting, from_top
+from ..scene.layers import KEYS, Setting, from_top, read_content
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, SWEEPS, meant
 from ..scene.schema import Scene
@@ -313,20 +312,6 @@ def load_plan(reference: str | Path) -> Plan:
     """
     path = find_sweep(str(reference))
     return plan_of(path, read_content(path))
-
-
-def read_content(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file.
-
-    Raises
-    ------
-    InputError : if it cannot be read.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        why = getattr(error, "strerror", None) or f"not TOML: {error}"
-        raise InputError(one_line(f"cannot read {path}: {why}")) from None
 
 
 def plan_of(path: Path, content: Mapping[str, Any], keys: Mapping[str, str] | None = None) -> Plan:

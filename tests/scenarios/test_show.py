@@ -145,3 +145,38 @@ def test_histories_of_other_models_show_all_columns(tmp_path):
     run = desk.run("van_der_pol", duration=1.0)
     figure = figure_of("time_histories", None, run.results)
     assert len(figure.axes) == len(run) - 1
+
+
+def test_measured_signals_are_compared_and_drawn_under_the_names_of_outputs(folders):
+    run = desk.run("ap57", duration=0.2)
+    rows = [f"{1e3 * t + 20:.9g};{a / 9.80665:.12g}".replace(".", ",")
+            for t, a in zip(run.time, run["body_acceleration"], strict=True)]  # fmt: skip
+    Path("rig.csv").write_text("\n".join(["t;acc", "ms;g", *rows]))
+    described = (
+        '[measured]\nfile = "rig.csv"\ntime = "t"\ncolumns = { body_acceleration = "acc" }\n'
+        'delimiter = ";"\ndecimal = ","\n'
+    )
+    Path("rig.toml").write_text(described + 'time_shift = "-20 ms"\n')
+    Path("late.toml").write_text(described)
+    same = phaseplane("compare", "a", "rig.toml", "--common", "--tolerance", "1e-6")
+    assert (same.exit_code, "1 column, 201 rows" in same.stdout) == (0, True), same.output
+    assert phaseplane("compare", "a", "late.toml", "--common", "--tolerance", "1e-2").exit_code == 1
+    drawn = phaseplane("show", "a", "rig.toml", "--figure", "over.svg", "--column",
+                       "body_acceleration")  # fmt: skip
+    assert (drawn.exit_code, "rig.toml" in Path("over.svg").read_text()) == (0, True)
+    assert phaseplane("show", "rig.csv", "--figure", "alone.png").exit_code == 0  # its time is `t`
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "content", "words"),
+    [("rig.toml", "a", "[measured]\n", "give the results of a run first"),
+     ("a", "rig.toml", "", "rig.toml: measured is missing"),
+     ("a", "rig.toml", "[measured]\nfile = 'no.csv'\n", "cannot read no.csv"),
+     ("a", "rig.toml", "[measured", "not TOML"),
+     ("a", "rig.toml", "[measured]\nfile = 'a/results.csv'\ncolumns = {body_accel = 'x'}\n",
+      "did you mean 'body_acceleration'")],
+)  # fmt: skip
+def test_measured_signals_that_cannot_be_compared(folders, first, second, content, words):
+    Path("rig.toml").write_text(content)
+    told = phaseplane("compare", first, second)
+    assert (told.exit_code, words in told.stderr) == (2, True), told.output
