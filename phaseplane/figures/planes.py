@@ -57,6 +57,7 @@ def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -
     page.axes_of_planes()
     page.curves()
     page.trails()
+    page.missed()
     page.step(frame)
     return page
 
@@ -100,6 +101,7 @@ def construction_sheet(
     for one in chosen:
         page.step(one, turn=True, thin=0.6)
     page.trails()
+    page.missed()
     page.events()
     later = drawing.frames[wanted[-1] + 1 :] if through else []
     apart = ceil(len(later) / _NUMBERED)

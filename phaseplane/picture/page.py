@@ -34,6 +34,7 @@ _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
 _WIDEST = 0.24  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
+_SEEN = 2e-4  # m of paper: distance of two points that are seen apart
 _RECENT = 200  # steps of a long motion that are drawn in full
 
 Kind = Literal["letter", "value", "name", "label", "dimension"]
@@ -475,6 +476,23 @@ class Page:
             ways = [way[-_RECENT:] for way in ways]
         recent = [_thinned(joined(way), most) for way in ways if len(way)]
         self.lines("trail", recent, 1.0, strength)
+
+    def missed(self) -> None:
+        """Draw the steps that end beside the next state point, as those over a known motion do."""
+        for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
+            frames = self.drawing.frames[: len(motion) - 1]
+            end = columns(frames, [f"{plane.state}'"])[:, 0]
+            beside = np.flatnonzero(abs(end - motion[1:]) > _SEEN)
+            strips: list[Strip] = []
+            for i in beside.tolist():
+                frame = frames[i]
+                centre = _centre(self.drawing.schemes[frame.scheme], plane)
+                if centre:
+                    strips.append(arcs(frame.points[centre], motion[i], end[i]))
+                else:
+                    strips.append((motion[i], end[i]))
+            self.lines("arc", strips, 0.6)
+            self.dots("successor", end[beside].tolist(), 0.6)
 
     # A step.
 

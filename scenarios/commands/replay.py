@@ -49,7 +49,10 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
     help="Lay the construction of SCENE over the motion in this table, e.g. motion.csv.",
 )
 @click.option(
-    "--construction", "rule", metavar="RULE", help="Rule of the construction step, e.g. delta."
+    "--construction",
+    "rule",
+    metavar="RULE",
+    help="Rule of a step of Liénard's construction, e.g. delta.",
 )
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option

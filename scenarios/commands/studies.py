@@ -10,11 +10,18 @@ from ..errors import RunError
 from ..results.plain import as_json
 from ..scene.loading import load_scene
 from ..studies import rules as study
+from ..studies.problems import PROBLEMS
 from ..studies.reports import study_accuracy, study_stability
 from .console import json_option, progress_bar, set_option, warn
 
 
-@click.command()
+@click.command(
+    help=f"""Measure error against run time.
+
+    Each SCENE is a scene or a test problem of the package. By default these are run:
+    {", ".join(PROBLEMS)}.
+    """
+)
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @click.option("--peers", is_flag=True, help="Compare with other installed integrators too.")
 @click.option(
@@ -35,10 +42,7 @@ from .console import json_option, progress_bar, set_option, warn
 def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
 ) -> None:
-    """Measure error against run time.
-
-    The runs are those of SCENEs, or the test problems of the package.
-    """
+    """Measure error against run time."""
     with progress_bar("accuracy") as progress:
         data, tables, folder = study_accuracy(scenes, peers, repeats, output, progress)
     click.echo(as_json(data) if as_data else f"{tables}\n\nfiles  {folder}")

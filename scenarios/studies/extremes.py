@@ -55,7 +55,8 @@ class Happened:
     compared_with : the solution taken as the truth
     steps : steps of the integrator at all tolerances
     seconds : time of all runs
-    said : why it was refused at any tolerance, or empty
+    said : why it was refused at any tolerance, the error of fixed steps, or empty
+    fixed : whether its steps were fixed, so that no tolerance applies
     """
 
     name: str
@@ -65,10 +66,13 @@ class Happened:
     steps: int
     seconds: float
     said: str
+    fixed: bool = False
 
     @property
     def in_tolerances(self) -> Mapping[float, float]:
-        """The errors in units of their tolerances."""
+        """The errors in units of their tolerances; none with fixed steps."""
+        if self.fixed:
+            return {}
         return {tolerance: error / tolerance for tolerance, error in self.errors.items()}
 
 
@@ -127,14 +131,16 @@ def run_case(case: Extreme) -> Happened:
                 system, case.duration, {"tolerance": tolerance, **options}
             )
         except ValueError as error:
-            refusals.append(str(error))
+            refusals.append((tolerance, str(error)))
             continue
         steps += integrator.step_count
         if said:
-            refusals.append(said)
+            refusals.append((tolerance, said))
         else:
             motions[tolerance] = found
-    seconds, said = perf_counter() - began, "".join(refusals[:1])
+    seconds, (first, said) = perf_counter() - began, (refusals or [(0.0, "")])[0]
+    if said and motions:
+        said = f"at tolerance {first:g}: {said}"
     if not motions:
         return Happened(case.name, "refused", {}, "", steps, seconds, said)
     try:
@@ -155,7 +161,9 @@ def run_case(case: Extreme) -> Happened:
         for tolerance, error in errors.items()
     )
     outcome = "right" if right else "wrong"
-    return Happened(case.name, outcome, errors, other, steps, seconds, said)
+    if fixed:
+        said = f"fixed steps: off by {max(errors.values()):.2g} of the peak"
+    return Happened(case.name, outcome, errors, other, steps, seconds, said, fixed)
 
 
 def _motion(

@@ -258,20 +258,20 @@ def _format_coupling(p: Mapping[str, Value]) -> str:
         *(float(p[name]) for name in
           ("sprung_mass", "pitch_radius_of_gyration", "cg_to_front", "cg_to_rear"))
     )  # fmt: skip
-    return f"M3 = {coupling:.3g} kg couples M1 = {front:.3g} and M2 = {rear:.3g} kg"
+    return f"coupling mass M3 = {coupling:.3g} kg beside M1 = {front:.3g} and M2 = {rear:.3g} kg"
 
 
 def _format_frequency(model: str, p: Mapping[str, Value]) -> str:
     """Return the excitation frequency compared with half the wheels' natural frequency, in words."""
     shape, speed = p["road.shape"], float(p["speed"])
     if shape not in ("bump", "obstacle", "sine"):
-        return "AP57: the excitation must stay below half the wheel's natural frequency"
+        return "AP57's condition: excitation below half the wheel's natural frequency"
     excitation = speed / float(p["road.length"])
     own = min(_wheel_frequencies(build(model, p)))
-    relation = "below" if excitation < 0.5 * own else "not below"
+    holds, relation = ("holds", "below") if excitation < 0.5 * own else ("fails", "not below")
     return (
-        f"excitation at {excitation:.3g} Hz is {relation} half the wheel's natural frequency, "
-        f"{own:.3g} Hz"
+        f"AP57's condition {holds}, as excitation at {excitation:.3g} Hz is {relation} half the wheel's "
+        f"natural frequency, {own:.3g} Hz"
     )
 
 

@@ -302,11 +302,14 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
 
 def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
     """Return the limits and the extreme cases as text, a line each."""
-    lines = [f"{'longest stable step, ms':<24}{'method':<24}{'theory':>9}{'measured':>10}"]
+    lines = [
+        f"{'':<48}longest stable step, ms",
+        f"{'scene':<24}{'method':<24}{'theory':>10}{'measured':>13}",
+    ]
     for limit in found:
         theory = f"{1e3 * limit.theory:.3g}" if limit.theory else "none"
         measured = f"{1e3 * limit.measured:.3g}" if limit.measured else "none"
-        lines.append(f"{limit.problem:<24}{limit.method:<24}{theory:>9}{measured:>10}")
+        lines.append(f"{limit.problem:<24}{limit.method:<24}{theory:>10}{measured:>13}")
     width = 2 + max(len(case.name) for case in CASES)
     names = " ".join(f"{tolerance:>8g}" for tolerance in TOLERANCES)
     lines += [
@@ -316,7 +319,9 @@ def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
     ]
     for case in happened:
         errors = " ".join(
-            f"{case.in_tolerances[tolerance]:>8.2g}" if tolerance in case.errors else f"{'':>8}"
+            f"{case.in_tolerances[tolerance]:>8.2g}"
+            if tolerance in case.in_tolerances
+            else f"{'':>8}"
             for tolerance in TOLERANCES
         )
         lines.append(

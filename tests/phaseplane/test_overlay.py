@@ -9,6 +9,10 @@ import pytest
 from worked_example import STEP, ap57, by_scipy, column
 
 from phaseplane.constructions import compare_with_motion, construct_motion, overlay
+from phaseplane.figures.canvas import new_page
+from phaseplane.figures.style import Look
+from phaseplane.picture.page import Dots
+from phaseplane.picture.views import view_of
 
 
 def test_laid_over_a_solution_it_drifts_by_the_local_error():
@@ -103,3 +107,24 @@ def test_a_motion_that_is_too_short_is_refused():
     drawing = construct_motion(ap57(), step=STEP, duration=0.1)
     with pytest.raises(ValueError, match=r"from 0 s to 0\.01 s does not span the construction"):
         compare_with_motion(drawing, [0.0, 0.01], *([[0.0, 0.0]] * 4))
+
+
+def test_steps_over_a_motion_read_off_by_hand_are_drawn_where_they_miss_its_next_point():
+    made = construct_motion(ap57(), step=STEP, duration=0.15)
+    times = [frame.time for frame in made]
+    rows = [np.array(column(made, name)) for name in (
+        "suspension_deflection", "suspension_deflection_rate", "wheel_displacement", "wheel_velocity",
+    )]  # fmt: skip
+    rows[0] = rows[0] + 2e-3 * np.random.default_rng(1).standard_normal(len(times))
+    misread = overlay(ap57(), times, *rows)
+
+    def missed(drawing):
+        page = new_page(drawing, view_of(drawing, [drawing.frames[0]], turn=False), Look())
+        page.missed()
+        return [z for dots in page.of(Dots) for z in dots.points]
+
+    assert not missed(made)
+    ends = missed(misread)
+    assert len(ends) > 50
+    drawn = [frame.points["P1'"] for frame in misread.frames]
+    assert set(ends[:50]) <= set(drawn)

@@ -221,6 +221,11 @@ def phaseplane(*arguments: str) -> Result:
     return CliRunner().invoke(main, ["accuracy", *arguments])
 
 
+def test_the_help_names_the_test_problems() -> None:
+    words = phaseplane("--help").stdout.replace(",", " ").replace(".", " ").split()
+    assert {*PROBLEMS} <= {*words}
+
+
 def test_the_command_leaves_data_tables_and_a_picture(monkeypatch: pytest.MonkeyPatch) -> None:
     few = [s for s in solvers(with_peers=False) if s.name in ("extrapolated", "tangent")][:2]
     monkeypatch.setattr(accuracy, "solvers", lambda with_peers: few)

@@ -111,3 +111,14 @@ def test_an_unknown_scene_is_one_line(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["stability", "lift_of", "-o", str(tmp_path / "s")])
     assert done.exit_code == 2
     assert "lift_off" in done.output
+
+
+def test_the_error_of_fixed_steps_is_told_over_the_peak() -> None:
+    long = next(c for c in CASES if c.name == "a fixed step longer than the stable one")
+    happened = run_case(long)
+    assert not happened.in_tolerances
+    assert happened.said.startswith("fixed steps: off by 0.")
+    told = study.table([study.Limit("ap57", "mean", 0.0467, None)], [happened])
+    assert "1.9e+05" not in told
+    heading = next(line for line in told.splitlines() if line.startswith("scene"))
+    assert heading.split() == ["scene", "method", "theory", "measured"]
