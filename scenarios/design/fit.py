@@ -13,8 +13,8 @@ from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, RunError, one_line, shown
 from ..results.signals import signals_in
-from ..scene.layers import read_content
 from ..sweeps.plan import Plan
+from ..toml_files import read_content
 from .space import Points, Runs, Space, journaled, read_search
 
 KEYS = ("scene", "title", "vary", "measured", "search")

@@ -13,9 +13,9 @@ from phaseplane.suspension.units import nearest
 from ..errors import InputError, RunError, one_line, shown
 from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
-from ..scene.layers import read_content
 from ..sweeps.plan import Plan
 from ..sweeps.running import run_chunk
+from ..toml_files import read_content
 from .space import Points, Runs, Space, journaled, read_search
 
 KEYS = ("scene", "title", "minimise", "maximise", "against", "vary", "constrain", "search")

@@ -12,7 +12,7 @@ from phaseplane.suspension.units import nearest
 from phaseplane import figures
 
 from ..errors import InputError, check_picture, one_line, shown
-from ..scene.layers import read_content
+from ..toml_files import read_content
 from .comparison import Difference, check_ascending, compared, format_extent
 from .folder import DAMAGED, Results, read_results
 from .quantities import quantity

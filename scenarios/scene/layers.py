@@ -17,7 +17,7 @@ from phaseplane.suspension.system_module import scene_in
 from phaseplane.suspension.units import nearest
 from phaseplane.suspension.variable import ParameterError
 
-from ..errors import InputError, SceneError, one_line, shown
+from ..errors import SceneError, one_line, shown
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, meant
 
@@ -318,20 +318,6 @@ def _parents(key: str) -> list[str]:
 def _called(path: Path) -> str:
     """Return a scene file's name for messages: of a case the file name, of others the path."""
     return path.name if path.parent == CASES else str(path)
-
-
-def read_content(path: Path) -> dict[str, Any]:
-    """Return the content of a TOML file.
-
-    Raises
-    ------
-    InputError : if it cannot be read.
-    """
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        why = getattr(error, "strerror", None) or f"not TOML: {error}"
-        raise InputError(one_line(f"cannot read {path}: {why}")) from None
 
 
 def _read(path: Path, name: str) -> dict[str, Any]:

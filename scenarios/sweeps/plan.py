@@ -31,10 +31,11 @@ from ..scene.fields import (
     schema_of,
     whole,
 )
-from ..scene.layers import KEYS, Setting, from_top, read_content
+from ..scene.layers import KEYS, Setting, from_top
 from ..scene.loading import load_scene
 from ..scene.names import SCENE_FILES, SWEEPS, meant
 from ..scene.schema import Scene
+from ..toml_files import read_content
 from .shipped import sweep_titles
 
 METHODS = ("grid", "list", "latin_hypercube", "sobol")
