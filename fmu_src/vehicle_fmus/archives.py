@@ -17,7 +17,8 @@ def digest(*parts: bytes) -> str:
     """Return a hash of the parts, their lengths and their order."""
     total = sha256()
     for part in parts:
-        total.update(len(part).to_bytes(8, "big") + part)
+        total.update(len(part).to_bytes(8, "big"))
+        total.update(part)
     return total.hexdigest()
 
 

@@ -1,15 +1,19 @@
 """Modules shared between this process and the FMUs that it loads.
 
 An FMU carries a copy of `phaseplane.suspension` under a name with a hash of its sources, and FMUs with
-equal sources share one copy in a process. A process that has the same sources loaded already is no
-different: the FMU finds them under that name, and does not load its own.
+equal sources share one copy in a process. A process with the same sources is no different: what the FMU
+imports under that name are the modules of this process, and its own copy is not loaded.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
+from importlib.abc import Loader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from types import ModuleType
 
 from phaseplane.vehicle_fmus.content import suspension_name, suspension_sources
 
@@ -19,14 +23,31 @@ _PACKAGE = "phaseplane.suspension"
 @cache
 def share_modules() -> str:
     """Let FMUs with the sources of this package use its modules; return the name they have there."""
-    sources = suspension_sources()
-    name = suspension_name(sources)
+    name = suspension_name(suspension_sources())
     if name not in sys.modules:  # else an FMU has brought its copy already
-        paths = (
-            path for path in sources if path.endswith(".py") and not path.startswith("kernel/")
-        )
-        modules = (path.removesuffix(".py").removesuffix("/__init__") for path in paths)
-        for module in (m.replace("/", ".") for m in modules if m != "__init__"):
-            sys.modules[f"{name}.{module}"] = import_module(f"{_PACKAGE}.{module}")
-        sys.modules[name] = import_module(_PACKAGE)
+        sys.meta_path.insert(0, _Shared(name))
     return name
+
+
+class _Shared(MetaPathFinder, Loader):
+    """Finds the modules of this package under another name, each when it is imported there.
+
+    Parameters
+    ----------
+    name : of the package in an FMU
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return a specification of a module of the package, None of any other."""
+        ours = fullname == self._name or fullname.startswith(f"{self._name}.")
+        return ModuleSpec(fullname, self, is_package=fullname == self._name) if ours else None
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Put the module of this process in the place of the empty one."""
+        name = module.__name__
+        sys.modules[name] = import_module(f"{_PACKAGE}{name.removeprefix(self._name)}")

@@ -117,6 +117,7 @@ def test_a_run_without_pictures_imports_nothing_that_draws_compares_or_solves_eq
     )  # fmt: skip
     left_out = {
         "difflib", "fractions", "phaseplane.equations.formula", "phaseplane.constructions",
+        "phaseplane.suspension.checking", "phaseplane.suspension.system_file",
         "phaseplane.scenarios.draw.live", "phaseplane.scenarios.draw.pictures",
         "phaseplane.scenarios.results.comparison",
     }  # fmt: skip
@@ -166,7 +167,7 @@ try:
 except SystemExit:
     pass
 copy = [m for n, m in sys.modules.items() if n.startswith("suspension_") and "kernel" not in n]
-assert len(copy) > 10
+assert copy
 print(*{{m.__name__.partition(".")[0] for m in copy}}, file=sys.stderr)
 """
 

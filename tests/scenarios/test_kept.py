@@ -8,7 +8,7 @@ from pathlib import Path
 import phaseplane.vehicle_fmus.build as builder
 import pytest
 from phaseplane.scenarios.errors import RunError
-from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE, kept
+from phaseplane.scenarios.simulate.fmu_cache import FOLDER_VARIABLE, cached_fmu
 from phaseplane.vehicle_fmus import content
 from phaseplane.vehicle_fmus.archives import zipped
 
@@ -34,16 +34,16 @@ def counting(monkeypatch: pytest.MonkeyPatch) -> list[Path]:
 
 def test_equal_content_is_packed_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     built = counting(monkeypatch)
-    first, took = kept("QuarterCar", tmp_path)
-    again, not_again = kept("QuarterCar", tmp_path)
+    first, took = cached_fmu("QuarterCar", tmp_path)
+    again, not_again = cached_fmu("QuarterCar", tmp_path)
     assert first == again
     assert (len(built), not_again) == (1, 0.0)
     assert took > 0.0
     assert (first / "modelDescription.xml").read_bytes() == b"description"
     assert [path.name for path in first.parent.iterdir()] == ["QuarterCar"]
-    assert kept("OneDof", tmp_path)[0] != first
+    assert cached_fmu("OneDof", tmp_path)[0] != first
     monkeypatch.setattr(content, "installed", lambda _name: "another version of pythonfmu")
-    assert kept("QuarterCar", tmp_path)[0].parent != first.parent
+    assert cached_fmu("QuarterCar", tmp_path)[0].parent != first.parent
     assert [path.name for path in first.parent.parent.glob(".draft*")] == []
 
 
@@ -68,7 +68,7 @@ def test_only_the_last_used_are_kept_and_nothing_else_is_touched(
         folder.mkdir(parents=True)
         os.utime(folder, (k, k))
     (cache / "somebody elses").mkdir()
-    path, _ = kept("QuarterCar", tmp_path)
+    path, _ = cached_fmu("QuarterCar", tmp_path)
     left = {entry.name for entry in cache.iterdir()}
     assert left == {path.parent.name, "somebody elses", *(f"{k:024x}" for k in range(5, 20))}
 
@@ -80,7 +80,7 @@ def test_where_nothing_can_be_kept_it_is_packed_for_this_run(
     (tmp_path / "file").write_text("")
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "file" / "cache"))
     (tmp_path / "spare").mkdir()
-    assert kept("QuarterCar", tmp_path / "spare")[0].parent == tmp_path / "spare"
+    assert cached_fmu("QuarterCar", tmp_path / "spare")[0].parent == tmp_path / "spare"
 
 
 def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -89,7 +89,7 @@ def test_a_failed_build_is_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
 
     monkeypatch.setattr(builder, "build", fail)
     with pytest.raises(RunError, match="cannot pack QuarterCar: pythonfmu said: no"):
-        kept("QuarterCar", tmp_path)
+        cached_fmu("QuarterCar", tmp_path)
     assert not any((tmp_path / "cache").iterdir())
 
 
@@ -100,7 +100,7 @@ def test_what_is_kept_under_a_name_that_no_fmu_can_be_loaded_from_is_copied(
     monkeypatch.setenv(FOLDER_VARIABLE, str(tmp_path / "50 %"))
     for spare in (tmp_path / "one", tmp_path / "two"):
         spare.mkdir()
-        folder, _ = kept("QuarterCar", spare)
+        folder, _ = cached_fmu("QuarterCar", spare)
         assert folder == spare / "QuarterCar"
         assert (folder / "modelDescription.xml").exists()
     assert len(built) == 1
