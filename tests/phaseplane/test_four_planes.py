@@ -18,16 +18,13 @@ from phaseplane.constructions import (
     RULES,
     AxleData,
     HalfCarPlanes,
-    QuarterCarPlanes,
     Strut,
     Window,
     construct_motion,
-    overlay,
 )
 
 G = 9.80665
 TO_FRONT, TO_REAR, MASS, SPEED = 1.2, 1.4, 600.0, 20.0
-BUMP = roads.bump(0.06, 1.2, SPEED)
 
 
 def loads(front: float, rear: float) -> tuple[float, float]:
@@ -70,10 +67,6 @@ def referred(gyration: float, height: float, times: np.ndarray) -> reference.Sol
     for axle, own in axles.items():
         parameters |= {f"{axle}.{name}": value for name, value in {**never, **own}.items()}
     return reference.solve("HalfCar", parameters, times)
-
-
-def column(drawing, name: str) -> np.ndarray:
-    return np.array([frame.readings[name] for frame in drawing])
 
 
 axle_data = st.builds(
@@ -193,26 +186,6 @@ def test_a_rule_converges_with_its_order(rule):
     assert orders[-1] == pytest.approx(rule.order, abs=0.35)
 
 
-def test_without_coupling_there_are_two_quarter_cars():
-    base = (TO_FRONT * TO_REAR) ** 0.5
-    one = car(base)
-    assert abs(one.coupling_mass) < 1e-12
-    both = construct_motion(one, step=0.001, duration=0.3)
-    for axle, data, mass in (
-        ("front", one.front, one.front_mass), ("rear", one.rear, one.rear_mass),
-    ):  # fmt: skip
-        quarter = QuarterCarPlanes(
-            mass, data.unsprung_mass, data.spring, data.damper, data.tyre_stiffness,
-            data.tyre_damping, data.road,
-        )  # fmt: skip
-        alone = construct_motion(quarter, step=0.001, duration=0.3)
-        end, single = both.frames[-1].readings, alone.frames[-1].readings
-        for name in ("body_displacement", "wheel_displacement", "suspension_deflection"):
-            assert end[f"{axle}_{name}"] == pytest.approx(single[name], abs=2e-5)
-        events = [f.time for f in both if f.event.startswith(axle)]
-        assert events == pytest.approx([f.time for f in alone if f.event], abs=2e-5)
-
-
 @pytest.mark.parametrize("tyre", [None, Strut(cubic(150e3, 1e8), linear(800.0))])
 @pytest.mark.parametrize("rule", [RULES["osculating_circle"], RULES["delta"]], ids=lambda r: r.name)
 def test_every_point_that_the_schemes_join_is_there(rule, tyre):
@@ -232,26 +205,6 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
         assert {part.stage for part in parts} == set(range(len(scheme.stages)))
     labels = {curve.label for curve in drawing.curves}
     assert labels >= {"I1", "II1", "I2", "II2", "III", "IV", "dtau11", "dtau22"}
-
-
-def test_laid_over_its_own_motion_it_does_not_drift():
-    drawing = construct_motion(car(), step=0.001, duration=0.25)
-    rows = [
-        column(drawing, name)
-        for axle in ("front", "rear")
-        for name in (
-            f"{axle}_suspension_deflection", f"{axle}_suspension_deflection_rate",
-            f"{axle}_wheel_displacement", f"{axle}_wheel_velocity",
-        )
-    ]  # fmt: skip
-    flying = [
-        (f.scheme in ("front_flight", "flight"), f.scheme in ("rear_flight", "flight"))
-        for f in drawing
-    ]
-    laid = overlay(car(), [f.time for f in drawing], *rows, airborne=flying)
-    for plane in drawing.planes:
-        assert max(column(laid, f"{plane.name}_drift")) < 1e-13
-    assert [f.event for f in laid if f.event] == [f.event for f in drawing if f.event]
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ from recorded import (
 )
 
 from phaseplane.picture.styles import hue_of
-from phaseplane.recording import Content, new_recording, record, whole
+from phaseplane.recording import Content, new_recording, record, recorder
 from phaseplane.recording.columns import rgba
 
 
@@ -119,8 +119,8 @@ def test_steps_are_written_slice_by_slice(tmp_path: Path, monkeypatch: pytest.Mo
         (draft,) = tmp_path.glob(".f.rrd.*")
         sizes.append(draft.stat().st_size)
 
-    monkeypatch.setattr(whole, "SLICE", 20)
-    monkeypatch.setattr(whole, "send_readings", send_readings)
+    monkeypatch.setattr(recorder, "SLICE", 20)
+    monkeypatch.setattr(recorder, "send_readings", send_readings)
     record(drawing(), tmp_path / "f.rrd")
     assert len(sizes) == 3
     # when a slice is made, those before it are in the file

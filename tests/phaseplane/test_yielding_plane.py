@@ -11,7 +11,7 @@ from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import Element, Load, System
 
-from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion, overlay
+from phaseplane.constructions import RULES, ElastoplasticPlane, construct_motion
 
 LOADS = (0.0, 5.0, 8.0, 7.0, 5.0, 3.0, 2.0, 1.0, 0.0)
 LOAD = roads.table([(0.1 * k, force) for k, force in enumerate(LOADS)])
@@ -106,16 +106,6 @@ def test_a_spring_that_never_yields_stays_elastic():
     drawing = construct_motion(frame_of(yield_force=100.0), step=0.01, duration=1.0)
     assert {f.scheme for f in drawing} == {"elastic"}
     assert column(drawing, "permanent_set") == pytest.approx(0.0, abs=1e-12)
-
-
-def test_laid_over_its_own_motion_it_does_not_drift():
-    drawing = construct_motion(frame_of(), step=0.005, duration=1.0)
-    laid = overlay(
-        frame_of(), [f.time for f in drawing], column(drawing, "displacement"),
-        column(drawing, "velocity"),
-    )  # fmt: skip
-    assert max(column(laid, "displacement_drift")) < 1e-8
-    assert [f.event for f in laid if f.event] == ["yielding", "unloading"]
 
 
 @pytest.mark.parametrize(

@@ -188,7 +188,7 @@ def test_nothing_is_solved_where_nothing_is_measured(
     def never(*_: object) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("phaseplane.scenarios.simulate.measuring.solved", never)
+    monkeypatch.setattr("phaseplane.scenarios.simulate.evaluation.solved", never)
     reference = scene_file(tmp_path)
     for measures in ([], ["lift_off_count", "step_count", "natural_frequencies"]):
         summary = run(
@@ -229,7 +229,7 @@ def test_the_rows_of_the_fmu_lie_on_the_solution() -> None:
 def test_rows_that_differ_from_the_solution_are_measured_themselves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("phaseplane.scenarios.simulate.measuring.apart", lambda *_: 3e-4)
+    monkeypatch.setattr("phaseplane.scenarios.simulate.evaluation.apart", lambda *_: 3e-4)
     scene = load_scene("ap57", ["show.output_interval=100 ms", "show.figures=[]"])
     summary = run(scene).summary
     assert summary["measured"] == {"interval": 0.1, "agreement": 3e-4}
@@ -298,7 +298,7 @@ def test_a_sweep_through_fmus_says_how_far_their_rows_lie_apart(
     scene_file(tmp_path)
     path = tmp_path / "sweep.toml"
     path.write_text(SWEEP)
-    monkeypatch.setattr("phaseplane.scenarios.simulate.measuring.apart", lambda *_: 2e-7)
+    monkeypatch.setattr("phaseplane.scenarios.simulate.evaluation.apart", lambda *_: 2e-7)
     monkeypatch.setattr(running, "_CHECKED", 1)
     _, told = sweep(load_plan(path), tmp_path / "journal", through="fmu", workers=1)
     assert told["disagreement"] == 2e-7

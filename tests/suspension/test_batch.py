@@ -18,22 +18,6 @@ OUTPUTS = ["body_displacement", "wheel_velocity", "body_acceleration"]
 SHAPES = ["flat", "bump", "obstacle", "sine", "step", "ramp", "plank", "sequence", "table"]
 
 
-def test_a_batch_gives_what_single_runs_give_to_the_bit() -> None:
-    cars = [
-        {"sprung_mass": 250.0 + 10.0 * k, "damper.rebound_limit": 300.0 + 20.0 * k}
-        for k in range(40)
-    ]
-    found = run_many("QuarterCar", cars, TIMES, OUTPUTS, workers=2)
-    assert len(found) == len(cars)
-    for car, outcome in list(zip(cars, found, strict=True))[::7]:
-        alone = simulate("QuarterCar", car, TIMES, OUTPUTS[:2])
-        assert outcome.ok
-        for name in OUTPUTS[:2]:
-            assert list(outcome.columns[name]) == alone[name]
-    body = OUTPUTS[0]
-    assert (found[0].columns[body] != found[1].columns[body]).any()
-
-
 def test_failures_are_records_with_their_reason() -> None:
     bad = [
         {},
@@ -49,15 +33,6 @@ def test_failures_are_records_with_their_reason() -> None:
     assert " s, in step " in diverged.failure
     assert 0 < len(diverged.columns["body_displacement"]) < len(TIMES)
     assert "curved" in curved.failure
-
-
-def test_a_batch_starts_where_runs_start() -> None:
-    given = {"initial.body_displacement": 0.01, "road.shape": "flat"}
-    (outcome,) = run_many("QuarterCar", [given], TIMES, OUTPUTS)
-    assert (
-        list(outcome.columns["body_displacement"])
-        == (simulate("QuarterCar", given, TIMES, OUTPUTS)["body_displacement"])
-    )
 
 
 @pytest.fixture

@@ -56,24 +56,6 @@ def test_axle_masses_carry_the_kinetic_energy_of_the_body(
     )
 
 
-@pytest.mark.parametrize("model", ["OneDof", "QuarterCar", "HalfCarRigidTyres", "HalfCar"])
-def test_a_force_on_the_body_acts_alike_from_a_table_and_from_outside(model: str) -> None:
-    level = {"road.shape": "flat", "solver.tolerance": 1e-9}
-    table = Session(model, level | {"body_force.table": "0:0, 1:900"})
-    outside = Session(model, level)
-    for k in range(1, 401):
-        outside.set_input("body_force", 900.0 * 1e-3 * (k - 1))
-        outside.advance(1e-3 * k)
-    table.advance(0.4)
-    name = "body_displacement"
-    assert abs(float(table.value(name))) > 1e-3
-    assert outside.value(name) == pytest.approx(table.value(name), rel=1e-4)
-    # both together
-    table.set_input("body_force", -360.0)
-    table.advance(0.401)
-    assert table.value("body_acceleration") < outside.value("body_acceleration") - 0.1
-
-
 @pytest.mark.parametrize("model", ["HalfCar", "HalfCarRigidTyres"])
 def test_the_body_obeys_newton_and_euler_at_its_centre_of_gravity(model: str) -> None:
     session = Session(model, {**BODY, "pitch_radius_of_gyration": 1.4, **of_axle("front", FRONT)})

@@ -11,26 +11,12 @@ from phaseplane.suspension.session import Session, simulate
 from phaseplane.suspension.variables import ROAD_SHAPES, ParameterError
 
 TIMES = [0.01 * k for k in range(61)]
-TENTHS = [0.1 * k for k in range(9)]
 
 
 def element(name: str, model: str = "QuarterCar", **parameters: object):
     system = build(model, {key.replace("__", "."): value for key, value in parameters.items()})
     number = system.element(name)
     return None if number is None else system.elements[number]
-
-
-def test_example_40_as_a_model() -> None:
-    """H83 example 40 converged, with its permanent set; yield and unloading are reported."""
-    outputs = ["displacement", "spring_force", "permanent_set", "yielding", "energy_residual"]
-    found = simulate("Elastoplastic", {"solver.tolerance": 1e-10}, TENTHS, outputs)
-    assert 1e3 * np.array(found["displacement"]) == pytest.approx(
-        [0, 0.0774, 0.5182, 1.2919, 2.0387, 2.5564, 2.7212, 2.5024, 1.9828], abs=5e-5
-    )
-    assert found["yielding"] == [False, False, False, True, True, True, False, False, False]
-    assert found["spring_force"][3:6] == pytest.approx([6.0, 6.0, 6.0], abs=1e-12)
-    assert 1e3 * found["permanent_set"][-1] == pytest.approx(1.5223, abs=5e-5)
-    assert max(map(abs, found["energy_residual"])) < 1e-12
 
 
 def test_force_and_acceleration_keep_the_equation_of_motion_while_yielding() -> None:

@@ -72,25 +72,6 @@ def test_contact_is_counted_by_located_instants() -> None:
     assert [text.split(" at ")[0] for _, text in session.messages] == ["lift-off", "touchdown"]
 
 
-@pytest.mark.parametrize("instant", [0.02, 0.045, 0.3])
-def test_a_force_acts_from_the_instant_it_is_given(instant: float) -> None:
-    """The integrator had gone ahead; the result must be that of steps ending on the instant."""
-    plain, careful = Session("QuarterCar", {}), Session("QuarterCar", {})
-    careful.set_input("body_force", 1e-300)  # from now on it stops on every communication point
-    for session in (plain, careful):
-        session.advance(instant)
-        session.set_input("body_force", 500.0)
-        session.advance(0.5)
-    for name in MOTION:
-        assert plain.value(name) == pytest.approx(careful.value(name), rel=1e-5, abs=1e-7)
-    assert plain.value("lift_off_count") == careful.value("lift_off_count")
-    free = Session("QuarterCar", {})
-    free.advance(0.5)
-    assert (
-        abs(float(plain.value("body_displacement")) - float(free.value("body_displacement"))) > 1e-3
-    )
-
-
 @pytest.mark.parametrize("instant", [0.0, 0.045, 0.4])
 def test_rollback_continues_to_the_bit_in_another_session_too(instant: float) -> None:
     session = Session("QuarterCar", {})
