@@ -37,7 +37,9 @@ def _relay(u: float, width: float = 0.0) -> float:
 
 
 def _saturation(u: float, limit: float) -> float:
-    return 0.5 * (abs(u + limit) - abs(u - limit))
+    """Return u between both limits to the bit, so that a dead zone is zero there."""
+    size = abs(limit)
+    return _sign(limit) * min(max(u, -size), size)
 
 
 _SMOOTH = (
@@ -231,7 +233,8 @@ def _arrays() -> dict[str, Any]:
     }
 
     def saturation(u: Any, limit: Any) -> Any:
-        return 0.5 * (np.abs(u + limit) - np.abs(u - limit))
+        size = np.abs(limit)
+        return np.sign(limit) * np.clip(u, -size, size)
 
     def relay(u: Any, width: Any = 0.0) -> Any:
         return 0.5 * (np.sign(u - width) + np.sign(u + width))

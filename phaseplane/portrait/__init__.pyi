@@ -15,11 +15,11 @@ from .poincare import poincare_section as poincare_section
 from .poincare import section as section
 from .portrait import Portrait as Portrait
 from .portrait import compute_portrait as compute_portrait
-from .portrait import fitted_window as fitted_window
-from .portrait import good_window as good_window
-from .portrait import window_of_equilibria as window_of_equilibria
 from .system import PhaseSystem as PhaseSystem
 from .system import Window as Window
 from .system import direction_field as direction_field
 from .system import of_coordinate as of_coordinate
 from .trajectories import followed as followed
+from .windows import fitted_window as fitted_window
+from .windows import good_window as good_window
+from .windows import window_of as window_of

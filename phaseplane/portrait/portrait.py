@@ -1,26 +1,37 @@
-"""A portrait, and a suitable window for it."""
+"""A portrait: its curves, equilibria and cycles."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isfinite, sqrt
 
 import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import distance_transform_edt
 
-from phaseplane.portrait.curves import Curves, energy_levels, isoclines, levels_in_wells
+from phaseplane.portrait.curves import (
+    Curves,
+    energy_levels,
+    isoclines,
+    levels_apart,
+    levels_in_wells,
+    switch_lines,
+)
 from phaseplane.portrait.cycles import Cycle, limit_cycles
-from phaseplane.portrait.energy import conserves, potential
+from phaseplane.portrait.energy import conserves
 from phaseplane.portrait.equilibria import Equilibrium, equilibria, separatrices
 from phaseplane.portrait.poincare import Section, section
 from phaseplane.portrait.system import Grid, PhaseSystem, Window, direction_field
 from phaseplane.portrait.trajectories import followed
+from phaseplane.portrait.windows import enlarged
 
-_ROOM = 1.25  # size of the window relative to its content
 _SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in heights per width of the window
-_AROUND = 1.7  # of the farthest equilibrium: what lies beyond it
 _ASIDE = 0.01  # of the width: distance of a curve's start from a repelling equilibrium
+_CELLS = 60  # of a window's sides, in which places without curves are looked for
+_EMPTY = 0.11  # windows: a place so far from every curve gets one
+_ROUNDS, _AT_ONCE = 6, 4  # of filling such places
+_FILLING = 3.0  # windows: length of their curves
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +47,7 @@ class Portrait:
     slopes : dx'/dx on them
     energy_curves : curves of constant energy of a conservative system; a list for each energy
     orbits : integral curves of any other system
+    switches : the lines on which f jumps
     equilibria, separatrices, cycles : inside the window
     section : of a driven system
     frozen : the time at which f of a driven system is held constant, s; or None
@@ -48,6 +60,7 @@ class Portrait:
     slopes: tuple[float, ...] = ()
     energy_curves: tuple[Curves, ...] = ()
     orbits: tuple[Grid, ...] = ()
+    switches: Curves | tuple[()] = ()
     equilibria: tuple[Equilibrium, ...] = ()
     separatrices: tuple[Grid, ...] = ()
     cycles: tuple[Cycle, ...] = ()
@@ -55,57 +68,14 @@ class Portrait:
     frozen: float | None = None
 
 
-def good_window(system: PhaseSystem, reach: float) -> Window:
-    """Return a window of given width, as high as the velocities of motions that turn at its sides.
-
-    Parameters
-    ----------
-    reach : largest displacement to either side
-    """
-    energy = potential(system, np.linspace(-reach, reach, 401))
-    known = energy[np.isfinite(energy)]
-    height = sqrt(2.0 * float(known.max())) if len(known) else 0.0
-    height = height or reach
-    return Window(-_ROOM * reach, _ROOM * reach, -_ROOM * height, _ROOM * height)
-
-
-def window_of_equilibria(system: PhaseSystem, reach: float, least: float = 0.0) -> Window:
-    """Return a window that fits the equilibria of a system, if there are several.
-
-    Parameters
-    ----------
-    reach : largest displacement to either side at first
-    least : displacement that must be inside
-    """
-    first = good_window(system, reach)
-    if system.driven:
-        return first
-    at_rest = equilibria(system, first)
-    if len(at_rest) < 2:
-        return first
-    places = [abs(e) for at in at_rest for e in (at.x, at.until) if isfinite(e)]
-    farthest = max(places)
-    return good_window(system, max(_AROUND * farthest, least))
-
-
-def fitted_window(shown: Section, otherwise: Window) -> Window:
-    """Return a window that fits the points of a section."""
-    if not len(shown.points):
-        return otherwise
-    low, high = shown.points.min(axis=0), shown.points.max(axis=0)
-    sides = np.array([otherwise.width, otherwise.height])
-    half = np.maximum(0.5 * _ROOM * (high - low), 0.02 * sides)
-    (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
-    return Window(*map(float, (left, right, bottom, top)))
-
-
 def compute_portrait(
     system: PhaseSystem,
     window: Window,
     *,
-    start: tuple[float, float] = (0.0, 0.0),
+    starts: Sequence[tuple[float, float]] = ((0.0, 0.0),),
     periods: int = 100,
     frozen: float | None = None,
+    fits: bool = False,
 ) -> Portrait:
     """Compute the portrait in a window.
 
@@ -114,40 +84,95 @@ def compute_portrait(
 
     Parameters
     ----------
-    start, periods : of the section
+    starts : of integral curves, if there are several; the first is that of the section
+    periods : of the section
     frozen : time at which f is held constant, s
+    fits : whether the window is enlarged such that limit cycles are inside as a whole
     """
     if system.driven and frozen is None:
-        return Portrait(window, section=section(system, window, start, periods))
+        return Portrait(window, section=section(system, window, starts[0], periods))
     if system.driven and frozen is not None:
         system = system.frozen(frozen)
+    constant = conserves(system, window)
+    cycles = [] if constant else limit_cycles(system, window)
+    for cycle in cycles if fits else ():
+        window = enlarged(window, cycle.curve)
     at_rest = equilibria(system, window)
     steep = window.height / window.width
     slopes = tuple(_rounded(slope * steep) for slope in _SLOPES)
     nullcline, *lines = isoclines(system, window, [0.0, *slopes])
-    constant = conserves(system, window)
     saddles = [at for at in at_rest if "saddle" in at.kinds]
     ends = tuple(at.x for at in saddles) if constant else ()
-    cycles = [] if constant else limit_cycles(system, window)
+    borders = tuple(separatrices(system, window, *saddles, ends=ends))
+    curves = tuple(followed(system, window, *zip(*starts, strict=True))) if starts[1:] else ()
+    if not constant:
+        curves = (*curves, *orbits(system, window, at_rest, cycles))
+        shown = (*curves, *borders, *(cycle.curve for cycle in cycles))
+        curves = (*curves, *_filling(system, window, shown))
     return Portrait(
         window,
         direction_field(system, window),
         nullcline,
         tuple(lines),
         slopes,
-        _energy_curves(system, window) if constant else (),
-        () if constant else orbits(system, window, at_rest, cycles),
+        _energy_curves(system, window, saddles) if constant else (),
+        curves,
+        switch_lines(system, window),
         tuple(at_rest),
-        tuple(separatrices(system, window, *saddles, ends=ends)),
+        borders,
         tuple(cycles),
         frozen=frozen,
     )
 
 
-def _energy_curves(system: PhaseSystem, window: Window) -> tuple[Curves, ...]:
-    """Return curves all over the window, and some in each well."""
-    inner = levels_in_wells(system, window)
-    return (*energy_levels(system, window)[1], *energy_levels(system, window, inner)[1])
+def _energy_curves(
+    system: PhaseSystem, window: Window, saddles: list[Equilibrium]
+) -> tuple[Curves, ...]:
+    """Return curves all over the window, and some in each well; none beside a separatrix."""
+    levels = levels_apart(system, window, [at.x for at in saddles], levels_in_wells(system, window))
+    return tuple(energy_levels(system, window, levels)[1])
+
+
+def _filling(system: PhaseSystem, window: Window, shown: Sequence[Grid]) -> list[Grid]:
+    """Return integral curves through the places of a window that are farthest from any curve."""
+    empty = np.isfinite(system.forces(*window.grid(_CELLS, _CELLS)))
+    found: list[Grid] = []
+    for _ in range(_ROUNDS):
+        for curve in shown:
+            empty[_cells(curve, window)] = False
+        places = list(_emptiest(empty.copy(), window))
+        if not places:
+            break
+        x, v = np.repeat(places, 2, axis=0).T
+        senses = np.tile([-1.0, 1.0], len(places))
+        halves = followed(system, window, x, v, senses, margin=0.02, length=_FILLING)
+        shown = [
+            np.vstack([past[::-1], future[1:]])
+            for past, future in zip(halves[::2], halves[1::2], strict=True)
+        ]
+        found += shown
+    return found
+
+
+def _cells(curve: Grid, window: Window) -> tuple[Grid, Grid]:
+    """Return the rows and columns of the cells that a curve goes through."""
+    inside = curve[window.holds(*curve.T)]
+    corner, sides = [window.left, window.bottom], [window.width, window.height]
+    columns, rows = np.rint((inside - corner) / sides * (_CELLS - 1)).astype(int).T
+    return rows, columns
+
+
+def _emptiest(empty: npt.NDArray[np.bool_], window: Window) -> Iterator[tuple[float, float]]:
+    """Yield a few places in a window that are far from all curves and from one another."""
+    x, v = window.grid(_CELLS, _CELLS)
+    for _ in range(_AT_ONCE):
+        apart = distance_transform_edt(empty) / _CELLS
+        row, column = np.unravel_index(np.argmax(apart), apart.shape)
+        if apart[row, column] < _EMPTY:
+            return
+        yield float(x[row, column]), float(v[row, column])
+        # its curve will go along the axis faster than across it
+        empty[max(row - _CELLS // 8, 0) : row + _CELLS // 8 + 1] = False
 
 
 def _rounded(slope: float) -> float:

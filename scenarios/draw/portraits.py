@@ -45,7 +45,6 @@ class _Subject:
     words, units : of the axes
     reach : least half-width of the window, in the coordinate's unit
     start : initial displacement and rate of the Poincare section
-    least : displacement that must be inside the window
     held : names of the coordinates that rest while one moves
     """
 
@@ -55,7 +54,6 @@ class _Subject:
     reach: float
     start: tuple[float, float] = (0.0, 0.0)
     held: tuple[str, ...] = ()
-    least: float = 0.0
 
     @property
     def labels(self) -> tuple[str, str]:
@@ -101,18 +99,16 @@ def portrait(
         subject = _of_scene(scene, coordinate, period)
         system = subject.system
         with np.errstate(all="ignore"):  # motions that diverge, forces beyond the largest number
+            starts = (subject.start, *scene.construction.starts)
+            still = system if frozen is None else system.frozen(frozen)
             shown = (
                 computed.Window(*window)
                 if window
-                else computed.window_of_equilibria(system, subject.reach, subject.least)
+                else computed.window_of(still, subject.reach, starts)
             )
             made = computed.compute_portrait(
-                system, shown, start=subject.start, periods=_PERIODS, frozen=frozen
+                system, shown, starts=starts, periods=_PERIODS, frozen=frozen, fits=not window
             )
-        if made.section is None and scene.construction.starts:
-            still = system if made.frozen is None else system.frozen(made.frozen)
-            x, v = zip(subject.start, *scene.construction.starts, strict=True)
-            made = replace(made, orbits=(*made.orbits, *computed.followed(still, shown, x, v)))
         if made.section is not None and not window:
             made = replace(made, window=computed.fitted_window(made.section, shown))
     except (ValueError, OverflowError) as error:
@@ -125,7 +121,7 @@ def portrait(
     if made.frozen is not None and system.driven:
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:
-        title = f"{title}: Poincare section, once per forcing period"
+        title = f"{title}: Poincaré section, once per forcing period"
     if figure is not None:
         figures.save(figures.portrait(made, labels=subject.labels, title=title, dark=dark), figure)
     return {
@@ -230,9 +226,8 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     )
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
-    least = 1.1 * abs(start[0])
     units = (unit, "1" if unit == "1" else f"{unit}/s")
-    return _Subject(system, ("x", "x'"), units, max(_REACH, least), start, least=least)
+    return _Subject(system, ("x", "x'"), units, _REACH, start)
 
 
 def _of_model(

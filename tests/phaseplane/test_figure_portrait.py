@@ -18,7 +18,7 @@ from phaseplane.portrait import (
     Window,
     compute_portrait,
     good_window,
-    window_of_equilibria,
+    window_of,
 )
 
 
@@ -129,7 +129,7 @@ def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
 
 def test_every_basin_of_a_pendulum_has_curves() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + np.sin(x))
-    window = window_of_equilibria(system, 3.0)
+    window = window_of(system, 3.0)
     shown = compute_portrait(system, window)
     assert len(shown.equilibria) >= 3
     for at in shown.equilibria:
@@ -138,8 +138,8 @@ def test_every_basin_of_a_pendulum_has_curves() -> None:
 
 
 def test_a_window_fits_several_equilibria_and_else_keeps_its_reach() -> None:
-    wells = window_of_equilibria(PhaseSystem(lambda v, x, t: x**3 - x), 3.0)
+    wells = window_of(PhaseSystem(lambda v, x, t: x**3 - x), 3.0)
     assert 1.5 < wells.right < 2.5
     assert wells.top < 2.0
     one = PhaseSystem(lambda v, x, t: x)
-    assert window_of_equilibria(one, 3.0) == good_window(one, 3.0)
+    assert window_of(one, 3.0) == good_window(one, 3.0)

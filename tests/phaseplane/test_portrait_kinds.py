@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, pi
+from math import inf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.special import gamma
 
+from phaseplane.equations import Formula
 from phaseplane.portrait import (
     PhaseSystem,
     Window,
@@ -20,6 +21,7 @@ from phaseplane.portrait import (
     followed,
     limit_cycles,
     separatrices,
+    window_of,
 )
 from phaseplane.portrait.returns import turns
 from phaseplane.portrait.trajectories import motions
@@ -329,3 +331,81 @@ def test_what_leaves_every_window_ends_there() -> None:
     made = compute_portrait(system, WIDE)
     assert all(np.isfinite(curve).all() for curve in (*made.orbits, *made.separatrices))
     assert inf not in [c.multiplier for c in made.cycles]
+
+
+def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> None:
+    planet = of(lambda v, x: 1.0 / x**2 - 0.75 / x**3)
+    window = window_of(planet, 3.0, [(0.5, 0.0), (0.75, 0.0)])
+    assert 0.0 < window.left < 0.5  # f has a pole at 0
+    assert 1.5 < window.right < 2.0
+    assert 1.0 / sqrt(3.0) < window.top < 1.0
+    falling = window_of(of(lambda v, x: 1.0 / x**2), 3.0, [(0.5, 0.0)])
+    assert falling.left > 0.0
+    root = of(lambda v, x: np.sqrt(x))
+    assert -0.01 < window_of(root, 3.0, [(0.5, 0.0)]).left < 0.1
+    # a sharp maximum, a jump and a weak singularity are no poles
+    for bounded in (
+        lambda v, x: np.sin(10.0 * x) / x,
+        lambda v, x: x + np.exp(-1e6 * (x - 1.0) ** 2) * 1e3,
+        lambda v, x: np.sign(x) / np.sqrt(np.abs(x)),
+    ):
+        window = window_of(of(bounded), 3.0, [(0.3, 0.0)])
+        assert window.left <= -3.0
+        assert window.right >= 3.0
+
+
+def test_a_window_holds_limit_cycles_and_starts() -> None:
+    relaxing = of(lambda v, x: 10.0 * (x**2 - 1.0) * v + x)
+    for starts in ([(0.5, 0.0)], [(0.0, 0.0)]):
+        made = compute_portrait(relaxing, window_of(relaxing, 3.0, starts), fits=True)
+        (cycle,) = made.cycles
+        assert made.window.holds(*cycle.curve.T).all()
+    wide = of(lambda v, x: (x**2 / 25.0 - 1.0) * v + x)
+    window = window_of(wide, 3.0, [(0.5, 0.0)])
+    assert window.right > 10.0
+    fast = of(lambda v, x: 0.25 * np.sin(2.0 * x) * v**2 / (1.25 - 0.25 * np.cos(2.0 * x)))
+    window = window_of(fast, 3.0, [(0.0, 10.0), (0.0, -6.0)])
+    assert window.top == -window.bottom == pytest.approx(12.5)
+
+
+def test_no_place_of_a_portrait_is_empty() -> None:
+    fast = of(lambda v, x: 0.25 * np.sin(2.0 * x) * v**2 / (1.25 - 0.25 * np.cos(2.0 * x)))
+    for system in (fast, of(lambda v, x: 10.0 * (x**2 - 1.0) * v + x)):
+        window = Window(-4.0, 4.0, -12.0, 12.0)
+        made = compute_portrait(system, window)
+        drawn = np.vstack([*made.orbits, *(cycle.curve for cycle in made.cycles)])
+        sides = [window.width, window.height]
+        for place in np.column_stack([each.ravel() for each in window.grid(9, 9)]):
+            assert np.hypot(*((drawn - place) / sides).T).min() < 0.16
+
+
+def test_a_jump_of_f_is_a_switch_and_no_isocline() -> None:
+    formula = Formula("sign(x + 0.3*v)")
+    relay = PhaseSystem(formula.function, on_arrays=formula.on_arrays, switching=formula.switching)
+    made = compute_portrait(relay, WIDE)
+    (switch,) = made.switches
+    assert switch[:, 0] + 0.3 * switch[:, 1] == pytest.approx(0.0, abs=1e-9)
+    assert not made.nullcline
+    for slope, lines in zip(made.slopes, made.isoclines, strict=True):
+        for line in lines:
+            off = relay.forces(*line.T) + slope * line[:, 1]  # f is 1 or -1
+            assert off == pytest.approx(0.0, abs=0.3)
+
+
+def test_a_backlash_is_one_stretch_of_rest() -> None:
+    formula = Formula("backlash(x, 0.6)")
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays)
+    (rest,) = equilibria(system, WIDE)
+    assert (rest.x, rest.until) == pytest.approx((-0.3, 0.3), abs=1e-6)
+
+
+def test_curves_of_constant_energy_keep_apart() -> None:
+    system = of(lambda v, x: np.sin(x))
+    made = compute_portrait(system, Window(-6.7, 6.7, -2.5, 2.5))
+    energies = [
+        float(np.mean(0.5 * line[0][:, 1] ** 2 - np.cos(line[0][:, 0]))) + 1.0
+        for line in made.energy_curves
+    ]
+    speeds = np.sqrt([2.0, *energies])  # the first is that of the separatrix
+    apart = np.abs(speeds[:, None] - speeds)[np.triu_indices(len(speeds), 1)]
+    assert apart.min() > 0.05

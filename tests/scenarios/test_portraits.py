@@ -39,7 +39,7 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     told = json.loads(done.stdout)
     assert told["equilibria"] == told["cycles"] == []
     assert told["section"]["period"] == pytest.approx(2.0 * pi / 1.2)
-    assert told["title"].endswith("Poincare section, once per forcing period")
+    assert told["title"].endswith("Poincaré section, once per forcing period")
     assert {len(states) for states in told["section"]["attractors"]} == {1}
     places = sorted(states[0][0] for states in told["section"]["attractors"])
     assert len(places) == 2  # one in each well

@@ -1,0 +1,179 @@
+"""Windows that fit what a portrait shows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite, sqrt
+
+import numpy as np
+import numpy.typing as npt
+from scipy.integrate import cumulative_simpson
+
+from phaseplane.portrait.energy import potential
+from phaseplane.portrait.equilibria import equilibria
+from phaseplane.portrait.poincare import Section
+from phaseplane.portrait.system import Grid, PhaseSystem, Window
+from phaseplane.portrait.trajectories import followed
+
+_ROOM = 1.25  # size of the window relative to its content
+_AROUND = 1.7  # of the farthest equilibrium: what lies beyond it
+_POINTS, _SHIFT = 2001, 0.37  # of the search for poles; a shift in steps, off round numbers
+_STEEP = 20.0  # times the median of |f|: may be beside a pole
+_ZOOMS, _ZOOM = 3, 100  # a pole is looked for so many times, each in steps so much smaller
+_GROWS = 1e4  # |f| at a pole, as closely as it is found, to |f| a step away
+_BESIDE = 0.05  # of the width between two poles: what lies nearer to one is no measure of height
+_MARGIN, _LENGTH, _PART = 3.0, 30.0, 0.05  # windows: how far and how closely motions are followed
+
+
+def good_window(system: PhaseSystem, reach: float) -> Window:
+    """Return a window of given width, as high as the velocities of motions that turn at its sides.
+
+    Parameters
+    ----------
+    reach : largest displacement to either side
+    """
+    energy = potential(system, np.linspace(-reach, reach, 401))
+    known = energy[np.isfinite(energy)]
+    height = sqrt(2.0 * float(known.max())) if len(known) else 0.0
+    height = height or reach
+    return Window(-_ROOM * reach, _ROOM * reach, -_ROOM * height, _ROOM * height)
+
+
+def window_of(
+    system: PhaseSystem, reach: float, starts: Sequence[tuple[float, float]] = ()
+) -> Window:
+    """Return a window that fits the equilibria of a system and the motions from some states.
+
+    It does not go beyond a pole of f, or to where f is undefined: there the plane of a motion ends.
+
+    Parameters
+    ----------
+    reach : largest displacement to either side, if nothing else is to be seen
+    starts : states (x, x') that must be inside; so must their motions, unless they go far away
+    """
+    places = np.reshape(np.array(starts or [(0.0, 0.0)], float), (-1, 2))
+    least = 1.1 * float(np.abs(places[:, 0]).max())
+    reach = max(reach, least)
+    low, high = _domain(system, float(places[0, 0]), _ROOM * reach)
+    if system.driven:
+        return good_window(system, reach)
+    if low > -_ROOM * reach or high < _ROOM * reach:
+        return _within(system, (low, high), places, reach)
+    first = good_window(system, reach)
+    at_rest = equilibria(system, first)
+    if len(at_rest) > 1:
+        farthest = max(abs(e) for at in at_rest for e in (at.x, at.until) if isfinite(e))
+        first = good_window(system, max(_AROUND * farthest, least))
+    first = enlarged(first, places)
+    for motion in followed(
+        system, first, *places.T, margin=_MARGIN, length=_LENGTH, part=_PART, tolerance=1e-6
+    ):
+        if first.holds(motion[-1, 0], motion[-1, 1], _MARGIN):
+            first = enlarged(first, motion)
+    return first
+
+
+def enlarged(window: Window, points: npt.ArrayLike) -> Window:
+    """Return a window with room for points (x, x'), and still as high above the x axis as below."""
+    x, v = np.reshape(np.asarray(points, float), (-1, 2)).T
+    if not len(x):
+        return window
+    middle = 0.5 * (window.left + window.right)
+    high = _ROOM * float(np.abs(v).max())
+    return Window(
+        min(window.left, middle + _ROOM * (float(x.min()) - middle)),
+        max(window.right, middle + _ROOM * (float(x.max()) - middle)),
+        min(window.bottom, -high),
+        max(window.top, high),
+    )
+
+
+def fitted_window(shown: Section, otherwise: Window) -> Window:
+    """Return a window that fits the points of a section."""
+    if not len(shown.points):
+        return otherwise
+    low, high = shown.points.min(axis=0), shown.points.max(axis=0)
+    sides = np.array([otherwise.width, otherwise.height])
+    half = np.maximum(0.5 * _ROOM * (high - low), 0.02 * sides)
+    (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+    return Window(*map(float, (left, right, bottom, top)))
+
+
+def _domain(system: PhaseSystem, at: float, reach: float) -> tuple[float, float]:
+    """Return the ends, within a reach, of the interval around x in which f(0, x) is finite."""
+    step = 2.0 * reach / (_POINTS - 1)
+    x = np.linspace(-reach, reach, _POINTS) + _SHIFT * step
+    force = np.abs(system.forces(x, 0.0 * x))
+    known = np.isfinite(force)
+    if not known.any():
+        return -reach, reach
+    ends = list(x[~known])
+    steep = np.where(known, force, 0.0)
+    tops = 1 + np.flatnonzero((steep[1:-1] >= steep[:-2]) & (steep[1:-1] > steep[2:]))
+    for k in tops[steep[tops] > _STEEP * float(np.median(force[known]))]:
+        pole = _pole(system, float(x[k]), step)
+        if pole is not None:
+            ends.append(pole)
+    return (
+        max((float(end) for end in ends if end < at), default=-reach),
+        min((float(end) for end in ends if end > at), default=reach),
+    )
+
+
+def _pole(system: PhaseSystem, near: float, step: float) -> float | None:
+    """Return the pole of f(0, x) near a place; None if f only has a sharp maximum there.
+
+    Towards a pole |f| grows as 1/distance at least. A weaker singularity leaves the energy finite.
+    """
+    finer = step
+    for _ in range(_ZOOMS):
+        x = near + finer * (np.linspace(-1.0, 1.0, 2 * _ZOOM + 1) + _SHIFT / _ZOOM)
+        force = np.abs(system.forces(x, 0.0 * x))
+        if not np.isfinite(force).all():
+            return near
+        near, finer = float(x[np.argmax(force)]), finer / _ZOOM
+    beside = np.abs(system.forces(np.array([near - step, near + step]), np.zeros(2)))
+    return near if force.max() > _GROWS * beside.max() else None
+
+
+def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reach: float) -> Window:
+    """Return a window beside poles, for energies a little above those of the starts."""
+    low, high = domain
+    width = high - low
+    from_x = float(starts[0, 0])
+    sides = [np.linspace(from_x, end, _POINTS)[:-1] for end in (low, high)]
+    energies = [
+        np.sign(x[1] - x[0])
+        * cumulative_simpson(
+            np.nan_to_num(system.forces(x, 0.0 * x)), dx=abs(x[1] - x[0]), initial=0.0
+        )
+        for x in sides
+    ]
+    x = np.concatenate([sides[0][:0:-1], sides[1]])
+    energy = np.concatenate([energies[0][:0:-1], energies[1]])
+    force = np.abs(system.forces(np.array([x[1], x[-2]]), np.zeros(2)))
+    usual = _STEEP * float(np.nanmedian(np.abs(system.forces(x, 0.0 * x))))
+    # f is finite up to where it becomes undefined, but not up to a pole
+    near, far = _BESIDE * width * (force > usual)
+    free = (x > low + near) & (x < high - far) | (x == from_x)
+    lowest = float(energy[free].min())
+    inside = starts[(starts[:, 0] > low) & (starts[:, 0] < high)]
+    highest = float(np.max(np.interp(inside[:, 0], x, energy) + 0.5 * inside[:, 1] ** 2))
+    spare = (_ROOM - 1.0) * (highest - lowest)
+    if spare <= 1e-9 * float(np.ptp(energy[free])):  # at rest: half the way to the pole
+        nearest = low if low > -_ROOM * reach else high
+        spare = abs(float(np.interp(0.5 * (from_x + nearest), x, energy)) - lowest)
+    over = np.flatnonzero(energy > highest + spare)
+    start = len(sides[0]) - 1
+    first = int(max(over[over < start], default=-1)) + 1
+    last = int(min(over[over > start], default=len(x))) - 1
+    seen = np.flatnonzero(free[first : last + 1]) + first
+    left, right = float(x[seen[0]]), float(x[seen[-1]])
+    height = _ROOM * sqrt(2.0 * (highest + spare - float(energy[seen].min(initial=lowest))))
+    margin = 0.5 * (_ROOM - 1.0) * (right - left)
+    return Window(
+        max(left - margin, low + 0.5 * near) if low > -_ROOM * reach else left - margin,
+        min(right + margin, high - 0.5 * far) if high < _ROOM * reach else right + margin,
+        -height,
+        height,
+    )
