@@ -223,8 +223,8 @@ class Page:
     def units(self) -> dict[str, tuple[str, float]]:
         """The display unit of each plane's displacement, as on its axis, and its number in one unit."""
         found = {}
-        for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
-            low, high = reach_of(plane.displacement, motion)
+        for plane in self.drawing.planes:
+            low, high = reach_of(plane.displacement, self._motion(plane))
             found[plane.name] = display_unit(plane.displacement.unit, high - low)
         return found
 
@@ -340,7 +340,7 @@ class Page:
         known = [
             (plane, motion, graduation_of(plane.displacement, motion, 2.2 * self.em),
              graduation_of(plane.scaled_velocity, motion, 1.6 * self.em))
-            for plane, motion in zip(self.drawing.planes, self.motions, strict=True)
+            for plane in self.drawing.planes for motion in (self._motion(plane),)
         ]  # fmt: skip
         values: list[Text] = []
         for plane, motion, along, up in known:
@@ -452,7 +452,10 @@ class Page:
                 return
 
     def _motion(self, plane: Plane) -> Points:
-        return self.motions[self.drawing.planes.index(plane)]
+        """Return the state points of a plane, with those of the motions from other starts."""
+        others = [c.vertices for c in self.drawing.curves if c.role == "trail"]
+        own = self.motions[self.drawing.planes.index(plane)]
+        return np.concatenate([own, *others]) if len(self.drawing.planes) == 1 else own
 
     def _plane_of(self, curve: Curve) -> Plane:
         """Return the plane whose displacement a curve's label names, else the first."""

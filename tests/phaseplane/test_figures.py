@@ -13,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
+from matplotlib.text import Text
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 
@@ -21,6 +22,7 @@ from phaseplane.constructions import (
     OneDofPlane,
     QuarterCarPlanes,
     construct_motion,
+    family,
     tangent,
 )
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
@@ -448,3 +450,11 @@ def test_pictures_of_long_motions_cost_in_proportion(draw):
     draw(few)  # fonts and text are read once
     work = calls_of(lambda: draw(few)), calls_of(lambda: draw(many))
     assert work[1] < 5.0 * work[0]
+
+
+def test_the_axes_reach_over_motions_from_further_starts():
+    """Also where the own start is at rest in the origin."""
+    still = EquationPlane(lambda v, x, t: (x * x - 1.0) * v + x)
+    drawing = family(still, [(2.0, 0.0)], step=0.1, duration=4.0)
+    figure = phase_planes(drawing)
+    assert {"1", "2"} <= {text.get_text() for text in figure.findobj(Text)}
