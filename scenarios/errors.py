@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -47,6 +47,30 @@ def shown(value: object, limit: int = 80) -> str:
     except ValueError:  # an integer with too many digits to print
         text = "a very large number"
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
+
+
+def refuse_unknown_keys(given: Iterable[str], known: Sequence[str], where: str = "") -> None:
+    """Reject keys of a table that it cannot have.
+
+    Parameters
+    ----------
+    given, known : the keys that it has, and those that it may have
+    where : its file or key, with which the message begins
+
+    Raises
+    ------
+    InputError : the message names the key, what is allowed and the nearest name.
+    """
+    for key in given:
+        if key not in known:
+            from phaseplane.suspension.units import nearest  # noqa: PLC0415  (for mistakes only)
+
+            raise InputError(
+                one_line(
+                    f"{where}: unknown key {shown(key)}; allowed: {', '.join(known)}"
+                    f"{nearest(key, known)}"
+                ).removeprefix(": ")
+            )
 
 
 def check_picture(path: Path, allowed: Sequence[str] = PICTURES) -> None:

@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet, figure_of, new_page
-from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed, written_whole
+from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
+from phaseplane.picture.files import replace_file
 from phaseplane.picture.page import Page
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
 from phaseplane.picture.text import format_time, typeset
@@ -62,7 +63,7 @@ def animation(
     page = _stays(drawing, title, look)
     pictures = list(_pictures(page, story_of(drawing, page, arms_page(drawing), {}), look))
     pictures += pictures[-1:] * _HOLD
-    with written_whole(target) as temporary:
+    with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
             _write_mp4(program, pictures, temporary, rate)
         else:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
 
 from phaseplane.picture import styles
+from phaseplane.picture.files import replace_file
 from phaseplane.picture.styles import Hue, Shade
 
 BLUE, ORANGE, GREEN, RED, TEAL, PINK, OCHRE, VIOLET, GREY = (
@@ -203,7 +203,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
     metadata = {**_OPTIONS[suffix].get("metadata", {}), **({"Title": words} if words else {})}
     hidden = bool(above) and not any(text.get_visible() for text in above)
     plated = _with_plates(figure) if suffix != ".png" else nullcontext()
-    with written_whole(target) as temporary, rc_context(_TYPE), plated:
+    with replace_file(target) as temporary, rc_context(_TYPE), plated:
         figure.savefig(
             temporary,
             format=suffix[1:],
@@ -230,27 +230,3 @@ def _with_plates(figure: Figure) -> Iterator[None]:
         for text, before in zip(outlined, effects, strict=True):
             text.set_bbox(None)
             text.set_path_effects(before)
-
-
-@contextmanager
-def written_whole(target: Path) -> Iterator[Path]:
-    """Yield a temporary file that replaces the target if writing succeeds.
-
-    Raises
-    ------
-    OSError : if the folder does not exist or cannot be written to.
-    """
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"{target}: the folder {target.parent} does not exist")
-    handle, name = tempfile.mkstemp(
-        suffix=target.suffix, prefix=f".{target.stem}-", dir=target.parent
-    )
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        yield temporary
-        temporary.chmod(0o644)
-        os.replace(temporary, target)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise

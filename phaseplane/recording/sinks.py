@@ -12,6 +12,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
+from phaseplane.picture.files import replace_file
 
 from .content import VIEWS, Content, Detail, View
 from .layout import blueprint
@@ -89,7 +90,7 @@ def record(
     target = Path(path)
     _check_target(target)
     content.check()
-    with strict(), _written_whole(target) as draft:
+    with strict(), _written(target) as draft:
         recording = new_recording(content)
         recording.save(draft)
         recorder = Recorder(recording, content)
@@ -117,23 +118,15 @@ def _check_target(target: Path) -> None:
 
 
 @contextmanager
-def _written_whole(target: Path) -> Iterator[Path]:
-    """Give a file beside the target to write to, then move it into its place.
-
-    Raises
-    ------
-    OSError : if it could not be written; the target is then as it was.
-    """
-    draft = target.with_name(f".{target.name}.{os.getpid()}")
-    try:
-        yield draft
-        draft.replace(target)
-    except OSError as error:
-        raise type(error)(f"cannot write {target}: {error.strerror}") from error
-    except RuntimeError as error:  # rerun does not say why its writer ended
-        raise OSError(f"cannot write {target}: {_why_unwritable(draft)}") from error
-    finally:
-        draft.unlink(missing_ok=True)
+def _written(target: Path) -> Iterator[Path]:
+    """Yield a file that replaces the target if it can be written; rerun does not say why it cannot."""
+    with replace_file(target) as draft:
+        try:
+            yield draft
+        except OSError as error:
+            raise type(error)(f"cannot write {target}: {error.strerror}") from error
+        except RuntimeError as error:
+            raise OSError(f"cannot write {target}: {_why_unwritable(draft)}") from error
 
 
 def _why_unwritable(draft: Path) -> str:

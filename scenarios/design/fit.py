@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 from phaseplane.suspension.batch import run_many
-from phaseplane.suspension.units import nearest
 
-from ..errors import InputError, RunError, one_line, shown
+from ..errors import InputError, RunError, refuse_unknown_keys
 from ..results.signals import signals_in
 from ..sweeps.plan import Plan
 from ..toml_files import read_content
@@ -86,12 +85,7 @@ def read_task(path: Path) -> Task:
     InputError : if the file or its signals are not valid; one line that says what is allowed.
     """
     content = read_content(path)
-    for key in content:
-        if key not in KEYS:
-            raise InputError(
-                one_line(f"{path}: unknown key {shown(key)}{nearest(key, KEYS)}; allowed: "
-                         f"{', '.join(KEYS)}")
-            )  # fmt: skip
+    refuse_unknown_keys(content, KEYS, str(path))
     space = Space.read(path, content, {"step_count": "measured"})
     space.given()
     scene = space.plan.scene

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from phaseplane.suspension.units import nearest
 
-from ..errors import InputError, RunError, one_line, shown
+from ..errors import InputError, RunError, one_line, refuse_unknown_keys, shown
 from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan
@@ -106,12 +105,7 @@ def read_problem(path: Path) -> Problem:
     InputError : if the file is not valid; one line with file, key, value and what is allowed.
     """
     content = read_content(path)
-    for key in content:
-        if key not in KEYS:
-            raise InputError(
-                one_line(f"{path}: unknown key {shown(key)}{nearest(key, KEYS)}; allowed: "
-                         f"{', '.join(KEYS)}")
-            )  # fmt: skip
+    refuse_unknown_keys(content, KEYS, str(path))
     wanted = [key for key in ("minimise", "maximise") if key in content]
     if len(wanted) != 1:
         raise InputError(f"{path}: give one of minimise and maximise, the name of a measure")

@@ -16,9 +16,8 @@ from typing import IO, Any
 
 import numpy as np
 import numpy.typing as npt
-from phaseplane.suspension.units import nearest
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, one_line, refuse_unknown_keys, shown
 from ..simulate.versions import versions
 from ..sweeps.plan import Plan, plan_of
 
@@ -42,14 +41,8 @@ def read_search(
     given = content.get("search", {})
     if not isinstance(given, dict):
         raise InputError(one_line(f"{path}: search = {shown(given)}: must be a table"))
+    refuse_unknown_keys(given, list(known), f"{path}: search")
     for key, value in given.items():
-        if key not in known:
-            raise InputError(
-                one_line(
-                    f"{path}: search: unknown key {shown(key)}{nearest(key, known)}; allowed: "
-                    f"{', '.join(known)}"
-                )
-            )
         if type(value) is not int or value < known[key][1]:
             raise InputError(
                 one_line(

@@ -16,7 +16,7 @@ import numpy as np
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, one_line, refuse_unknown_keys, shown
 from .tables import read_table
 
 if TYPE_CHECKING:
@@ -45,11 +45,7 @@ def read_signals(
     ------
     InputError : if a key is not valid, or the file cannot be read.
     """
-    for key in said:
-        if key not in KEYS:
-            raise InputError(
-                f"unknown key {shown(key)}{nearest(key, KEYS)}; allowed: {', '.join(KEYS)}"
-            )
+    refuse_unknown_keys(said, KEYS)
     if not isinstance(said.get("file"), str) or not said["file"]:
         raise InputError(f"file = {shown(said.get('file'))}: must be the path of a file")
     tables = {}

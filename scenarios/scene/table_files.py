@@ -14,7 +14,7 @@ from typing import Any
 from phaseplane.suspension.measurement_files import Wanted, headings, read_columns
 from phaseplane.suspension.units import UnitError, nearest, to_si
 
-from ..errors import InputError, one_line, shown
+from ..errors import InputError, one_line, refuse_unknown_keys, shown
 
 KEYS = ("file", "columns", "units", "delimiter", "decimal", "offset")
 # The SI units of the two columns of a table.
@@ -86,11 +86,7 @@ def _read(name: str, said: Mapping[str, Any], folder: Path) -> str:
         point), `offset` (two, which are added)
     folder : the folder that the file's path is relative to
     """
-    for key in said:
-        if key not in KEYS:
-            raise InputError(
-                f"unknown key {shown(key)}; allowed: {', '.join(KEYS)}{nearest(key, KEYS)}"
-            )
+    refuse_unknown_keys(said, KEYS)
     kinds = next((units for end, units in _UNITS.items() if f".{name}".endswith(f".{end}")), None)
     if kinds is None:
         raise InputError(f"only {', '.join(_UNITS)} can be read from a file")
