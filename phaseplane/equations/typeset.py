@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import re
 
+_INDICES = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _POWERS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _GREEK = {
     name: chr(0x3B1 + i) for i, name in enumerate(
@@ -26,7 +28,11 @@ def typeset(tree: ast.expr) -> str:
 
 
 def name_of(name: str) -> str:
-    """Return a parameter's name as it is written: Greek letters by themselves."""
+    """Return a parameter's name as it is written: Greek letters by themselves, numbers as indices."""
+    indexed = re.fullmatch(r"([^\W\d_]+)_?([0-9]+)", name)
+    if indexed:
+        letters, number = indexed.groups()
+        return _NAMES.get(letters, letters) + number.translate(_INDICES)
     return _NAMES.get(name, name)
 
 

@@ -17,7 +17,7 @@ from matplotlib.patches import Rectangle
 
 from phaseplane.figures.style import BLUE, GREEN, OCHRE, ORANGE, RED, TEAL, new_figure, palette_for
 from phaseplane.picture.letters import text_box
-from phaseplane.picture.paper import Box
+from phaseplane.picture.paper import Box, Boxes
 from phaseplane.picture.text import MINUS
 
 PAPERS = {"A4": (21.0, 29.7), "A3": (29.7, 42.0)}
@@ -30,6 +30,8 @@ _ROLES = {"auxiliary": OCHRE, "line": TEAL, "trail": BLUE}
 _TURN = ("axis", "construction")  # the curves of the turn angle, which may lie anywhere
 _INK, _GREY = "#1b1f24", "#57606a"
 _POINT = 2.54 / 72.0  # cm
+_GAP = 0.03  # cm around a text
+_PLACES = 200  # that are tried for a text
 _AROUND = ((1, 1), (1, -1), (-1, 1), (-1, -1))  # where a text may be beside a point
 
 
@@ -41,24 +43,46 @@ class _Texts:
     ----------
     axes : what they are written on, in cm of paper
     room : what they stay within
+    lines : the polylines that they keep off, if there is room
     taken : the boxes of those that are there
     """
 
     axes: Axes
     room: Box
+    lines: Sequence[np.ndarray] = ()
     taken: list[Box] = field(default_factory=list)
 
     def write(self, text: str, places: Iterable[complex], size: float, colour: str) -> None:
-        """Write a text at the first of these centres that is free; nowhere if none is."""
-        for centre in places:
-            box = text_box(centre, text, size * _POINT)
-            if self.room.contains(box) and not any(box.overlap(other) for other in self.taken):
-                self.taken.append(box)
-                self.axes.text(
-                    centre.real, centre.imag, text, fontsize=size, color=colour, ha="center",
-                    va="center", zorder=5.0,
-                )  # fmt: skip
-                return
+        """Write a text at the first of these centres that is free; nowhere if none is.
+
+        A place that no line crosses is preferred; elsewhere the paper is left white around the text.
+        """
+        boxes = [text_box(centre, text, size * _POINT).grown(_GAP) for centre in places]
+        free = [
+            box for box in boxes
+            if self.room.contains(box) and not any(box.overlap(other) for other in self.taken)
+        ]  # fmt: skip
+        if not free:
+            return
+        tried = free[:: max(1, len(free) // _PLACES)]
+        crossed = self._crossed(tried)
+        box = tried[int(np.argmax(crossed <= crossed.min()))]
+        self.taken.append(box)
+        self.axes.text(
+            box.centre.real, box.centre.imag, text, fontsize=size, color=colour, ha="center",
+            va="center", zorder=5.0,
+            bbox={"facecolor": "white", "linewidth": 0.0, "pad": 0.4},
+        )  # fmt: skip
+
+    def _crossed(self, boxes: Sequence[Box]) -> np.ndarray:
+        """Return the length of all lines inside each box, cm."""
+        total = np.zeros(len(boxes))
+        several = Boxes.of(boxes)
+        columns = Boxes(several.centres[:, None], several.halves[:, None])
+        for line in self.lines:
+            z = line[:, 0] + 1j * line[:, 1]
+            total += np.asarray(columns.inside(z[:-1], z[1:])).sum(axis=1)
+        return total
 
     def beside(self, text: str, points: Iterable[np.ndarray], size: float, colour: str) -> None:
         """Write a text beside the first of these points that has room."""
@@ -160,7 +184,12 @@ def exercise_sheet(
         0.5 * np.array([left + right, bottom + top]) + moved,
         (right - left, top - bottom),
     )
-    texts = _Texts(axes, Box(complex(*middle), 0.5 * complex(*half)).grown(0.3))
+    drawn = [
+        np.array(c["points"]) + moved for c in sheet["curves"]
+        if c["role"] not in _TURN and len(c["points"]) > 1
+    ]  # fmt: skip
+    drawn += [np.array(axis["ends"]) + moved for plane in sheet["axes"] for axis in plane.values()]
+    texts = _Texts(axes, Box(complex(*middle), 0.5 * complex(*half)).grown(0.3), drawn)
     _axes(texts, sheet, moved)
     _curves(axes, sheet, moved, clip)
     _turn(axes, sheet, np.array([left + 0.6, bottom + 0.6]) + moved)
@@ -230,7 +259,11 @@ def _axes(texts: _Texts, sheet: Mapping[str, Any], moved: np.ndarray) -> None:
             half = text_box(0j, axis["label"], 8.0 * _POINT).half
             inwards = -half.real if end[0] > start[0] else half.real
             beside = complex(inwards if key == "x" else 0.15 + half.real, half.imag + 0.1)
-            texts.write(axis["label"], [complex(*end) + beside], 8.0, _INK)
+            # by the arrow's head, on either side of the axis
+            places = [beside, beside.conjugate()]
+            if key != "x":
+                places = [beside, complex(-beside.real, beside.imag)]
+            texts.write(axis["label"], [complex(*end) + place for place in places], 8.0, _INK)
             for x, y, value in axis["ticks"]:
                 at = np.array([x, y]) + moved
                 across = np.array([0.0, 0.1] if key == "x" else [0.1, 0.0])

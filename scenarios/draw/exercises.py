@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from ..scene.schema import Scene
 
 _FACTORS = tuple(m * 10.0**k for k in range(3, -13, -1) for m in (5.0, 4.0, 2.5, 2.0, 1.0))
+_APART = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # distances of two planes, in parts of their own
+_MOST = 20.0  # times a plane's own scale
+_CLEAR = 1.0  # cm between two planes
 _MOST_STEPS = 40
 _LEAST = 1e-3  # of a plane's own scale
 
@@ -68,18 +72,20 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     own = [plane.displacement.scale for plane in planes.planes]
     several = len(own) > 1
     for factor in _FACTORS:
-        # several planes in their own size at most; a single one in any round scale
-        if several and factor > 1.0:
+        if (
+            not _LEAST
+            <= factor / (1.0 if several else own[0])
+            <= (_MOST if several else 1.0 / _LEAST)
+        ):
             continue
         scales = tuple(factor * (scale if several else 1.0) for scale in (own * 2)[:2])
-        if not several and not _LEAST <= factor / own[0] <= 1.0 / _LEAST:
-            continue
         changed = {**settings, "plane_scales": scales}
-        if several:
-            changed["plane_distance"] = factor * planes.plane_distance  # type: ignore[attr-defined]
-        drawing = _drawn(scene, changed, duration)
-        if _fits(drawing, paper):
-            return Exercise(scene, changed, drawing, paper)
+        for apart in _APART if several else (1.0,):
+            if several:
+                changed["plane_distance"] = apart * planes.plane_distance  # type: ignore[attr-defined]
+            drawing = _drawn(scene, changed, duration)
+            if _fits(drawing, paper):
+                return Exercise(scene, changed, drawing, paper)
     raise InputError(f"the construction does not fit on {paper} in any scale; take fewer --steps")
 
 
@@ -94,7 +100,18 @@ def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawin
 def _fits(drawing: Drawing, paper: str) -> bool:
     low, high = figures.sheet_extent(exercises.sheet_data(drawing), _seen(drawing))
     width, height = figures.sheet_room(paper, len(drawing.instants))
-    return bool(high[0] - low[0] <= width and high[1] - low[1] <= height)
+    return bool(high[0] - low[0] <= width and high[1] - low[1] <= height) and _clear(drawing)
+
+
+def _clear(drawing: Drawing) -> bool:
+    """Return whether the state points of each plane keep off those of the next one below."""
+    heights = [
+        [100.0 * frame.points[plane.state].imag for frame in drawing.instants]
+        + [100.0 * plane.displacement.at(0.0).imag]
+        for plane in drawing.planes
+    ]
+    ordered = sorted(heights, key=max, reverse=True)
+    return all(min(upper) - max(lower) >= _CLEAR for upper, lower in pairwise(ordered))
 
 
 def _seen(drawing: Drawing) -> list[list[float]]:

@@ -250,12 +250,17 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     """Lay overrides over a scene.
 
+    Another equation takes title and source away, which speak of the one in the file.
+
     Raises
     ------
     SceneError : see `Setting.read`.
     """
     layers.top += 1
-    for setting in read_settings(overrides):
+    settings = read_settings(overrides)
+    if {setting.key.removeprefix("parameters.") for setting in settings} & {"equation"}:
+        layers.put({"title": "Equation", "source": ""}, "--set", Path())
+    for setting in settings:
         if setting.value == {}:
             raise SceneError(
                 f"{setting.origin} {setting.key}={{}}: an empty table sets nothing; give at least one "

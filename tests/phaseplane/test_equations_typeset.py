@@ -28,3 +28,8 @@ def test_a_formula_is_typeset(text: str, words: str) -> None:
 def test_parameters_are_told_with_their_values() -> None:
     formula = Formula("omega^2*x + mu*v", {"omega": 2.0, "mu": 0.1, "unused": 3.0})
     assert formula.words == "ẍ + ω²\u2009x + μ\u2009ẋ = 0   (μ = 0.1, ω = 2)"
+
+
+def test_numbers_in_names_are_indices() -> None:
+    formula = Formula("x/J0 + omega_2*v + k10*t", {"J0": 0.02, "omega_2": 1.0, "k10": 3.0})
+    assert formula.words == "ẍ + x/J₀ + ω₂\u2009ẋ + k₁₀\u2009t = 0   (J₀ = 0.02, k₁₀ = 3, ω₂ = 1)"

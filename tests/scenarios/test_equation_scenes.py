@@ -184,3 +184,11 @@ def test_the_portrait_has_the_curves_of_the_starts(
     assert (round(2.0 * pi / 3.0, 9), 0.0) in begins
     assert (1.0, 6.0) in begins
     assert (-2.0, 0.0) in begins
+
+
+def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
+    given = load_scene("van_der_pol", ["equation=sin(x)"])
+    assert (given.title, given.source) == ("Equation", "")
+    assert load_scene("van_der_pol", ["equation=sin(x)", "title=Pendulum"]).title == "Pendulum"
+    assert load_scene("van_der_pol", ["parameters.equation=sin(x)"]).title == "Equation"
+    assert load_scene("van_der_pol", ["displacement_start=1"]).title.startswith("Van der Pol")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
@@ -115,3 +115,31 @@ def test_bad_input_is_refused_in_a_line(words: list[str], message: str) -> None:
     assert refused.exit_code == 2
     assert message in refused.stderr
     assert "Traceback" not in refused.stderr
+
+
+def test_two_planes_are_drawn_as_large_as_the_sheet_allows() -> None:
+    made = exercises.exercise(load_scene("half_car_rigid_tyres"), 4, "A4")
+    first, second = made.drawing.planes
+    assert min(made.settings["plane_scales"]) >= 2.0
+    low, high = exercises.figures.sheet_extent(
+        exercises.exercises.sheet_data(made.drawing), exercises._seen(made.drawing)
+    )
+    assert high[0] - low[0] > 12.0  # cm of 19 that are free
+    lowest = min(frame.points[first.state].imag for frame in made.drawing.instants)
+    highest = max(frame.points[second.state].imag for frame in made.drawing.instants)
+    assert lowest - highest >= 0.01
+
+
+def test_labels_of_a_sheet_keep_off_its_lines() -> None:
+    made = exercises.exercise(load_scene("van_der_pol"), 8, "A4")
+    axes = exercises._sheet(made, solved=False).axes[0]
+    axes.figure.canvas.draw()
+    curves = [line.get_xydata() for line in axes.lines if line.get_gid() == "auxiliary"]
+    labels = [text for text in axes.texts if text.get_text().startswith("x = ")]
+    assert len(labels) >= 4
+    for label in labels:
+        box = label.get_window_extent().transformed(axes.transData.inverted())
+        for curve in curves:
+            for a, b in pairwise(curve):
+                way = [a + (b - a) * k / 20 for k in range(21)]
+                assert not any(box.x0 < x < box.x1 and box.y0 < y < box.y1 for x, y in way)
