@@ -65,10 +65,10 @@ DIRECTIVES = {
 }
 # in the order in which they need each other
 MODULES = (
-    "outcomes", "arrays", "linear", "bernstein", "signals", "laws", "elements", "network", "dense",
-    "balance", "columns", "motion", "modes", "errors", "method", "extrapolated", "increments", "wilson",
-    "exact", "methods", "stepper", "switches", "ledger", "watch", "march", "handover", "integrator",
-    "rest", "run", "lines",
+    "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws", "elements", "network",
+    "dense", "balance", "columns", "motion", "modes", "errors", "method", "extrapolated", "increments",
+    "wilson", "exact", "methods", "stepper", "switches", "ledger", "watch", "march", "handover",
+    "integrator", "rest", "run", "lines",
 )  # fmt: skip
 
 

@@ -18,23 +18,32 @@ _DOUBLE = 100  # "d", the format of a double
 
 
 class Memory:
-    """Where the arrays of an integrator are; they are zero at first, and never given back."""
+    """Where the arrays of an integrator are; they are zero at first, and never given back.
 
-    def __init__(self):
-        self.blocks = []
+    Parameters
+    ----------
+    block : doubles allocated at a time
+    """
+
+    def __init__(self, block=_BLOCK):
+        self.block = block
+        self.blocks = []  # of bytes; uncompiled, the arrays themselves
+        self.used = []  # bytes of each that arrays take
         self.left = -1  # doubles that are free in the last block; there is none yet
 
     def _take(self, count):
         """Return so many doubles from the last block, or from a new one."""
         if count > self.left:
-            self.left = max(count, _BLOCK)
+            self.left = max(count, self.block)
             block = bytearray(_SIZE_OF_DOUBLE * (self.left + 2 * _LINE))
             self.blocks.append(block)
+            self.used.append(0)
             # a line is left free on both sides
             self.free = cython.cast("double *", PyByteArray_AsString(block)) + _LINE  # noqa: F821
         taken = self.free
         self.free += count
         self.left -= count
+        self.used[len(self.used) - 1] += _SIZE_OF_DOUBLE * count
         return taken
 
     def zeros(self, count):
@@ -42,14 +51,16 @@ class Memory:
         if cython.compiled:
             return self._take(count)
         else:  # noqa: RET505  (what is not compiled has other types)
-            return array("d", bytes(_SIZE_OF_DOUBLE * count))
+            self.blocks.append(array("d", bytes(_SIZE_OF_DOUBLE * count)))
+            return self.blocks[-1]
 
     def marks(self, count):
         """Return so many integers."""
         if cython.compiled:
             return cython.cast("int *", self._take((count + 1) // 2))
         else:  # noqa: RET505
-            return array("i", bytes(_SIZE_OF_INTEGER * count))
+            self.blocks.append(array("i", bytes(_SIZE_OF_INTEGER * count)))
+            return self.blocks[-1]
 
     def doubles(self, values):
         """Return an array of these doubles."""
@@ -80,6 +91,32 @@ class Memory:
             return self._view(cython.cast("char *", numbers), _SIZE_OF_INTEGER * count).cast("i")
         else:  # noqa: RET505
             return memoryview(numbers)[:count]
+
+    def content(self):
+        """Return the numbers of all arrays as bytes."""
+        if cython.compiled:
+            first = _SIZE_OF_DOUBLE * _LINE
+            parts = [
+                block[first : first + used]
+                for block, used in zip(self.blocks, self.used)  # noqa: B905  (one for each block)
+            ]
+            return b"".join(parts)
+        else:  # noqa: RET505
+            return b"".join([block.tobytes() for block in self.blocks])
+
+    def put_back(self, content, at):
+        """Set the numbers of all arrays to those of `content[at:]`."""
+        if cython.compiled:
+            first = _SIZE_OF_DOUBLE * _LINE
+            for k in range(len(self.blocks)):
+                used = self.used[k]
+                self.blocks[k][first : first + used] = content[at : at + used]
+                at += used
+        else:
+            for block in self.blocks:
+                size = block.itemsize * len(block)
+                block[:] = array(block.typecode, content[at : at + size])
+                at += size
 
     def _view(self, address, size):
         """Return bytes of the block that they are in."""

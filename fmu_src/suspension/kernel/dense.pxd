@@ -5,7 +5,7 @@ cdef int _SEPTIC
 
 @cython.final
 cdef class Dense:
-    cdef Memory memory
+    cdef Memory memory, ends
     cdef int n
     cdef bint cubic, to_end, known
     cdef double start, end

@@ -17,22 +17,23 @@ class Dense:
 
     Parameters
     ----------
-    place : the memory of its numbers
+    place, kept : the memory of its numbers, and of those at the ends of the step
     n : number of coordinates
     cubic : whether the third derivative is constant within the step
     to_end : whether that derivative follows from the displacement at the end; steps by increments end
         with the acceleration of the equation of motion, which is not that of their cubic
     """
 
-    def __init__(self, place, n, cubic, to_end):
+    def __init__(self, place, kept, n, cubic, to_end):
         self.memory, self.n, self.cubic, self.to_end = place, n, cubic, to_end
         memory = self.memory
         self.start = self.end = 0.0
-        self.qa, self.va = memory.zeros(n), memory.zeros(n)
-        self.aa, self.ja = memory.zeros(n), memory.zeros(n)
+        self.ends = kept
+        self.qa, self.va = self.ends.zeros(n), self.ends.zeros(n)
+        self.aa, self.ja = self.ends.zeros(n), self.ends.zeros(n)
         # before any switch there
-        self.qb, self.vb = memory.zeros(n), memory.zeros(n)
-        self.ab, self.jb = memory.zeros(n), memory.zeros(n)
+        self.qb, self.vb = self.ends.zeros(n), self.ends.zeros(n)
+        self.ab, self.jb = self.ends.zeros(n), self.ends.zeros(n)
         # the last values read
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.terms = memory.zeros(_SEPTIC * n)

@@ -17,7 +17,6 @@ cdef class Elements(Laws):
     # its branches
     cdef int *branch, *departing, *stuck_element, *row_stuck
     cdef int stuck
-    cdef double exchange
     cdef int *kept_branch, *kept_signal
     cdef double *kept_set
     # results of the last evaluation

@@ -54,13 +54,13 @@ class Elements(Laws):
         self.breakaway = memory.zeros(elements)  # friction up to which it sticks
         self.initial_set, self.spring_rate = memory.zeros(elements), memory.zeros(elements)
         kinds = _KINDS * elements
-        self.branch, self.departing = memory.marks(kinds), memory.marks(kinds)
+        kept = self.state.memory
+        self.branch, self.departing = kept.marks(kinds), kept.marks(kinds)
         self.stuck = 0
         self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
-        self.exchange = 0.0
-        self.kept_branch = memory.marks(kinds)
-        self.kept_set = memory.zeros(elements)
-        self.kept_signal = memory.marks(max(self.signals, 1))
+        self.kept_branch = kept.marks(kinds)
+        self.kept_set = kept.zeros(elements)
+        self.kept_signal = kept.marks(max(self.signals, 1))
         rows = self.rows
         self.row_d, self.row_v, self.row_f = (
             memory.zeros(rows),
@@ -106,7 +106,7 @@ class Elements(Laws):
         for k in range(_KINDS * self.elements):
             self.branch[k] = self.departing[k] = self.kept_branch[k] = 0
         self.stuck = 0
-        self.exchange = 0.0
+        self.state.exchange = 0.0
 
     def enter_elements(self, x, at):
         """Read all elements from x[at:], as given by `element_numbers`; return where they end."""
@@ -459,7 +459,7 @@ class Elements(Laws):
         self.row_states(q, v)
         d = self.row_d[self.element_row[e]]
         change = self.free_potential(e, d) - self.potential(self.piece_now(e, _SPRING), d)
-        self.exchange += change if self.branch[_KINDS * e + _CONTACT] else -change
+        self.state.exchange += change if self.branch[_KINDS * e + _CONTACT] else -change
 
     def free_potential(self, e, d):
         """Return the potential beyond the free length: that at free length plus limit times the rest."""

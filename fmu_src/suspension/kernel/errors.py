@@ -44,7 +44,7 @@ class Errors:
         It is at least the rounding of displacements and of the forces that balance at rest.
         """
         self.error = 0.0
-        size = self.motion.scale
+        size = self.motion.state.scale
         for i in range(self.n):
             size = max(size, fabs(self.motion.q[i]), fabs(self.motion.origin[i]))
         self.allowed = _SHARE * self.tolerance * self.motion.reach_at(self.motion.qb)
@@ -62,7 +62,7 @@ class Errors:
         slowest = h
         for i in range(self.n):
             slowest = max(slowest, self.modes.velocity_scale[i])
-        return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.reach / (h * slowest)
+        return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
 
     def read_middle(self, h):
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""

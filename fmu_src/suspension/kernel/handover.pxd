@@ -1,6 +1,5 @@
 cimport cython
 from libc.math cimport fabs
-from .ledger cimport Ledger
 from .motion cimport Motion
 from .network cimport Network
 
@@ -13,7 +12,6 @@ cdef class Handover:
     cdef long long steps
 
     @cython.locals(i=int)
-    cdef void take_run(self, Motion motion, Ledger ledger, Network net, double scale,
-                       long long steps) noexcept nogil
+    cdef void take_run(self, Motion motion, Network net) noexcept nogil
     cdef void take_element(self, int here, int there, double *work,
                            double *limited_time) noexcept nogil

@@ -26,15 +26,16 @@ class Handover:
         self.exchange = self.supplied = self.residual = 0.0
         self.steps = 0
 
-    def take_run(self, motion, ledger, net, scale, steps):
+    def take_run(self, motion, net):
         """Note motion, energies and counts at the end of the last step."""
         for i in range(self.n):
             self.q[i], self.v[i] = motion.q[i], motion.v[i]
             self.origin[i] = motion.origin[i]
-        self.reach, self.scale, self.steps = motion.reach, scale, steps
-        self.datum, self.exchange = net.datum, net.exchange
-        self.supplied = ledger.supplied + fabs(ledger.initial_energy)
-        self.residual = ledger.residual_end
+        self.reach, self.scale = net.state.reach, net.state.scale
+        self.steps = net.state.step_count
+        self.datum, self.exchange = net.state.datum, net.state.exchange
+        self.supplied = net.state.supplied + fabs(net.state.initial_energy)
+        self.residual = net.state.residual_end
 
     def take_element(self, here, there, work, limited_time):
         """Note the works and times of element `there` as those of element `here`; none if -1."""

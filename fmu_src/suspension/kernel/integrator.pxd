@@ -17,9 +17,7 @@ cdef class Integrator(March):
     cdef double *given  # the coefficients of a signal
     cdef list lent
     cdef double *instants, *out_q, *out_v, *out_a, *out_f
-    # the record of the whole state, as bytes
-    cdef object record_bytes, record_of_marks_bytes
-    cdef Py_ssize_t record_size
+    cdef Py_ssize_t state_size  # bytes
     # step and time from which its pace is measured
     cdef long long begun
     cdef double started

@@ -120,9 +120,7 @@ class Integrator(March):
         earlier : the previous integrator
         counterpart : for each element here the number of the same one there, or -1
         """
-        self.handover.take_run(
-            earlier.motion, earlier.ledger, earlier.net, earlier.scale, earlier.step_count
-        )
+        self.handover.take_run(earlier.motion, earlier.net)
         for e in range(self.net.elements):
             self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited_time)
         self._go_on()
@@ -132,7 +130,7 @@ class Integrator(March):
 
         The state is then that after `take_over` by a new integrator, but nothing else is read again.
         """
-        self.handover.take_run(self.motion, self.ledger, self.net, self.scale, self.step_count)
+        self.handover.take_run(self.motion, self.net)
         for e in range(self.net.elements):
             self.handover.take_element(e, e, self.ledger.work, self.limited_time)
         self.net.enter_elements(x, at)
@@ -140,24 +138,24 @@ class Integrator(March):
 
     def _go_on(self):
         """Begin at the present time with what was noted."""
-        self._stand_still(self.time, self.handover.scale)  # whatever was before
+        self._stand_still(self.state.time, self.handover.scale)  # whatever was before
         self.net.set_datum(self.handover.datum)
         for i in range(self.n):
             self.motion.q[i] = self.handover.q[i]
             self.motion.v[i] = self.handover.v[i]
         self.motion.count_from_here()
-        self.in_step = True
+        self.state.in_step = True
         self._begin()
-        self.motion.reach, self.scale = self.handover.reach, self.handover.scale
+        self.state.reach, self.state.scale = self.handover.reach, self.handover.scale
         for i in range(self.n):
             self.motion.origin[i] = self.handover.origin[i]
-        self.step_count = self.handover.steps
-        self.net.exchange = self.handover.exchange
+        self.state.step_count = self.handover.steps
+        self.state.exchange = self.handover.exchange
         for e in range(self.net.elements):
             self.ledger.work[e] = self.handover.work[e]
             self.limited_time[e] = self.handover.limited_time[e]
-        self.ledger.supplied = self.handover.supplied
-        self.ledger.strike_balance(self.time, self.motion.q, self.motion.v)
+        self.state.supplied = self.handover.supplied
+        self.ledger.strike_balance(self.state.time, self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
 
     def retune(self, system):
@@ -183,7 +181,7 @@ class Integrator(March):
         coefficients : four numbers
         jumps : whether to treat a change of the value as such a jump
         """
-        interval = self.time - self.net.set_at(signal)
+        interval = self.state.time - self.net.set_at(signal)
         for i in range(4):
             self.given[i] = coefficients[i]
         self.replace_signal(signal, self.given, interval, jumps)
@@ -194,33 +192,33 @@ class Integrator(March):
         `interval` is the time since the last sample, s, in which the signal has moved to its new value.
         """
         before = self._energy_now()
-        before -= self.net.exchange
+        before -= self.state.exchange
         for r in range(self.net.rows):
             self.rate_before[r] = self.net.row_v[r]
         self._remember_branches()
-        jump = self.net.replace_signal(signal, self.time, coefficients)
+        jump = self.net.replace_signal(signal, self.state.time, coefficients)
         if self.net.is_road[signal]:  # a load leaves elements where they are, if on a corner, too
             if jumps and jump != 0.0:
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
-                self.net.locate_branches(self.time, self.motion.q, self.motion.v)
-                self.stepper.refresh(self.time)
+                self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
+                self.stepper.refresh(self.state.time)
                 self.net.impulse(signal, jump, interval, self.rate_before, self.motion.v)
-            self.net.locate_branches(self.time, self.motion.q, self.motion.v)
+            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         if jumps:  # at the start the road has always been there, and nothing was lost or met
             self._book_contacts()
         self._note_changes()
         if not jumps:  # what is at rest slips, if at all, the way that all loads together push it
-            self.net.follow_slips(self.time, self.motion.q, self.motion.v)
+            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         if not jumps:
             self._break_loose()
         if jump != 0.0:
             change = self._energy_now()
-            change = change - self.net.exchange - before
+            change = change - self.state.exchange - before
             if jumps:
                 self.ledger.bring_in(signal, change + self._lost(signal, jump, interval))
             else:
-                self.ledger.initial_energy += change
+                self.state.initial_energy += change
 
     def _lost(self, signal, jump, interval):
         """Book what dampers take as a road jumps between samples, and return it, J."""
@@ -268,7 +266,7 @@ class Integrator(March):
 
     def _look_at_pace(self):
         """Start to measure the pace of the run."""
-        self.begun, self.started = self.step_count, self.time
+        self.begun, self.started = self.state.step_count, self.state.time
 
     def _reason_to_end(self, until):
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
@@ -280,15 +278,15 @@ class Integrator(March):
         self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
-        if self.going_on is not None and not self.going_on(self.time):
+        if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
         return 0 if self.keeps_pace(until) else TOO_MANY
 
     def keeps_pace(self, until):
         """Return whether the number of steps still to come, at the present pace, is acceptable."""
-        taken = self.step_count - self.begun
+        taken = self.state.step_count - self.begun
         if taken >= _ENOUGH_STEPS:
-            if taken * (until - self.time) > _MOST_STEPS * (self.time - self.started):
+            if taken * (until - self.state.time) > _MOST_STEPS * (self.state.time - self.started):
                 return False
             self._look_at_pace()
         return True
@@ -368,7 +366,7 @@ class Integrator(March):
                 return status
             at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
-                self.dense.read_values(t, self.net.datum, self.out_q, at, self.count)
+                self.dense.read_values(t, self.state.datum, self.out_q, at, self.count)
                 self.filled += 1
                 continue
             self.sample(t)
@@ -419,7 +417,7 @@ class Integrator(March):
         self.dense.read(t)
         for i in range(self.n):
             self.read_low[i] = self.dense.q[i]
-            self.read_q[i] = self.dense.q[i] + self.net.datum
+            self.read_q[i] = self.dense.q[i] + self.state.datum
             self.read_v[i], self.read_a[i] = self.dense.v[i], self.dense.a[i]
 
     def sample_forces(self, t):
@@ -463,17 +461,15 @@ class Integrator(March):
     @property
     def residual_end(self):
         """The residual of the energy balance at the end of the last step, J."""
-        return self.ledger.residual_end
+        return self.state.residual_end
 
     def residual_at(self, t):
         """Return the residual of the energy balance at t, J, linear within the last step."""
         h = self.dense.end - self.dense.start
         if h <= 0.0:
-            return self.ledger.residual_end
+            return self.state.residual_end
         x = (t - self.dense.start) / h
-        return self.ledger.residual_start + x * (
-            self.ledger.residual_end - self.ledger.residual_start
-        )
+        return self.state.residual_start + x * (self.state.residual_end - self.state.residual_start)
 
     def energies(self):
         """Return the stored energies at the end of the last step and the works until then, J.
@@ -498,7 +494,7 @@ class Integrator(March):
         if t >= self.dense.end:
             for k in range(self.ledger.works):
                 self.ledger.until[k] = self.ledger.work[k]
-            self.net.all_signals(self.time)
+            self.net.all_signals(self.state.time)
             self.ledger.take_stock(self.motion.q, self.motion.v)
             return
         self._show_last_branches()
@@ -514,7 +510,7 @@ class Integrator(March):
 
     def _show_last_branches(self):
         """Exchange the present branches for those of the last step."""
-        if self.in_step or self.dense.end <= self.dense.start:
+        if self.state.in_step or self.dense.end <= self.dense.start:
             self.net.keep_branches()
         self.net.exchange_branches()
 
@@ -530,7 +526,7 @@ class Integrator(March):
     def yielding(self, e):
         """Return whether element e, which can yield, did so in the last step."""
         at = _KINDS * e + _SPRING
-        return (self.net.branch[at] if self.in_step else self.net.kept_branch[at]) != 1
+        return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
 
     def permanent_set(self, e):
         """Return the deflection at which element e, which can yield, is free of force, m."""
@@ -540,7 +536,7 @@ class Integrator(March):
         )
         s = self.net.row_signal[self.net.element_row[e]]
         if s >= 0:
-            self.net.signal(s, self.time)
+            self.net.signal(s, self.state.time)
             d -= self.net.road[4 * s]
         return self.net.permanent_set(e, d)
 
@@ -554,16 +550,39 @@ class Integrator(March):
 
     def beyond_stable(self):
         """Return when a fixed step was first too long and the stable step then, s; or None."""
-        if self.watch.beyond_since == -1e300:
+        if self.state.beyond_since == -1e300:
             return None
-        return self.watch.beyond_since, self.watch.beyond_step
+        return self.state.beyond_since, self.state.beyond_step
+
+    def _make_room(self):
+        """Allocate what changes of signals and parameters need, and find the size of the state."""
+        self.given = self.net.memory.zeros(4)
+        self.handover = Handover(self.net)
+        # asked with the present time at each pause of a long run: whether it is to go on
+        self.going_on = None
+        self.state_size = len(self.state.content())
 
     # -- whole state -------------------------------------------------------------------------------
 
+    @property
+    def time(self):
+        """The end of the last step, s."""
+        return self.state.time
+
+    @property
+    def step_count(self):
+        """The number of steps so far."""
+        return self.state.step_count
+
+    @property
+    def overruns(self):
+        """How often switches followed one another in no time, and were passed over."""
+        return self.state.overruns
+
     def snapshot(self):
         """Return the whole state as bytes, from which `restore` continues to the bit."""
-        self._carry(True)
-        return bytes(self.record_bytes) + bytes(self.record_of_marks_bytes)
+        self.net.take_moving()
+        return self.state.content()
 
     def restore(self, state):
         """Return to the state of a snapshot of the same system.
@@ -572,26 +591,10 @@ class Integrator(March):
         ------
         ValueError : if the snapshot is of another system.
         """
-        if len(state) != self.record_size:
+        if len(state) != self.state_size:
             raise ValueError("this state is of another system")
-        numbers = len(self.record_bytes)
-        self.record_bytes[:] = state[:numbers]
-        self.record_of_marks_bytes[:] = state[numbers:]
         self.logged = []
-        self._resume()
-
-    def _make_record(self):
-        """Allocate the record of the whole state."""
-        self._size_record()
-        memory = self.net.memory
-        self.given = memory.zeros(4)
-        self.handover = Handover(self.net)
-        # asked with the present time at each pause of a long run: whether it is to go on
-        self.going_on = None
-        self.record, self.record_of_marks = memory.zeros(self.at), memory.marks(self.at_mark)
-        self.record_bytes = memory.seen(self.record, self.at).cast("B")
-        self.record_of_marks_bytes = memory.seen_marks(self.record_of_marks, self.at_mark).cast("B")
-        self.record_size = len(self.record_bytes) + len(self.record_of_marks_bytes)
+        self._resume(bytes(state))
 
 
 class Rows:
@@ -703,7 +706,7 @@ class Rows:
         """Note how the present run has ended."""
         k = self.made
         self.status[k], self.filled[k] = status, self.integrator.filled
-        self.time[k], self.steps[k] = self.integrator.time, self.integrator.step_count
+        self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
         self.log_end[k] = self.integrator.flushed + self.integrator.event_count
         for i in range(self.integrator.contacts):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(

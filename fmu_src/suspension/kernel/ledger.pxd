@@ -3,6 +3,7 @@ from libc.math cimport fabs
 from .balance cimport Balance
 from .dense cimport Dense
 from .network cimport Network
+from .state cimport KernelState
 
 cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _ELASTIC, _POINTS, _ENDS
 cdef double _TIMES, _LEAST
@@ -11,6 +12,7 @@ cdef double _TIMES, _LEAST
 cdef class Ledger:
     cdef Balance balance
     cdef Network net
+    cdef KernelState state
     cdef Dense dense
     cdef int works
     cdef double *work, *brought, *part, *kept, *until, *scratch, *point, *weight, *value, *rate
@@ -18,7 +20,7 @@ cdef class Ledger:
     cdef double *way, *square, *e0, *e1, *e2
     cdef int *curved, *lossy, *needs_points, *by_element
     cdef double[8] ends
-    cdef double kinetic, initial_energy, stored, most_stored, supplied, residual_start, residual_end
+    cdef double kinetic, stored
 
     @cython.locals(i=int)
     cdef void start(self) noexcept nogil

@@ -45,7 +45,9 @@ class Ledger:
         self.works = elements + self.net.signals
         memory = self.net.memory
         # so far; what jumps of roads have brought in since the last step; in a part of that step
-        self.work, self.brought = memory.zeros(self.works), memory.zeros(self.works)
+        self.state = self.net.state
+        kept = self.state.memory
+        self.work, self.brought = kept.zeros(self.works), kept.zeros(self.works)
         self.part = memory.zeros(self.works)
         # the entries at the time looked at last: kinetic energy, energy of each element, works until then
         self.kinetic = 0.0
@@ -68,14 +70,13 @@ class Ledger:
         signals = max(self.net.signals, 1)
         self.u, self.du = memory.zeros(_POINTS * signals), memory.zeros(_POINTS * signals)
         self.ends = [0.0] * 8  # literal, as this is a C array
-        self.initial_energy = 0.0
         self.start()
 
     def start(self):
         """Reset all works to zero."""
         # energy that roads and loads have moved in or out, all counted as positive
-        self.supplied = self.most_stored = 0.0
-        self.residual_start = self.residual_end = 0.0
+        self.state.supplied = self.state.most_stored = 0.0
+        self.state.residual_start = self.state.residual_end = 0.0
         for i in range(self.works):
             self.work[i] = self.brought[i] = 0.0
 
@@ -238,7 +239,7 @@ class Ledger:
                 work += self.weight[k] * h * force * w
         self.work[e] += work
         if work < 0.0:
-            self.supplied -= work
+            self.state.supplied -= work
 
     def _book_road(self, r, h):
         """Add the work of the road under row r."""
@@ -319,7 +320,7 @@ class Ledger:
 
     def _supply(self, signal, energy):
         self.work[self.net.elements + signal] += energy
-        self.supplied += fabs(energy)
+        self.state.supplied += fabs(energy)
 
     def bring_in(self, signal, energy):
         """Add the work of a jump of a road, J."""
@@ -337,25 +338,27 @@ class Ledger:
         own entry. A correct run never reaches twice that sum, as energy supplied still counts after it
         has left the system; with unstable steps the energy soon exceeds it.
         """
-        return self.stored > _TIMES * (fabs(self.initial_energy) + self.supplied) + _LEAST
+        return (
+            self.stored > _TIMES * (fabs(self.state.initial_energy) + self.state.supplied) + _LEAST
+        )
 
     def is_out_of_balance(self):
         """Return whether the residual exceeds all energy ever stored or supplied: the run is wrong."""
-        most = max(self.most_stored, self.supplied) + fabs(self.initial_energy)
-        return fabs(self.residual_end) > most + _LEAST
+        most = max(self.state.most_stored, self.state.supplied) + fabs(self.state.initial_energy)
+        return fabs(self.state.residual_end) > most + _LEAST
 
     def strike_balance(self, t, q, v):
         """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
         self.net.all_signals(t)
-        self.stored = self._energy(q, v) - self.net.exchange
-        self.most_stored = max(self.most_stored, fabs(self.stored))
-        balance = self.stored - self.initial_energy
+        self.stored = self._energy(q, v) - self.state.exchange
+        self.state.most_stored = max(self.state.most_stored, fabs(self.stored))
+        balance = self.stored - self.state.initial_energy
         for i in range(self.net.elements):
             balance += self.work[i]
         for i in range(self.net.elements, self.works):
             balance -= self.work[i]
-        self.residual_start = self.residual_end
-        self.residual_end = balance
+        self.state.residual_start = self.state.residual_end
+        self.state.residual_end = balance
 
     def _energy(self, q, v):
         """Return kinetic energy plus the potential of all rows."""
@@ -387,8 +390,8 @@ class Ledger:
 
     def carry_on(self, residual):
         """Continue the present balance from an earlier residual, J."""
-        self.initial_energy += self.residual_end - residual
-        self.residual_start = self.residual_end = residual
+        self.state.initial_energy += self.state.residual_end - residual
+        self.state.residual_start = self.state.residual_end = residual
 
 
 @cache

@@ -5,12 +5,12 @@ from .ledger cimport Ledger
 from .method cimport Method
 from .motion cimport Motion
 from .network cimport Network
+from .state cimport KernelState
 from .stepper cimport Stepper
 from .switches cimport Switches
 from .watch cimport Watch
 
 cdef int _AT_SWITCHES, _AT_STEPS
-cdef int _LAWS, _PIECE, _SEGMENT, _HALF
 cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
 cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
@@ -26,14 +26,11 @@ cdef class March:
     cdef Dense dense, whole
     cdef Ledger ledger
     cdef int n
-    cdef bint reads_switches, controlled, landing, energy, in_step, entered
+    cdef bint reads_switches, controlled, landing, energy
     cdef double fixed_step, no_error
     cdef public int halts
     # its state
-    cdef readonly double time
-    cdef readonly long long step_count
-    cdef double grid_start, proposal, scale
-    cdef long long grid_index
+    cdef KernelState state
     cdef double *limited_time
     cdef int contacts
     cdef int *step_limited, *contact_element
@@ -45,29 +42,11 @@ cdef class March:
     # workspace
     cdef double *event_time, *rate_before
     cdef int *event_what, *branch_before
-    cdef readonly int overruns
-    cdef int stalled, event_count, event_base, flushed, since_pause
+    cdef int event_count, event_base, flushed, since_pause
     cdef double landed
-    # the record of the whole state, and where it is read or written
-    cdef double *record
-    cdef int *record_of_marks
-    cdef bint saving, sizing
-    cdef int at, at_mark
 
-    @cython.locals(n=int, elements=int, e=int, k=int, first=int)
-    cdef void _carry(self, bint saving) noexcept nogil
-    cdef void _size_record(self) noexcept nogil
-    @cython.locals(k=int)
-    cdef double _number(self, double x) noexcept nogil
-    @cython.locals(k=int)
-    cdef int _mark(self, int x) noexcept nogil
-    @cython.locals(high=int, low=int)
-    cdef long long _count(self, long long x) noexcept nogil
-    @cython.locals(i=int, value=double)
-    cdef void _numbers(self, double *x, int first, int count) noexcept nogil
-    @cython.locals(i=int, value=int)
-    cdef void _marks(self, int *x, int count) noexcept nogil
-    cdef void _resume(self) noexcept nogil
+    @cython.locals(datum=double)
+    cdef object _resume(self, bytes content)
 
     @cython.locals(i=int)
     cdef int begin_row(self, double *x, int at, double start) noexcept nogil

@@ -33,8 +33,6 @@ if not cython.compiled:
 _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
 _CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
-_LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
-_HALF = 1 << 30
 _EVENT_CAPACITY = 512
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
 _PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
@@ -97,13 +95,14 @@ class March:
         self.net = Network(system, joins=step == 0.0 or order == 2)
         self.stepper = Stepper(self.net, self.kind, order, tolerance, theta)
         self.method, self.motion = self.stepper.method, self.stepper.motion
+        self.state = self.net.state
         self.switches = Switches(self.stepper)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
         self.watch = Watch(self.stepper.modes, beyond_stable, self.method.limit)
         self.n = n = self.net.n
         memory = self.net.memory
-        self.dense = Dense(memory, n, self.method.cubic, self.method.to_end)
+        self.dense = Dense(memory, self.state.memory, n, self.method.cubic, self.method.to_end)
         self.ledger = Ledger(self.stepper.balance, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
@@ -111,14 +110,17 @@ class March:
         self.controlled = self.method.controls and step == 0.0
         self.stepper.errors.controlled = self.controlled
         self.no_error = (0.9 / 4.0) ** (order + 1)  # below it steps grow most
-        self.whole = Dense(memory, n, False, False)  # an attempt in which a switch is located
+        self.whole = Dense(
+            memory, memory, n, False, False
+        )  # an attempt in which a switch is located
         self.reads_switches = self.controlled and self.method.reads_switches
         # results at the last sampled instant, which Python sees as `sample_q` and the like
         self.read_q, self.read_v, self.read_a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.read_low = memory.zeros(n)  # displacements from the datum
         elements = self.net.elements
         self.read_f, self.read_set = memory.zeros(elements), memory.zeros(elements)
-        self.step_limited, self.limited_time = memory.marks(elements), memory.zeros(elements)
+        self.step_limited = self.state.memory.marks(elements)
+        self.limited_time = self.state.memory.zeros(elements)
         limited = [e for e, element in enumerate(system.elements) if element.limit < 1e300]
         self.contact_element, self.contacts = memory.integers(limited), len(limited)
         self.event_count = self.event_base = self.flushed = 0
@@ -129,8 +131,8 @@ class March:
         self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
         self._stand_still(start, max(system.scales))
         self._begin()
-        self.sizing = False
-        self._make_record()
+        self.net.place_moving()
+        self._make_room()
 
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
@@ -161,8 +163,8 @@ class March:
         tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
         self.event_base = self.event_count
-        self.filled = self.step_count = 0
-        self.time = start
+        self.filled = self.state.step_count = 0
+        self.state.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.n) != 0:
             return 1
         self._stand_still(start, x[at])
@@ -175,36 +177,32 @@ class March:
 
     def _enter_state(self, x, at):
         """Start from the displacements and velocities in x[at:]."""
-        self.net.find_datum(self.time, self.scale)
+        self.net.find_datum(self.state.time, self.state.scale)
         for i in range(self.n):
-            self.motion.q[i] = x[at + i] - self.net.datum
+            self.motion.q[i] = x[at + i] - self.state.datum
             self.motion.v[i] = x[at + self.n + i]
         self.motion.count_from_here()
-        self.in_step = True
+        self.state.in_step = True
         self._begin()
 
     def _stand_still(self, time, reach):
         """Reset to rest in equilibrium."""
-        self.stalled = self.overruns = self.filled = self.since_pause = 0
-        self.time = self.grid_start = time
-        self.grid_index = self.step_count = 0
-        self.proposal = 0.0
-        self.in_step = True  # whether the branches are those of the last step
-        self.scale = reach
+        self.filled = self.since_pause = 0
+        self.state.stand_still(time, reach)
         for e in range(self.net.elements):
             self.step_limited[e] = 0
             self.limited_time[e] = 0.0
         self.net.forget()
         self.net.set_datum(0.0)
         self.net.enter_segments(time)
-        self.stepper.start(reach)
+        self.stepper.start()
         self.watch.start()
         self.ledger.start()
 
     def _begin(self):
         """Find branches, accelerations and energy of the present state, and set both ends of the step."""
-        self.net.settle(self.time, self.motion.q, self.motion.v)
-        self.net.locate_branches(self.time, self.motion.q, self.motion.v)
+        self.net.settle(self.state.time, self.motion.q, self.motion.v)
+        self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         self._break_loose()
         for i in range(self.n):
@@ -213,9 +211,9 @@ class March:
             self.dense.aa[i] = self.dense.ab[i] = self.motion.a[i]
             self.dense.ja[i] = self.dense.jb[i] = self.motion.j[i]
             self.motion.drift[i] = 0.0
-        self.dense.start = self.dense.end = self.time
+        self.dense.start = self.dense.end = self.state.step_start = self.state.time
         self.net.row_states(self.motion.q, self.motion.v)
-        self.ledger.initial_energy = self.net.energy(self.motion.v) - self.net.exchange
+        self.state.initial_energy = self.net.energy(self.motion.v) - self.state.exchange
 
     def _break_loose(self):
         """Let what sticks slip now if that needs more than it can hold, the most overloaded first."""
@@ -230,32 +228,32 @@ class March:
             if loose < 0:
                 return
             side = 1 if self.motion.multiplier[loose] > 0.0 else -1
-            self.net.enter(loose, _FRICTION, side, self.time, self.motion.q, self.motion.v)
+            self.net.enter(loose, _FRICTION, side, self.state.time, self.motion.q, self.motion.v)
             self._enter_branches()
 
     def _enter_branches(self):
         """Update everything that depends on the branches."""
-        self.stepper.refresh(self.time)
+        self.stepper.refresh(self.state.time)
         self.switches.enter_branches()
         if self.energy:
             self.ledger.enter()
-        self.entered = 1
+        self.state.entered = 1
 
     def _advance(self, until, stop):
-        while self.time < until:
+        while self.state.time < until:
             events = self.event_count
             if events - self.event_base > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
                 return PAUSED
             self.since_pause += 1
-            before = self.time
+            before = self.state.time
             status = self._step(until if stop else 1e300)
             if status != 0:
                 return status
-            if self._passes(self.time - before):
-                self.stalled = 0
+            if self._passes(self.state.time - before):
+                self.state.stalled = 0
             else:
-                self.stalled += 1
-                if self.stalled > _STALLED:
+                self.state.stalled += 1
+                if self.state.stalled > _STALLED:
                     status = self._overrun(until if stop else 1e300)
                     if status != 0:
                         return status
@@ -267,7 +265,7 @@ class March:
 
     def _passes(self, h):
         """Return whether h is more than the rounding of time."""
-        return h > 1e-13 * (fabs(self.time) + 1e-3)
+        return h > 1e-13 * (fabs(self.state.time) + 1e-3)
 
     def _overrun(self, latest):
         """Step a little beyond a point where switches follow one another in no time.
@@ -277,31 +275,31 @@ class March:
         error goes with the square of this short time. A run that needs more than a thousand such steps
         is stopped.
         """
-        self.stalled = 0
-        self.overruns += 1
+        self.state.stalled = 0
+        self.state.overruns += 1
         joint = self.net.next_joint()
         end = min(joint, latest)
         h = _SHORT_PHASE / (self.stepper.modes.quickest + 1.0)
-        if self.overruns > _OVERRUNS:
+        if self.state.overruns > _OVERRUNS:
             return NO_TIME_PASSES
-        to_end = self.time + h >= end
+        to_end = self.state.time + h >= end
         if to_end:
-            h = end - self.time
-        status = self.stepper.attempt(self.time, h)
+            h = end - self.state.time
+        status = self.stepper.attempt(self.state.time, h)
         if status != 0:
             return status
-        self._accept(h, end if to_end else self.time + h)
+        self._accept(h, end if to_end else self.state.time + h)
         if to_end and end == joint:
             self._pass_joint()
         before = self._energy_now()
         self._relocate(True)
-        self.net.exchange += self.net.energy(self.motion.v) - before
+        self.state.exchange += self.net.energy(self.motion.v) - before
         self._enter_branches()
         return 0
 
     def _energy_now(self):
         """Return kinetic energy and the energy stored in the elements, in the present branches."""
-        self.net.all_signals(self.time)
+        self.net.all_signals(self.state.time)
         self.net.row_states(self.motion.q, self.motion.v)
         return self.net.energy(self.motion.v)
 
@@ -309,9 +307,9 @@ class March:
         """Choose the branches from the state, with those of flow if `flows`; note the changes."""
         self._remember_branches()
         if flows:
-            self.net.follow(self.time, self.motion.q, self.motion.v)
+            self.net.follow(self.state.time, self.motion.q, self.motion.v)
         else:
-            self.net.locate_branches(self.time, self.motion.q, self.motion.v)
+            self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
         self._note_changes()
 
     def _remember_branches(self):
@@ -325,130 +323,27 @@ class March:
         for k in range(self.contacts):
             e = self.contact_element[k]
             if self.net.branch[_KINDS * e + _CONTACT] != self.branch_before[_KINDS * e + _CONTACT]:
-                self.net.book_exchange(e, self.time, self.motion.q, self.motion.v)
+                self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
 
     def _note_changes(self):
         for i in range(_KINDS * self.net.elements):
             if self.net.branch[i] != self.branch_before[i]:
                 self._note(i // _KINDS, i % _KINDS, self.branch_before[i], self.net.branch[i])
 
-    # -- the whole state -----------------------------------------------------------------------------
-
-    def _carry(self, saving):
-        """Copy the whole state into the record, or out of it: what steps have in common stands here.
-
-        Everything else follows from it: tangents, fastest mode, matrices, watched quantities.
-        """
-        self.saving, self.at, self.at_mark = saving, 0, 0
-        n, elements = self.n, self.net.elements
-        self.time = self._number(self.time)
-        self.dense.start = self._number(self.dense.start)
-        self.dense.end = self._number(self.dense.end)
-        self.grid_start = self._number(self.grid_start)
-        self.proposal = self._number(self.proposal)
-        self.scale = self._number(self.scale)
-        self.motion.reach = self._number(self.motion.reach)
-        self.net.exchange = self._number(self.net.exchange)
-        self.net.set_datum(self._number(self.net.datum))
-        self.ledger.residual_start = self._number(self.ledger.residual_start)
-        self.ledger.residual_end = self._number(self.ledger.residual_end)
-        self.ledger.most_stored = self._number(self.ledger.most_stored)
-        self.ledger.initial_energy = self._number(self.ledger.initial_energy)
-        self.ledger.supplied = self._number(self.ledger.supplied)
-        self.watch.beyond_since = self._number(self.watch.beyond_since)
-        self.watch.beyond_step = self._number(self.watch.beyond_step)
-        self.grid_index = self._count(self.grid_index)
-        self.step_count = self._count(self.step_count)
-        self.in_step = self._mark(self.in_step)
-        self.entered = self._mark(self.entered)
-        self.stalled = self._mark(self.stalled)
-        self.overruns = self._mark(self.overruns)
-        self._numbers(self.dense.qa, 0, n)
-        self._numbers(self.dense.va, 0, n)
-        self._numbers(self.dense.aa, 0, n)
-        self._numbers(self.dense.ja, 0, n)
-        self._numbers(self.dense.qb, 0, n)
-        self._numbers(self.dense.vb, 0, n)
-        self._numbers(self.dense.ab, 0, n)
-        self._numbers(self.dense.jb, 0, n)
-        self._numbers(self.motion.q, 0, n)
-        self._numbers(self.motion.v, 0, n)
-        self._numbers(self.motion.a, 0, n)
-        self._numbers(self.motion.j, 0, n)
-        self._numbers(self.stepper.modes.softest, 0, n)
-        self._numbers(self.motion.drift, 0, n)
-        self._numbers(self.motion.origin, 0, n)
-        self._numbers(self.motion.multiplier, 0, elements)
-        self._numbers(self.motion.multiplier_rate, 0, elements)
-        self._numbers(self.ledger.work, 0, self.ledger.works)
-        self._numbers(self.ledger.brought, elements, self.net.signals)
-        self._numbers(self.limited_time, 0, elements)
-        self._numbers(self.net.kept_set, 0, elements)
-        self._marks(self.step_limited, elements)
-        self._marks(self.net.branch, _KINDS * elements)
-        self._marks(self.net.departing, _KINDS * elements)
-        self._marks(self.net.kept_branch, _KINDS * elements)
-        self._marks(self.net.signal_now, self.net.signals)
-        self._marks(self.net.kept_signal, self.net.signals)
-        # numbers of the system that change: elastic pieces move, inputs are replaced
-        for e in range(elements):
-            if self.net.yields[e]:
-                first = self.net.first[_LAWS * e]
-                self._numbers(self.net.piece, _PIECE * first, 3 * _PIECE)
-        for k in range(self.net.signals):
-            if self.net.signal_count[k] == 1:
-                self._numbers(self.net.segment, _SEGMENT * self.net.signal_first[k], _SEGMENT)
-                self._numbers(self.net.height, self.net.signal_first[k], 1)
-                self.net.find_level(self.net.signal_first[k])
-
-    def _size_record(self):
-        """Find the length of the record: carry the state into none."""
-        self.sizing = True
-        self._carry(True)
-        self.sizing = False
-
-    def _number(self, x):
-        k = self.at
-        self.at += 1
-        if self.sizing:
-            return x
-        if self.saving:
-            self.record[k] = x
-        return self.record[k]
-
-    def _mark(self, x):
-        k = self.at_mark
-        self.at_mark += 1
-        if self.sizing:
-            return x
-        if self.saving:
-            self.record_of_marks[k] = x
-        return self.record_of_marks[k]
-
-    def _count(self, x):
-        """Carry a number that may exceed that of a mark."""
-        high = self._mark(x // _HALF)
-        low = self._mark(x % _HALF)
-        return _HALF * high + low
-
-    def _numbers(self, x, first, count):
-        for i in range(first, first + count):
-            value = self._number(x[i])
-            x[i] = value
-
-    def _marks(self, x, count):
-        for i in range(count):
-            value = self._mark(x[i])
-            x[i] = value
-
-    def _resume(self):
-        """Go on from the state in the record."""
-        self._carry(False)
-        self.event_count = self.event_base = self.flushed = 0
+    def _resume(self, content):
+        """Go on from some content of the state."""
+        datum = self.state.datum
+        self.state.put_back(content)
+        # what does not lie in the state follows from it
+        self.state.datum, datum = datum, self.state.datum
+        self.net.set_datum(datum)
+        self.net.put_moving_back()
+        self.dense.start, self.dense.end = self.state.step_start, self.state.time
         self.dense.known = 0
+        self.event_count = self.event_base = self.flushed = 0
         self.net.list_stuck()
         self._enter_branches()
-        self._carry(False)  # accelerations are to the bit those of the record
+        self.state.put_back(content)  # accelerations are to the bit those of the content
 
     # -- steps ---------------------------------------------------------------------------------------
 
@@ -456,24 +351,24 @@ class March:
         """Return the step chosen by the method, before joints and switches shorten it."""
         if self.fixed_step > 0.0:
             # the grid is counted, not summed, so that it does not drift
-            target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            while target <= self.time + 1e-9 * self.fixed_step:
-                self.grid_index += 1
-                target = self.grid_start + (self.grid_index + 1) * self.fixed_step
-            h = target - self.time
-            rounding = 1e-11 + 4e-16 * fabs(self.time) / self.fixed_step
+            target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
+            while target <= self.state.time + 1e-9 * self.fixed_step:
+                self.state.grid_index += 1
+                target = self.state.grid_start + (self.state.grid_index + 1) * self.fixed_step
+            h = target - self.state.time
+            rounding = 1e-11 + 4e-16 * fabs(self.state.time) / self.fixed_step
             if fabs(h / self.fixed_step - 1.0) < rounding:
                 h = self.fixed_step  # to the bit, so that its factorisation is reused
-            return self.watch.fit(self.time, h)
+            return self.watch.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
-        road = self.net.road_limit(self.time)
+        road = self.net.road_limit(self.state.time)
         self.stepper.modes.road_rate = _ROAD_PHASE / road if road > 0.0 else 0.0
         if not self.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.errors.tolerance) / omega if omega > 0.0 else road
             h = self._while_decaying(h)
         else:
-            h = self.proposal if self.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
+            h = self.state.proposal if self.state.proposal > 0.0 else _FIRST_PHASE / (omega + 1.0)
             h = self.stepper.modes.bound(h, self.method.least_damping)
         return road if h > road else h
 
@@ -486,7 +381,7 @@ class March:
         """
         if h * self.stepper.modes.quickest <= _DECAY_PHASE:
             return h
-        last = 0.0 if self.entered else self.dense.end - self.dense.start
+        last = 0.0 if self.state.entered else self.dense.end - self.dense.start
         return min(h, max(2.0 * last, _DECAY_PHASE / self.stepper.modes.quickest))
 
     def _step(self, latest):
@@ -501,13 +396,13 @@ class March:
             joint = self.net.next_joint()
             end = joint if joint < latest else latest
             to_end = 0
-            if self.time + h * (1.0 + 1e-9) >= end:
-                h = end - self.time
+            if self.state.time + h * (1.0 + 1e-9) >= end:
+                h = end - self.state.time
                 to_end = 1
-            if not (to_end or h > 4e-16 * (fabs(self.time) + 1e-3)):
-                runs_away = self.motion.reach > _RUNAWAY * self.scale
+            if not (to_end or h > 4e-16 * (fabs(self.state.time) + 1e-3)):
+                runs_away = self.state.reach > _RUNAWAY * self.state.scale
                 return DIVERGED if runs_away else STEP_TOO_SMALL
-            status = self.stepper.attempt(self.time, h)
+            status = self.stepper.attempt(self.state.time, h)
             if status != 0:
                 h *= 0.25
                 if self.fixed_step > 0.0 or h < 1e-14:
@@ -523,12 +418,12 @@ class March:
                 if self.stepper.errors.error > self.method.most_error:
                     h *= self._factor_for_error()
                     continue
-            at = self.switches.first(self.time, h) if self.landing else 2.0
+            at = self.switches.first(self.state.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
                 # branches are left at once, one after the other
                 if self.controlled:
                     return self._overrun(latest)
-                self.overruns += 1
+                self.state.overruns += 1
             elif at == 0.0:
                 # the branch is left at once: it was on the wrong side of its bound
                 flips += 1
@@ -536,7 +431,7 @@ class March:
                 self._enter_branches()
                 continue
             # a step shortened by a joint is no reason for a shorter next step
-            if self.controlled and (not to_end or h > self.proposal > 0.0):
+            if self.controlled and (not to_end or h > self.state.proposal > 0.0):
                 longer = h * self._factor_for_error()
             landed = 0
             if 0.0 < at <= 1.0:
@@ -549,11 +444,11 @@ class March:
                 h = self.landed
                 landed = not (self.switches.recedes or self.switches.only_opens)
                 self.switches.start_known = 0  # of the shortened step
-                to_end = to_end and self.time + h >= end
+                to_end = to_end and self.state.time + h >= end
             break
         if longer > 0.0:
-            self.proposal = longer
-        self._accept(h, end if to_end else self.time + h)
+            self.state.proposal = longer
+        self._accept(h, end if to_end else self.state.time + h)
         self.switches.carry_on()
         if landed:
             self._switch(self.switches.element, self.switches.kind, self.switches.side)
@@ -574,7 +469,7 @@ class March:
         return REACHED
 
     def _has_diverged(self):
-        return not self.motion.reach < _FAR * max(self.scale, 1.0)
+        return not self.state.reach < _FAR * max(self.state.scale, 1.0)
 
     def _count_limited(self, h):
         """Add the time that elements are at their limit."""
@@ -587,21 +482,21 @@ class March:
     def _pass_joint(self):
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
         self._leave_step()
-        before = self._energy_now() - self.net.exchange
+        before = self._energy_now() - self.state.exchange
         jumped = False
         for s in range(self.net.signals):
-            jump = self.net.enter_segment(s, self.time)
+            jump = self.net.enter_segment(s, self.state.time)
             if jump != 0.0:
                 jumped = True
                 self.net.kerb(s, jump, self.motion.v)
                 self._relocate(False)
                 self._book_contacts()
-                now = self._energy_now() - self.net.exchange
+                now = self._energy_now() - self.state.exchange
                 self.ledger.bring_in(s, now - before)
                 before = now
         if not jumped:
             self._remember_branches()
-            self.net.follow_slips(self.time, self.motion.q, self.motion.v)
+            self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
             self._note_changes()
 
     def _knot_that_matters(self, h):
@@ -612,7 +507,7 @@ class March:
         """
         if self.stepper.errors.error <= self.method.most_error / _JUMP:
             return 2.0
-        knot = self.switches.first_knot(self.time, h, _LEAST_KNOT)
+        knot = self.switches.first_knot(self.state.time, h, _LEAST_KNOT)
         return knot if knot < 1.0 - _LEAST_KNOT else 2.0
 
     def _factor_for_error(self):
@@ -634,19 +529,19 @@ class March:
             self.dense.ab[i] = self.motion.a[i] = self.motion.ab[i]
             self.dense.jb[i] = self.motion.j[i] = self.motion.jb[i]
             self.motion.drift[i] = self.motion.drift_end[i]
-        self.motion.reach = self.motion.reach_at(self.motion.q)
+        self.state.reach = self.motion.reach_at(self.motion.q)
         self._count_limited(h)
         # an element that has just switched still departs while others switch at the same time
-        if self.entered and self._passes(h):
-            self.entered = 0
+        if self.state.entered and self._passes(h):
+            self.state.entered = 0
             self.net.clear_marks()
         if self.net.stuck:
             self.motion.keep_multipliers()
-        self.in_step = True
-        self.dense.start = self.time
-        self.dense.end = self.time = t
+        self.state.in_step = True
+        self.dense.start = self.state.step_start = self.state.time
+        self.dense.end = self.state.time = t
         self.dense.known = 0
-        self.step_count += 1
+        self.state.step_count += 1
         if self.energy:
             self.ledger.book()
             self.ledger.strike_balance(t, self.motion.q, self.motion.v)
@@ -674,17 +569,17 @@ class March:
         for _iteration in range(0 if self.switches.only_opens else 8):
             if status != 0:
                 return status
-            late = self.switches.lateness(self.time + step)
+            late = self.switches.lateness(self.state.time + step)
             if self.switches.recedes:
                 break
             new = step - late
             if late == 0.0 or self.switches.miss >= best or not (0.0 < new <= h):
                 break
-            if self.time + new == self.time + step:
+            if self.state.time + new == self.state.time + step:
                 break
             best = self.switches.miss
             if fabs(late) * self.stepper.modes.quickest < _SHORT_PHASE:
-                self.stepper.shift_end(self.time + new, -late)
+                self.stepper.shift_end(self.state.time + new, -late)
             else:
                 status = self._end_at(new, reads and fabs(late) < near)
             step = new
@@ -694,8 +589,8 @@ class March:
     def _end_at(self, step, reads):
         """End the attempt after `step`, read from the stored attempt or repeated."""
         if not reads:
-            return self.stepper.attempt(self.time, step)
-        self.stepper.stop_within(self.time + step, self.whole)
+            return self.stepper.attempt(self.state.time, step)
+        self.stepper.stop_within(self.state.time + step, self.whole)
         return 0
 
     def _keep_attempt(self, h):
@@ -704,14 +599,14 @@ class March:
             self.whole.va[i], self.whole.vb[i] = self.motion.v[i], self.motion.vb[i]
             self.whole.aa[i], self.whole.ab[i] = self.motion.a[i], self.motion.ab[i]
             self.whole.ja[i], self.whole.jb[i] = self.motion.j[i], self.motion.jb[i]
-        self.whole.start, self.whole.end = self.time, self.time + h
+        self.whole.start, self.whole.end = self.state.time, self.state.time + h
         self.whole.known = 0
 
     def _switch(self, e, kind, side):
         """Move element e to the neighbouring branch, now, and note the event."""
         self._leave_step()
         before = self.net.branch[_KINDS * e + kind]
-        new = self.net.enter(e, kind, side, self.time, self.motion.q, self.motion.v)
+        new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
         if self.net.yields[e] and kind < _CONTACT:
             before = new - side  # a change of sign of the rate ends the flow of the spring
         self._note(e, kind, before, new)
@@ -720,7 +615,7 @@ class March:
         """Note that element e has moved from one branch to another, now."""
         k = self.event_count
         if k < _EVENT_CAPACITY:
-            self.event_time[k] = self.time
+            self.event_time[k] = self.state.time
             self.event_what[4 * k] = e
             self.event_what[4 * k + 1] = kind
             self.event_what[4 * k + 2] = before
@@ -729,6 +624,6 @@ class March:
 
     def _leave_step(self):
         """Store the branches of the step that ends here before they change."""
-        if self.in_step:
+        if self.state.in_step:
             self.net.keep_branches()
-            self.in_step = False
+            self.state.in_step = False

@@ -27,7 +27,7 @@ class Modes:
         memory, n = self.net.memory, self.n
         self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
         self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
-        self.softest, self.velocity_scale = memory.doubles([1e300] * n), memory.zeros(n)
+        self.softest, self.velocity_scale = self.net.state.memory.zeros(n), memory.zeros(n)
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
         self.stamp = (
             0  # changes with every branch, to mark what belongs to an earlier one as outdated

@@ -1,17 +1,18 @@
 cimport cython
 from libc.math cimport fabs
 from .network cimport Network
+from .state cimport KernelState
 
 @cython.final
 cdef class Motion:
     cdef Network net
+    cdef KernelState state
     cdef int n, elements
-    cdef double reach, scale
     cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *drift, *drift_end, *origin
     cdef double *multiplier, *multiplier_rate
 
     @cython.locals(i=int, e=int)
-    cdef void start(self, double scale) noexcept nogil
+    cdef void start(self) noexcept nogil
     @cython.locals(i=int)
     cdef void count_from_here(self) noexcept nogil
     @cython.locals(i=int, reach=double, x=double)

@@ -21,25 +21,20 @@ class Motion:
         self.net, self.n, self.elements = network, n, elements
         memory = self.net.memory
         # now
-        self.q, self.v = memory.zeros(n), memory.zeros(n)
-        self.a, self.j = memory.zeros(n), memory.zeros(n)
+        self.state = self.net.state
+        kept = self.state.memory
+        self.q, self.v, self.a, self.j = kept.zeros(n), kept.zeros(n), kept.zeros(n), kept.zeros(n)
         # at the end of the attempt
         self.qb, self.vb = memory.zeros(n), memory.zeros(n)
         self.ab, self.jb = memory.zeros(n), memory.zeros(n)
         # the acceleration of the method minus that of the equation of motion, which is in `a`
-        self.drift, self.drift_end = memory.zeros(n), memory.zeros(n)
-        self.origin = memory.zeros(n)  # start of the run, from which the motion is measured
-        self.reach = 0.0  # the largest motion so far, m, to which errors are relative
-        self.scale = 0.0
+        self.drift, self.drift_end = kept.zeros(n), memory.zeros(n)
+        self.origin = kept.zeros(n)  # start of the run, from which the motion is measured
         # forces of sticking
-        self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
+        self.multiplier, self.multiplier_rate = kept.zeros(elements), kept.zeros(elements)
 
-    def start(self, scale):
-        """Reset to rest in the equilibrium of the system that the network has read.
-
-        `scale` is a displacement, m; errors below its rounding do not matter.
-        """
-        self.scale = scale
+    def start(self):
+        """Reset to rest in the equilibrium of the system that the network has read."""
         for i in range(self.n):
             self.q[i] = self.v[i] = self.drift[i] = self.drift_end[i] = 0.0
         self.count_from_here()
@@ -48,13 +43,13 @@ class Motion:
 
     def count_from_here(self):
         """Measure the motion from the present displacements, the start of a run."""
-        self.reach = 0.0
+        self.state.reach = 0.0
         for i in range(self.n):
             self.origin[i] = self.q[i]
 
     def reach_at(self, q):
         """Return the largest motion so far, including that at displacements q, m."""
-        reach = self.reach
+        reach = self.state.reach
         for i in range(self.n):
             x = fabs(q[i] - self.origin[i])
             if not x <= reach:

@@ -23,6 +23,14 @@ cdef class Network(Elements):
     # the system read
     cdef list load_names, signal_sizes, element_shapes
 
+    cdef double *moving  # in the state
+    cdef void take_moving(self) noexcept nogil
+    @cython.locals(s=int)
+    cdef void put_moving_back(self) noexcept nogil
+    @cython.locals(at=int, e=int, s=int, k=int, first=int)
+    cdef void _copy_moving(self, bint saving) noexcept nogil
+    @cython.locals(i=int)
+    cdef int _copy_numbers(self, double *x, int first, int count, int at, bint saving) noexcept nogil
     cdef bint fits(self, system) except -1
     @cython.locals(n=int, i=int, k=int)
     cdef int enter_system(self, double *x, int at) noexcept nogil

@@ -146,6 +146,46 @@ class Network(Elements):
         for e in range(self.elements):
             self.multiplier[e] = self.multiplier_rate[e] = 0.0
 
+    # -- numbers of the system that change in a run: elastic pieces move, inputs are replaced ---------
+
+    def place_moving(self):
+        """Make room for these numbers in the state."""
+        yielding = sum(1 for e in range(self.elements) if self.yields[e])
+        single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
+        self.moving = self.state.memory.zeros(3 * _PIECE * yielding + (_SEGMENT + 1) * single)
+
+    def take_moving(self):
+        """Copy them into the state."""
+        self._copy_moving(True)
+
+    def put_moving_back(self):
+        """Copy them from the state."""
+        self._copy_moving(False)
+        for s in range(self.signals):
+            if self.signal_count[s] == 1:
+                self.find_level(self.signal_first[s])
+
+    def _copy_moving(self, saving):
+        at = 0
+        for e in range(self.elements):
+            if self.yields[e]:
+                first = _PIECE * self.first[_LAWS * e]
+                at = self._copy_numbers(self.piece, first, 3 * _PIECE, at, saving)
+        for s in range(self.signals):
+            if self.signal_count[s] == 1:
+                k = self.signal_first[s]
+                at = self._copy_numbers(self.segment, _SEGMENT * k, _SEGMENT, at, saving)
+                at = self._copy_numbers(self.height, k, 1, at, saving)
+
+    def _copy_numbers(self, x, first, count, at, saving):
+        """Copy numbers of x to `moving`, or back; return where the next ones go."""
+        for i in range(count):
+            if saving:
+                self.moving[at + i] = x[first + i]
+            else:
+                x[first + i] = self.moving[at + i]
+        return at + count
+
     def enter_segments(self, t):
         """Move every signal to its segment from t on, as at a start."""
         for s in range(self.signals):

@@ -294,9 +294,9 @@ class Run:
         dissipated = self.dissipated
         for s in range(self.signals):
             self.carried[s] = self.supplied[s]
-        self._look(self.integrator.time)
+        self._look(self.integrator.state.time)
         # constant but for the residual
-        self.opening = dissipated + self.kinetic + self.stored - self.integrator.ledger.residual_end
+        self.opening = dissipated + self.kinetic + self.stored - self.integrator.state.residual_end
 
     def find_energies(self):
         """Find the energies at the present time.

@@ -1,5 +1,6 @@
 cimport cython
 from .arrays cimport Memory
+from .state cimport KernelState
 from libc.math cimport cos, fabs, sin
 
 cdef int _SEGMENT
@@ -7,9 +8,9 @@ cdef double _ROAD_PHASE
 
 cdef class Signals:
     cdef Memory memory
+    cdef KernelState state
     cdef readonly int signals
     cdef int segments
-    cdef double datum
     cdef double *segment, *road, *height
     cdef int *signal_first, *signal_count, *signal_now, *level, *is_road
 

@@ -7,6 +7,7 @@ from itertools import accumulate
 import cython
 
 from .arrays import Memory
+from .state import KernelState
 
 if not cython.compiled:
     from math import cos, fabs, sin
@@ -25,16 +26,16 @@ class Signals:
 
     def __init__(self, signals):
         self.memory = memory = Memory()
+        self.state = KernelState()
         count = [len(signal.segments) for signal in signals.values()]
         self.signals = len(count)
         self.signal_count = memory.integers(count or [0])
         self.signal_first = memory.integers(accumulate(count, initial=0))
-        self.signal_now = memory.marks(max(self.signals, 1))
+        self.signal_now = self.state.memory.marks(max(self.signals, 1))
         self.segments = sum(count)
         self.segment = memory.zeros(_SEGMENT * max(sum(count), 1))
         self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
         # roads count from the datum, as all displacements do in the kernel
-        self.datum = 0.0
         self.is_road = memory.marks(max(self.signals, 1))
         self.height = memory.zeros(max(sum(count), 1))  # constant of each segment, from zero
         self.road = memory.zeros(4 * max(self.signals, 1))  # value and three derivatives of each
@@ -43,7 +44,7 @@ class Signals:
         """Read the segments of all signals from x[at:]; return where they end."""
         for i in range(_SEGMENT * self.segments):
             self.segment[i] = x[at + i]
-        self.datum = 0.0
+        self.state.datum = 0.0
         for k in range(self.segments):
             self.height[k] = self.segment[k * _SEGMENT + 2]
             self.find_level(k)
@@ -51,9 +52,9 @@ class Signals:
 
     def set_datum(self, datum):
         """Count the heights of all roads from `datum`, m."""
-        if datum == self.datum:
+        if datum == self.state.datum:
             return
-        self.datum = datum
+        self.state.datum = datum
         for s in range(self.signals):
             if self.is_road[s]:
                 for k in range(self.signal_first[s], self.signal_first[s] + self.signal_count[s]):
@@ -95,7 +96,7 @@ class Signals:
             self.segment[at + 2 + i] = coefficients[i]
         self.height[self.signal_first[s]] = coefficients[0]
         if self.is_road[s]:
-            self.segment[at + 2] -= self.datum
+            self.segment[at + 2] -= self.state.datum
         self.find_level(self.signal_first[s])
         return self.segment[at + 2] - before
 
@@ -154,7 +155,7 @@ class Signals:
     def value_before(self, s, t):
         """Return the value of signal s just before t, a road's from zero."""
         self.signal_at(s, t, 0)
-        return self.road[4 * s] + self.datum if self.is_road[s] else self.road[4 * s]
+        return self.road[4 * s] + self.state.datum if self.is_road[s] else self.road[4 * s]
 
     def all_signals(self, t):
         for s in range(self.signals):

@@ -17,7 +17,7 @@ cdef class Stepper:
     cdef Method method
     cdef int n
 
-    cdef void start(self, double scale) noexcept nogil
+    cdef void start(self) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
     cdef int attempt(self, double t, double h) noexcept nogil
     cdef bint is_plain(self) noexcept nogil

@@ -37,9 +37,9 @@ class Stepper:
         self.errors = Errors(self.motion, self.balance, self.modes, tolerance)
         self.method = method(self.motion, self.balance, self.modes, self.errors, order, theta)
 
-    def start(self, scale):
-        """Reset to rest in the equilibrium of the system that the network has read; see `motion`."""
-        self.motion.start(scale)
+    def start(self):
+        """Reset to rest in the equilibrium of the system that the network has read."""
+        self.motion.start()
         self.modes.start()
 
     def refresh(self, t):

@@ -12,7 +12,7 @@ cdef class Watch:
     cdef Modes modes
     cdef Network net
     cdef int n, policy, stamp
-    cdef double limit, omega, beyond_since, beyond_step
+    cdef double limit, omega
     cdef double *matrix
 
     cdef void start(self) noexcept nogil

@@ -40,8 +40,8 @@ class Watch:
 
     def start(self):
         """Reset: no step has been too long yet."""
-        self.beyond_since = -1e300  # time at which a step was first too long, s
-        self.beyond_step = 0.0  # the stable step then, s
+        self.net.state.beyond_since = -1e300  # time at which a step was first too long, s
+        self.net.state.beyond_step = 0.0  # the stable step then, s
 
     def fit(self, time, h):
         """Return the step to take for h: h itself, an equal part of it, or 0 if it is refused."""
@@ -53,9 +53,9 @@ class Watch:
         omega = self.fastest()
         if h * omega <= self.limit:
             return h
-        if self.beyond_since == -1e300:
-            self.beyond_since = time
-            self.beyond_step = self.limit / omega
+        if self.net.state.beyond_since == -1e300:
+            self.net.state.beyond_since = time
+            self.net.state.beyond_step = self.limit / omega
         if self.policy == _REFUSE:
             return 0.0
         return h / (1.0 + floor(h * omega / self.limit))

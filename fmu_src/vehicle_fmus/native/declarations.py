@@ -21,7 +21,7 @@ NUMBERS = {
 """Types of numbers, and how they are called in C."""
 
 _NAME = r"[A-Za-z_]\w*"
-_TYPE = r"(?:double|int|bint|void|long long|Py_ssize_t|char|list|tuple|object|[A-Z]\w*)"
+_TYPE = r"(?:double|int|bint|void|long long|Py_ssize_t|char|bytes|list|tuple|object|[A-Z]\w*)"
 _SUFFIX = r"(?:\s*\[::1\]|\s*\[\d+\]|\s*\*)?"
 _DECLARED = re.compile(rf"({_TYPE}(?:\s*\[::1\]|\s*\[\d+\]|\s*\*|(?=\s)))\s*(.*)")
 _CALLED = re.compile(rf"({_NAME})\((.*)\)\s*(.*)")

@@ -392,7 +392,7 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
     integrator: Any = SimpleNamespace(
         residual_at=lambda time: number_of("Integrator_residual_at(of, run->time)"),
         stable_step=lambda: number_of("Integrator_stable_step(of)"),
-        step_count=number_of("(double) of->step_count"),
+        step_count=number_of("(double) of->state->step_count"),
         limited_time_at=lambda e, time: number_of(
             f"Integrator_limited_time_at(of, {e}, run->time)"
         ),

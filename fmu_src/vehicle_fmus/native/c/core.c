@@ -208,22 +208,22 @@ static int step(Instance *one, double until, int stop) {
             break;
         }
     }
-    if (integrator->watch->beyond_since != -1e300 && !now->warned) {
+    if (integrator->state->beyond_since != -1e300 && !now->warned) {
         now->warned = 1;
         say(one, "logAll", "solver.step = %g s is not stable from %.6g s on: it is divided into parts "
-            "of at most %.3g s", integrator->fixed_step, integrator->watch->beyond_since,
-            integrator->watch->beyond_step);
+            "of at most %.3g s", integrator->fixed_step, integrator->state->beyond_since,
+            integrator->state->beyond_step);
     }
-    if (integrator->overruns && !now->passed_over) {
+    if (integrator->state->overruns && !now->passed_over) {
         now->passed_over = 1;
         say(one, "logAll", "switches follow one another without time between them, the first by "
-            "%.6g s: passed over, results may be less exact there", integrator->time);
+            "%.6g s: passed over, results may be less exact there", integrator->state->time);
     }
     if (status == 0) return 0;
     now->ok = 0;
-    now->conduct.run.time = integrator->time;
-    return fail(one, "%s at %.6g s, in step %lld; %s", failures[status].cause, integrator->time,
-                (long long) integrator->step_count, failures[status].remedy);
+    now->conduct.run.time = integrator->state->time;
+    return fail(one, "%s at %.6g s, in step %lld; %s", failures[status].cause, integrator->state->time,
+                (long long) integrator->state->step_count, failures[status].remedy);
 }
 
 static void look_at_pace(Instance *one) {
@@ -236,7 +236,7 @@ static void look_at_pace(Instance *one) {
 static int stop_here(Instance *one) {
     State *now = &one->now;
     int status;
-    if (now->machine.integrator.time <= now->conduct.run.time) return 0;
+    if (now->machine.integrator.state->time <= now->conduct.run.time) return 0;
     now->machine = now->behind;
     machine_wire(&now->machine);
     one->quiet = 1; /* what happened up to now was reported when it was first passed */
@@ -329,12 +329,12 @@ static int go_on(Instance *one, double until) {
             until = fmax(time, run->time);
             break;
         }
-        time = fmin(integrator->time, until);
+        time = fmin(integrator->state->time, until);
         if (one->update && time > seen) {
             until = update_at(one, time, until);
             seen = time;
         }
-        if (integrator->time >= until) break;
+        if (integrator->state->time >= until) break;
         if (!run->sampled && !now->kept) now->behind = now->machine;
         now->kept = 1;
         if (step(one, until, run->sampled)) return 1;
@@ -462,7 +462,7 @@ static void find_roads(Instance *one) {
     if (!one->roads_known) {
         Run *run = &one->now.conduct.run;
         Network *net = run->integrator->net;
-        const double datum = net->datum;
+        const double datum = net->state->datum;
         Network_set_datum(net, 0.0); /* what the host sees counts from zero */
         for (int s = 0; s < SIGNALS; s++) {
             Network_signal_at(net, s, run->time, 1);

@@ -1,0 +1,85 @@
+"""What steps have in common: the numbers that a snapshot copies whole; all others follow from them."""
+
+from __future__ import annotations
+
+import cython
+
+from .arrays import _SIZE_OF_INTEGER, Memory
+
+if not cython.compiled:
+    from array import array
+
+_BLOCK_OF_STATE = 256  # doubles, enough for four coordinates and nine elements
+
+
+class KernelState:
+    """The state of an integrator between steps, in two places: the numbers here, and its own memory.
+
+    Whatever is to outlive a step is either one of these numbers or an array of `memory`; a snapshot has
+    both, without a list of what is in them. Compiled, the numbers lie side by side from `time` on, in the
+    order of their declarations.
+    """
+
+    def __init__(self):
+        self.memory = Memory(_BLOCK_OF_STATE)
+        self.time = 0.0
+        self.step_start = 0.0  # of the last step, which ends now
+        self.grid_start = 0.0  # of fixed steps
+        self.proposal = 0.0  # the next step by the last error, s; 0 if there is none
+        self.scale = 0.0  # displacement, m; errors below its rounding do not matter
+        self.reach = 0.0  # the largest motion so far, m, to which errors are relative
+        self.datum = 0.0  # from which displacements and roads count, m
+        # energies, J: what contact switches have exchanged; what roads and loads have moved in or out
+        self.exchange = self.supplied = 0.0
+        self.initial_energy = self.most_stored = 0.0
+        self.residual_start = self.residual_end = 0.0  # at both ends of the last step
+        # time at which a fixed step was first too long, and the stable step then, s
+        self.beyond_since = -1e300
+        self.beyond_step = 0.0
+        self.grid_index = 0  # steps of the grid that have been taken
+        self.step_count = 0
+        self.in_step = False  # whether the branches are those of the last step
+        self.entered = False  # whether they have been entered since
+        self.stalled = 0  # consecutive steps in which no time has passed
+        self.overruns = 0
+
+    def stand_still(self, time, scale):
+        """Reset the numbers to those before any step."""
+        self.time = self.step_start = self.grid_start = time
+        self.scale = scale
+        self.proposal = 0.0
+        self.grid_index = self.step_count = 0
+        self.in_step = True
+        self.stalled = self.overruns = 0
+
+    def content(self):
+        """Return all numbers as bytes."""
+        if cython.compiled:
+            return self._numbers()[: self._size()] + self.memory.content()
+        else:  # noqa: RET505  (what is not compiled has other types)
+            numbers = [x for x in vars(self).values() if isinstance(x, int | float)]
+            return array("d", numbers).tobytes() + self.memory.content()
+
+    def put_back(self, content):
+        """Set all numbers to those of some earlier content."""
+        if cython.compiled:
+            memcpy(self._numbers(), cython.cast("char *", content), self._size())  # noqa: F821
+            self.memory.put_back(content, self._size())
+        else:
+            names = [name for name, x in vars(self).items() if isinstance(x, int | float)]
+            size = array("d").itemsize * len(names)
+            for name, x in zip(names, array("d", content[:size]), strict=True):
+                setattr(self, name, type(getattr(self, name))(x))
+            self.memory.put_back(content, size)
+
+    def _numbers(self):
+        """Return where the numbers are."""
+        return cython.cast("char *", cython.address(self.time))
+
+    def _size(self):
+        """Return how many bytes they take."""
+        return (
+            cython.cast("char *", cython.address(self.overruns))
+            + _SIZE_OF_INTEGER
+            - self._numbers()
+        )
