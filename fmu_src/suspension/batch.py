@@ -18,9 +18,10 @@ from operator import itemgetter
 import numpy as np
 import numpy.typing as npt
 
-from .engine import Integrator, why_stopped
+from .engine import Integrator
 from .models import build
 from .outputs import Reading, reading_of
+from .reasons import why_stopped
 from .series import Series, is_at_end, is_over_time, joints
 from .session import start_state
 from .slots import Slots

@@ -17,7 +17,8 @@ from math import inf, isfinite, sqrt
 from operator import mul
 
 from .characteristics import Characteristic
-from .engine import Integrator, why_stopped
+from .engine import Integrator
+from .reasons import why_stopped
 from .systems import Element, System
 
 _CLOSE = 1e-5  # relative difference that counts as agreement with a difference quotient
@@ -343,6 +344,7 @@ def _motion(system: System) -> Iterator[str]:
     step = integrator.stable_step()
     status = integrator.advance(10.0 * (step if step > 0.0 else 0.1))
     if status:
-        yield f"a short run fails: {why_stopped(status, f'at {integrator.time:.6g} s')}"
+        where = f"at {integrator.time:.6g} s"
+        yield f"a short run fails: {why_stopped(status, where, integrator, system)}"
     elif abs(integrator.residual_end) > 1e-4 * energy:
         yield f"a short run loses {integrator.residual_end:g} J that no element accounts for"

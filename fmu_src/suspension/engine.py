@@ -78,15 +78,3 @@ FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
 Method = _integrator.Method
 METHODS: dict[str, type] = _integrator.METHODS
-
-
-def why_stopped(status: int, where: str) -> str:
-    """Return why a run ended early, where, and what to try.
-
-    Parameters
-    ----------
-    status : key of `FAILURES`
-    where : instant and step, e.g. "at 0.1 s, in step 20"
-    """
-    cause, _, remedy = FAILURES[status].partition("; ")
-    return f"{cause} {where}; {remedy}"

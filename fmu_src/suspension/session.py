@@ -17,10 +17,11 @@ from math import inf, isfinite, nan
 from typing import Any
 from weakref import proxy
 
-from .engine import KINDS, Integrator, Lines, Run, why_stopped
+from .engine import KINDS, Integrator, Lines, Run
 from .equilibrium import static_equilibrium
 from .models import build, inputs
 from .reading import Contacts, Energies, Readers, ReadMany, State
+from .reasons import why_stopped
 from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import Checked, number
@@ -272,7 +273,8 @@ class Session:
             self.ok = False
             self._run.time = self._integrator.time
             step = self._integrator.step_count
-            reason = why_stopped(status, f"at {self.time:.6g} s, in step {step}")
+            where = f"at {self.time:.6g} s, in step {step}"
+            reason = why_stopped(status, where, self._integrator, self._system)
             self.messages.append(("error", reason))
             raise SimulationError(reason)
 
@@ -405,6 +407,11 @@ class Session:
     def integrator(self) -> Integrator:
         """The integrator, for quantities that are not outputs."""
         return self._integrator
+
+    @property
+    def system(self) -> System:
+        """The system of the integrator, with the present parameters."""
+        return self._system
 
     # -- energies ------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from math import ceil
 import numpy as np
 import numpy.typing as npt
 from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
-from phaseplane.suspension.engine import why_stopped
+from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import Value
 
@@ -229,7 +229,7 @@ def _residuals(session: Session, time: Column) -> Iterator[float]:
         status = integrator.advance(t, False) if integrator.time < t else 0
         if status:
             where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            raise SimulationError(why_stopped(status, where))
+            raise SimulationError(why_stopped(status, where, integrator, session.system))
         yield integrator.residual_at(t)
 
 

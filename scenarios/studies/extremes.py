@@ -8,8 +8,9 @@ from math import sqrt
 from time import perf_counter
 from typing import Any
 
-from phaseplane.suspension.engine import Integrator, why_stopped
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
+from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import checked_parameters
 
@@ -176,7 +177,8 @@ def _motion(
         t = duration * k / _INSTANTS
         status = integrator.advance(t)
         if status != 0:
-            return found, integrator, why_stopped(status, f"at {integrator.time:.4g} s")
+            where = f"at {integrator.time:.4g} s"
+            return found, integrator, why_stopped(status, where, integrator, system)
         integrator.sample(t)
         found += integrator.sample_q
     return found, integrator, ""

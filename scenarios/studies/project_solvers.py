@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.engine import Integrator, why_stopped
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import FILES
+from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.variables import MODELS
 
 from ..draw.constructions import draw_construction
@@ -50,7 +51,8 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
         out = np.empty((n, len(times)))
         status = integrator.run(times, out.reshape(-1))
         if status:
-            raise ArithmeticError(why_stopped(status, f"at {integrator.time:.6g} s"))
+            where = f"at {integrator.time:.6g} s"
+            raise ArithmeticError(why_stopped(status, where, integrator, problem.system))
         return out.T
 
     return Prepared(lambda: integrator.restore(start), go)

@@ -15,8 +15,9 @@ import numpy as np
 from draws import Drawn, Parameters
 from numpy.typing import NDArray
 from phaseplane.suspension.characteristics import Characteristic, Piece
-from phaseplane.suspension.engine import Integrator, why_stopped
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
+from phaseplane.suspension.reasons import why_stopped
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, Load, System

@@ -15,7 +15,7 @@ cdef class Errors:
     cdef Network net
     cdef int n, order
     cdef bint controlled
-    cdef double tolerance, time, error, allowed
+    cdef double tolerance, time, step, error, allowed
     cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack
 
     @cython.locals(i=int, size=double)

@@ -32,6 +32,7 @@ class Errors:
         self.tolerance = tolerance
         self.controlled = False  # whether the error controls the step
         self.order = 0  # exponent of the step in the error
+        self.time = self.step = 0.0  # start and length of the attempt, s
         memory, n = self.net.memory, self.n
         self.middle_a = memory.zeros(n)
         self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)

@@ -562,6 +562,20 @@ class Integrator(March):
         self.going_on = None
         self.state_size = len(self.state.content())
 
+    # -- why a run ended ---------------------------------------------------------------------------
+
+    @property
+    def last_attempt(self):
+        """The length of the step attempted last, s."""
+        return self.stepper.errors.step
+
+    def tangents(self):
+        """Return the present stiffness and damping matrices, row by row (N/m and N s/m)."""
+        n = self.n
+        k = [[self.stepper.modes.stiffness[i * n + j] for j in range(n)] for i in range(n)]
+        c = [[self.stepper.modes.damping[i * n + j] for j in range(n)] for i in range(n)]
+        return k, c
+
     # -- whole state -------------------------------------------------------------------------------
 
     @property

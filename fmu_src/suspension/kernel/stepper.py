@@ -53,7 +53,7 @@ class Stepper:
 
     def attempt(self, t, h):
         """Step from t to t + h with all branches fixed; write the end to qb, vb, ab, jb."""
-        self.errors.time = t
+        self.errors.time, self.errors.step = t, h
         self.errors.order = self.method.order - 1
         return self.method.attempt(t, h)
 

@@ -1,0 +1,159 @@
+"""Why a run has ended early, in a sentence with numbers: which motion or element, what step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from .engine import FAILURES, KINDS
+
+if TYPE_CHECKING:
+    from .systems import System
+
+_ITERATIONS = 400
+_LAST = 6  # switches that are looked at
+
+
+def why_stopped(
+    status: int, where: str, integrator: Any = None, system: System | None = None
+) -> str:
+    """Return why a run ended early, where, and what to try.
+
+    Parameters
+    ----------
+    status : key of `engine.FAILURES`
+    where : instant and step, e.g. "at 0.1 s, in step 20"
+    integrator, system : of the run that has ended; with them the sentence has numbers
+    """
+    cause, _, remedy = FAILURES[status].partition("; ")
+    found = _DETAILS.get(status)
+    detail = found(integrator, system) if found and integrator is not None and system else ""
+    return f"{cause} {where}{f' ({detail})' if detail else ''}; {remedy}"
+
+
+def _diverged(one: Any, system: System) -> str:
+    one.sample(one.time)
+    q = list(one.sample_q)
+    k = max(range(len(q)), key=lambda i: abs(q[i]) if q[i] == q[i] else float("inf"))
+    return f"{system.coordinates[k]} is at {q[k]:.3g} m; the last step was {one.last_attempt:.3g} s"
+
+
+def _too_small(one: Any, system: System) -> str:
+    rate, k = _fastest_motion(one, system)
+    return (
+        f"{one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, changes at "
+        f"{rate:.3g} 1/s"
+    )
+
+
+def _no_equilibrium(one: Any, system: System) -> str:
+    return f"a step of {one.last_attempt:.3g} s{_of_curved(system)}"
+
+
+def _not_positive(one: Any, system: System) -> str:
+    k, _ = one.tangents()
+    i = min(range(len(k)), key=lambda i: k[i][i])
+    return (
+        f"a step of {one.last_attempt:.3g} s; the least stiffness is {k[i][i]:.3g} N/m, that of "
+        f"{system.coordinates[i]}"
+    )
+
+
+def _unstable(one: Any, system: System) -> str:
+    omega, k = _fastest_mode(one, system)
+    return (
+        f"its limit is {one.stable_step():.3g} s for the fastest mode, {omega:.4g} rad/s, which moves "
+        f"{system.coordinates[k]} most"
+    )
+
+
+def _energy_grows(one: Any, system: System) -> str:
+    kinetic, stored, _, works = one.energies()
+    k = max(range(len(stored)), key=lambda e: stored[e])
+    return (
+        f"{kinetic + sum(stored):.3g} J, of which {kinetic:.3g} J kinetic and {stored[k]:.3g} J in "
+        f"{system.elements[k].name}; roads and loads have done {sum(works):.3g} J"
+    )
+
+
+def _no_time(one: Any, system: System) -> str:
+    last = one.log[-_LAST:]
+    names = dict.fromkeys(f"{KINDS[kind]} of {system.elements[e].name}" for _, e, kind, *_ in last)
+    return f"the last are those of the {', '.join(names)}" if names else ""
+
+
+def _too_many(one: Any, system: System) -> str:
+    rate, k = _fastest_motion(one, system)
+    return (
+        f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, "
+        f"changes at {rate:.3g} 1/s"
+    )
+
+
+def _out_of_balance(one: Any, system: System) -> str:
+    return f"{one.residual_end:.3g} J; the last step was {one.last_attempt:.3g} s"
+
+
+_DETAILS: dict[int, Callable[[Any, System], str]] = {
+    2: _diverged,
+    3: _too_small,
+    4: _no_equilibrium,
+    5: _not_positive,
+    6: _unstable,
+    7: _energy_grows,
+    8: _no_time,
+    9: _too_many,
+    11: _out_of_balance,
+}
+
+
+def _of_curved(system: System) -> str:
+    """Return which elements have curved forces, in words."""
+    names = [
+        element.name
+        for element in system.elements
+        if not all(p.is_straight for law in (element.spring, element.damper) for p in law.pieces)
+    ]
+    return f", with the curved forces of {', '.join(names)}" if names else ""
+
+
+def _fastest_motion(one: Any, system: System) -> tuple[float, int]:
+    """Return the fastest rate of change of any coordinate alone (1/s), by spring or damper, and whose."""
+    k, c = one.tangents()
+    rates = [
+        max((abs(k[i][i]) / system.mass[i][i]) ** 0.5, abs(c[i][i]) / system.mass[i][i])
+        for i in range(len(k))
+    ]
+    fastest = max(range(len(rates)), key=rates.__getitem__)
+    return rates[fastest], fastest
+
+
+def _fastest_mode(one: Any, system: System) -> tuple[float, int]:
+    """Return the highest natural frequency of the present tangent (rad/s), and what it moves most."""
+    stiffness, _ = one.tangents()
+    x = [1.0 + 0.1 * i for i in range(len(stiffness))]
+    largest = 0.0
+    for _ in range(_ITERATIONS):
+        force = [sum(k * v for k, v in zip(row, x, strict=True)) for row in stiffness]
+        x = _solved(system.mass, force)
+        largest = max(map(abs, x))
+        if largest == 0.0:
+            break
+        x = [v / largest for v in x]
+    moved = max(range(len(x)), key=lambda i: abs(x[i]) * system.mass[i][i] ** 0.5)
+    return largest**0.5, moved
+
+
+def _solved(matrix: Sequence[Sequence[float]], right: Sequence[float]) -> list[float]:
+    """Solve a system with a symmetric positive definite matrix by elimination."""
+    n = len(right)
+    rows = [[*matrix[i], right[i]] for i in range(n)]
+    for i in range(n):
+        for j in range(i + 1, n):
+            factor = rows[j][i] / rows[i][i]
+            rows[j] = [b - factor * a for a, b in zip(rows[i], rows[j], strict=True)]
+    x = [0.0] * n
+    for i in reversed(range(n)):
+        known = sum(rows[i][j] * x[j] for j in range(i + 1, n))
+        x[i] = (rows[i][n] - known) / rows[i][i]
+    return x
