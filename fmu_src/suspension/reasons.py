@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .engine import FAILURES, KINDS
 
 if TYPE_CHECKING:
+    from .engine import Integrator
     from .systems import System
 
 _ITERATIONS = 400
@@ -15,7 +16,7 @@ _LAST = 6  # switches that are looked at
 
 
 def why_stopped(
-    status: int, where: str, integrator: Any = None, system: System | None = None
+    status: int, where: str, integrator: Integrator | None = None, system: System | None = None
 ) -> str:
     """Return why a run ended early, where, and what to try.
 
@@ -31,14 +32,14 @@ def why_stopped(
     return f"{cause} {where}{f' ({detail})' if detail else ''}; {remedy}"
 
 
-def _diverged(one: Any, system: System) -> str:
+def _diverged(one: Integrator, system: System) -> str:
     one.sample(one.time)
     q = list(one.sample_q)
     k = max(range(len(q)), key=lambda i: abs(q[i]) if q[i] == q[i] else float("inf"))
     return f"{system.coordinates[k]} is at {q[k]:.3g} m; the last step was {one.last_attempt:.3g} s"
 
 
-def _too_small(one: Any, system: System) -> str:
+def _too_small(one: Integrator, system: System) -> str:
     rate, k = _fastest_motion(one, system)
     return (
         f"{one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, changes at "
@@ -46,11 +47,11 @@ def _too_small(one: Any, system: System) -> str:
     )
 
 
-def _no_equilibrium(one: Any, system: System) -> str:
+def _no_equilibrium(one: Integrator, system: System) -> str:
     return f"a step of {one.last_attempt:.3g} s{_of_curved(system)}"
 
 
-def _not_positive(one: Any, system: System) -> str:
+def _not_positive(one: Integrator, system: System) -> str:
     k, _ = one.tangents()
     i = min(range(len(k)), key=lambda i: k[i][i])
     return (
@@ -59,7 +60,7 @@ def _not_positive(one: Any, system: System) -> str:
     )
 
 
-def _unstable(one: Any, system: System) -> str:
+def _unstable(one: Integrator, system: System) -> str:
     omega, k = _fastest_mode(one, system)
     return (
         f"its limit is {one.stable_step():.3g} s for the fastest mode, {omega:.4g} rad/s, which moves "
@@ -67,7 +68,7 @@ def _unstable(one: Any, system: System) -> str:
     )
 
 
-def _energy_grows(one: Any, system: System) -> str:
+def _energy_grows(one: Integrator, system: System) -> str:
     kinetic, stored, _, works = one.energies()
     k = max(range(len(stored)), key=lambda e: stored[e])
     return (
@@ -76,13 +77,13 @@ def _energy_grows(one: Any, system: System) -> str:
     )
 
 
-def _no_time(one: Any, system: System) -> str:
+def _no_time(one: Integrator, system: System) -> str:
     last = one.log[-_LAST:]
     names = dict.fromkeys(f"{KINDS[kind]} of {system.elements[e].name}" for _, e, kind, *_ in last)
     return f"the last are those of the {', '.join(names)}" if names else ""
 
 
-def _too_many(one: Any, system: System) -> str:
+def _too_many(one: Integrator, system: System) -> str:
     rate, k = _fastest_motion(one, system)
     return (
         f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, "
@@ -90,11 +91,11 @@ def _too_many(one: Any, system: System) -> str:
     )
 
 
-def _out_of_balance(one: Any, system: System) -> str:
+def _out_of_balance(one: Integrator, system: System) -> str:
     return f"{one.residual_end:.3g} J; the last step was {one.last_attempt:.3g} s"
 
 
-_DETAILS: dict[int, Callable[[Any, System], str]] = {
+_DETAILS: dict[int, Callable[[Integrator, System], str]] = {
     2: _diverged,
     3: _too_small,
     4: _no_equilibrium,
@@ -117,7 +118,7 @@ def _of_curved(system: System) -> str:
     return f", with the curved forces of {', '.join(names)}" if names else ""
 
 
-def _fastest_motion(one: Any, system: System) -> tuple[float, int]:
+def _fastest_motion(one: Integrator, system: System) -> tuple[float, int]:
     """Return the fastest rate of change of any coordinate alone (1/s), by spring or damper, and whose."""
     k, c = one.tangents()
     rates = [
@@ -128,7 +129,7 @@ def _fastest_motion(one: Any, system: System) -> tuple[float, int]:
     return rates[fastest], fastest
 
 
-def _fastest_mode(one: Any, system: System) -> tuple[float, int]:
+def _fastest_mode(one: Integrator, system: System) -> tuple[float, int]:
     """Return the highest natural frequency of the present tangent (rad/s), and what it moves most."""
     stiffness, _ = one.tangents()
     x = [1.0 + 0.1 * i for i in range(len(stiffness))]
