@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-pytest.importorskip("setuptools", minversion="77")
+setuptools = pytest.importorskip("setuptools", minversion="77")
 ROOT = Path(__file__).parents[1]
 INSTALLED_AS = {  # where the packages lie in the tree
     "phaseplane": "phaseplane",
@@ -73,6 +73,31 @@ def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
 def test_every_module_of_the_kernel_is_compiled(installer: Any) -> None:
     there = {path.stem for path in installer.KERNEL.glob("*.py")}
     assert set(installer.MODULES) == there - {"__init__"}
+
+
+@pytest.mark.skipif(os.name == "nt" or not shutil.which("cc"), reason="no such compiler")
+def test_a_compiler_that_refuses_flags_of_gcc_compiles_without_them(
+    installer: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As Clang does, the compiler of macOS."""
+    compiler, source = tmp_path / "compiler", tmp_path / "small.c"
+    compiler.write_text(
+        "#!/bin/sh\n"
+        'for given in "$@"; do case "$given" in -flto*|-fno-tree-*) exit 1 ;; esac; done\n'
+        'exec cc "$@"\n'
+    )
+    compiler.chmod(0o755)
+    source.write_text("int small;\n")
+    monkeypatch.setenv("CC", str(compiler))
+    monkeypatch.setenv("LDSHARED", f"{compiler} -shared")
+    extension = setuptools.Extension("small", [str(source)])
+    build = installer.KernelBuild(
+        setuptools.Distribution({"name": "small", "ext_modules": [extension]})
+    )
+    build.build_lib, build.build_temp = str(tmp_path / "lib"), str(tmp_path / "temp")
+    build.ensure_finalized()
+    super(installer.KernelBuild, build).run()  # not from the sources of the kernel
+    assert Path(build.get_ext_fullpath("small")).exists()
 
 
 def carried() -> set[str]:

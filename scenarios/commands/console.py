@@ -208,6 +208,9 @@ class FiniteRange(click.FloatRange):
             self.fail(f"{value} must be a finite number.", param, ctx)
         return number
 
+    def _describe_range(self) -> str:  # click's own says x<=None of a range without bounds
+        return "" if self.min is self.max is None else super()._describe_range()
+
 
 def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:
     """Return the option `--figure F.png`, for a picture of something."""

@@ -45,7 +45,7 @@ _LOOK = (
     ),
     click.option("--width", metavar="WIDTH", help="Width of the figure, e.g. 85mm."),
     click.option("--font", default="", metavar="FAMILY", help="Type, e.g. serif or STIXGeneral."),
-    click.option("--mono", is_flag=True, help="Draw in black, told apart by dashes."),
+    click.option("--mono", is_flag=True, help="Draw all lines in black, distinguished by dashes."),
 )  # fmt: skip
 
 

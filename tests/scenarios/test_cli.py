@@ -74,6 +74,11 @@ def test_the_list_of_commands_says_what_each_says_of_itself(name: str) -> None:
     assert len(COMMANDS[name].help) < 68  # on one line of a terminal of 80 columns
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_help_shows_a_range_without_bounds(name: str) -> None:
+    assert "None" not in phaseplane(name, "--help").stdout
+
+
 def test_every_command_of_the_package_is_listed() -> None:
     listed = {entry.place for entry in COMMANDS.values()}
     assert listed == {
