@@ -65,7 +65,7 @@ def _written(node: ast.expr) -> tuple[str, int]:
             )
             return f"{one}{between}{other}", _PRODUCT
         case ast.BinOp(left, ast.Div(), right):
-            return f"{_within(left, _PRODUCT)}/{_within(right, _ATOM)}", _PRODUCT
+            return f"{_within(left, _PRODUCT)}/{_within(right, _POWER)}", _PRODUCT
         case ast.BinOp(left, ast.Pow(), ast.Constant(float() as power)) if power == int(power):
             return f"{_within(left, _ATOM)}{str(int(power)).translate(_POWERS)}", _POWER
         case ast.BinOp(left, ast.Pow(), right):

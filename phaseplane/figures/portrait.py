@@ -101,7 +101,8 @@ def portrait(
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
     if title:
-        figure.suptitle(fill(title, _LINE), color=colours.ink, fontsize=11.0)
+        together = title.replace(" = ", "\u00a0=\u00a0")  # no line ends beside a sign
+        figure.suptitle(fill(together, _LINE), color=colours.ink, fontsize=11.0)
     figure.legend(
         handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,

@@ -18,6 +18,7 @@ from phaseplane.equations import Formula
         ("x/(2*v)", "ẍ + x/(2\u2009ẋ) = 0"),
         ("(x + v)^2*abs(v)", "ẍ + (x + ẋ)²\u2009|ẋ| = 0"),
         ("x^(1/3)", "ẍ + x^(1/3) = 0"),
+        ("1/x^2 - 1/(x^3*v)", "ẍ + 1/x² − 1/(x³\u2009ẋ) = 0"),
         ("dead_zone(x, 1)", "ẍ + dead zone(x, 1) = 0"),
     ],
 )

@@ -127,6 +127,13 @@ def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:
     assert box.y1 < whole.y1
 
 
+def test_no_line_of_a_title_ends_beside_a_sign_of_equality() -> None:
+    system = PhaseSystem(lambda v, x, t: x)
+    title = "A pendulum: " + "x" * 81 + " = 0"
+    figure = portrait(compute_portrait(system, good_window(system, 1.0)), title=title)
+    assert "0" not in figure.get_suptitle().split("\n")
+
+
 def test_every_basin_of_a_pendulum_has_curves() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + np.sin(x))
     window = window_of(system, 3.0)
