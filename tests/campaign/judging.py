@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8)
 KINDS = ("displacements", "velocities", "accelerations", "forces")
 MOST = 3.0  # tolerances: what a run may be off
-_LITTLE = 1e-12  # a disturbance as rounding makes it
+_LITTLE = 1e-12  # a disturbance as rounding makes it; a smaller motion is rest
 _INSTANTS = 160
 _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
 _ADVICE = "shorten solver.step"  # of a run that a step is too long for
@@ -149,7 +149,11 @@ class Standard:
         return float(np.abs(rows - rows[0] if kind == "displacements" else rows).max())
 
     def errors(self, rows: dict[str, Array]) -> dict[str, float]:
-        """The largest error of each kind, over its largest value."""
+        """The largest error of each kind, over its largest value; of what rests, all or none."""
+        rounding = _LITTLE * float(np.abs(self.motion.displacements).max())
+        if self.scale("displacements") <= rounding:
+            moved = float(np.abs(rows["displacements"] - self.motion.displacements).max())
+            return dict.fromkeys(KINDS, 0.0 if moved <= rounding else np.inf)
         found = {}
         for kind, true in self.rows.items():
             miss = np.abs(rows[kind] - true)
@@ -328,7 +332,8 @@ def _examine_fixed(found: dict[str, Any], drawn: Drawn, right: Standard) -> None
 def magnification(drawn: Drawn, right: Standard, size: float) -> dict[str, float]:
     """By how much the true motion magnifies what disturbs it, in each kind.
 
-    One kick at a time, of `size` times the largest displacements and velocities, at five instants.
+    One kick at a time, of `size` times the largest displacements and velocities, at five instants. What
+    it changes at once counts, too: a light wheel turns a little of its rate into a large acceleration.
     """
     system, times = build(drawn.model, drawn.parameters), right.motion.times
     n = len(system.mass)

@@ -74,10 +74,10 @@ def public(model: str, parameters: Parameters, times: Array, names: list[str]) -
     return np.array(rows)
 
 
-def apart(one: Array, other: Array) -> float:
-    """The largest difference over the largest motion of the first."""
+def apart(one: Array, other: Array, rounding: float = 0.0) -> float:
+    """The largest difference over the largest motion of the first; none if it is but rounding, m."""
     most = float(np.abs(one - other).max())
-    return most / float(np.abs(one - one[0]).max()) if most > 0.0 else 0.0
+    return most / float(np.abs(one - one[0]).max()) if most > rounding else 0.0
 
 
 # -- systems of other units, another zero, another order ---------------------------------------------
@@ -151,7 +151,7 @@ def zero_of_the_road(c: Case) -> float | None:
     }
     start = c.start + rise * (np.arange(2 * c.n) < c.n)
     high = motion(replace(c.system, signals=signals), start, c.times)
-    return apart(motion(c.system, c.start, c.times), high - rise)
+    return apart(motion(c.system, c.start, c.times), high - rise, float(np.spacing(rise)))
 
 
 def _upside_down(law: Characteristic) -> Characteristic:

@@ -79,6 +79,33 @@ def test_what_is_wrong_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     assert any(line.startswith("1e-06: displacements off") for line in found)
 
 
+def test_what_a_kick_changes_at_once_is_magnified() -> None:
+    """The rate of a wheel of 80 g times its damping over its mass is an acceleration."""
+    car = draws.Drawn(0, "QuarterCar", {"unsprung_mass": 0.08}, 0.4, "mean")
+    right = judging.standard(car)
+    found = judging.magnification(car, right, 1e-6)["accelerations"]
+    decay = (490.0 + 980.0) / 0.08
+    assert found > 0.3 * decay * right.scale("velocities") / right.scale("accelerations")
+
+
+def test_what_rests_on_a_high_road_may_differ_by_its_rounding() -> None:
+    """A kerb that was passed before the start: nothing moves, and 1024 m are rounded to 2e-13 m."""
+    found = judging.examine(draws.draw(562), "symmetries")
+    assert found["failures"] == []
+    assert found["symmetries"]["zero of the road"] == 0.0
+
+
+def test_what_rests_but_for_rounding_has_no_errors() -> None:
+    """The true motion is one of 1e-14 m, beside which any other would be all wrong."""
+    right = judging.standard(draws.draw(1337))
+    assert 0.0 < right.scale("displacements") < 1e-13
+    still = {kind: np.zeros_like(rows) for kind, rows in right.rows.items()}
+    still["displacements"] = np.repeat(right.motion.displacements[:1], len(right.motion.times), 0)
+    assert set(right.errors(still).values()) == {0.0}
+    still["displacements"] = still["displacements"] + 1e-9
+    assert set(right.errors(still).values()) == {np.inf}
+
+
 def test_contact_and_gap_that_contradict_each_other_are_found() -> None:
     system, times = build("QuarterCar", {}), np.array([0.0, 0.1, 0.2])
     free = system.elements[-1].opening

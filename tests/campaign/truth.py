@@ -80,7 +80,7 @@ def solve(
     ----------
     state : displacements and velocities at times[0]
     times : ascending, s
-    disturb : what becomes of the state right after times[k], given k and the state
+    disturb : what becomes of the state at times[k], from which it is read then, given k and the state
 
     Raises
     ------
@@ -114,9 +114,9 @@ def solve(
         method = straight if straight.enters(branches, t) else curved
         leg = method.advance(t, end, y, branches, wanted)
         for row in leg.rows:
-            read(k, float(times[k]), row)
             if disturb:
                 leg = Leg(leg.end, disturb(k, leg.state), leg.rows, leg.switched)
+            read(k, float(times[k]), leg.state if disturb else row)
             k += 1
         t, y = leg.end, leg.state.copy()
         if leg.switched:
