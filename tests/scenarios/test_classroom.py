@@ -233,5 +233,12 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     )
     wide = browser.execute_script("return document.documentElement.scrollWidth - innerWidth")
     assert wide <= 0
+    browser.refresh()
+    wait.until(lambda _: told("first"))
+    smallest = browser.execute_script(
+        "return Math.min(...[...document.querySelectorAll('.paper text')].map(text => "
+        "text.getAttribute('font-size') * text.ownerSVGElement.getScreenCTM().a))"
+    )
+    assert smallest > 8.0  # pixels
     errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
     assert errors == []

@@ -33,7 +33,7 @@ function phaseplanePlayer(root, data) {
   const xs = seen.map(p => p[0]), ys = seen.map(p => -p[1]);
   const left = Math.min(...xs), top = Math.min(...ys);
   const width = Math.max(...xs) - left, height = Math.max(...ys) - top;
-  const em = Math.max(width, height) / 48;
+  const em = Math.max(width, height) / (window.innerWidth < 736 ? 28 : 48);  // larger letters on a phone
   const svg = document.createElementNS(NS, "svg");
   svg.setAttribute("viewBox", [left - 2 * em, top - 2 * em, width + 4 * em, height + 4 * em].join(" "));
   svg.setAttribute("role", "img");
@@ -69,10 +69,13 @@ function phaseplanePlayer(root, data) {
     line(still, "axis", axis.ends, 1.2);
     const end = axis.ends[1];
     letters(still, "axis", axis.label, key === "x" ? [end[0] - 3 * em, end[1] + 0.6 * em] : [end[0] + 0.4 * em, end[1] + 0.3 * em]);
+    let last = [Infinity, Infinity];
     for (const [x, y, value] of axis.ticks) {
       const across = key === "x" ? [[x, y - em / 4], [x, y + em / 4]] : [[x - em / 4, y], [x + em / 4, y]];
       line(still, "axis", across);
-      if (+value !== 0) letters(still, "axis", value, key === "x" ? [x - em / 2, y - 1.1 * em] : [x - 1.9 * em, y - em / 3], 0.75);
+      if (+value === 0 || Math.abs(x - last[0]) + Math.abs(y - last[1]) < (key === "x" ? 2.2 : 1) * em) continue;
+      letters(still, "axis", value, key === "x" ? [x - em / 2, y - 1.1 * em] : [x - 1.9 * em, y - em / 3], 0.75);
+      last = [x, y];
     }
   }
   const moving = make("g", {}, svg);
