@@ -11,9 +11,9 @@ import sys
 from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
+from typing import Any
 
 from phaseplane.vehicle_fmus.content import suspension_name, suspension_sources
 
@@ -29,8 +29,10 @@ def share_modules() -> str:
     return name
 
 
-class _Shared(MetaPathFinder, Loader):
+class _Shared:
     """Finds the modules of this package under another name, each when it is imported there.
+
+    It is finder and loader without the base classes of `importlib.abc`, which imports much else.
 
     Parameters
     ----------
@@ -45,7 +47,13 @@ class _Shared(MetaPathFinder, Loader):
     ) -> ModuleSpec | None:
         """Return a specification of a module of the package, None of any other."""
         ours = fullname == self._name or fullname.startswith(f"{self._name}.")
-        return ModuleSpec(fullname, self, is_package=fullname == self._name) if ours else None
+        if not ours:
+            return None
+        loader: Any = self
+        return ModuleSpec(fullname, loader, is_package=fullname == self._name)
+
+    def create_module(self, spec: ModuleSpec) -> None:
+        """Let an empty module be made, which `exec_module` replaces."""
 
     def exec_module(self, module: ModuleType) -> None:
         """Put the module of this process in the place of the empty one."""
