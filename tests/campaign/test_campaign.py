@@ -14,6 +14,7 @@ import make_drawn
 import numpy as np
 import pytest
 import report
+import symmetries
 import truth
 from phaseplane.suspension.models import SYSTEMS, build
 
@@ -120,6 +121,12 @@ def test_contact_and_gap_that_contradict_each_other_are_found() -> None:
     for what, row in wrong.items():
         lines = judging._contradictions(system, times, np.array([fine[0], row, fine[2]]))
         assert any(line.startswith(f"{what} at 0.1 s") for line in lines), what
+
+
+@pytest.mark.parametrize("seed", [1310, 1412])
+def test_what_counts_as_rest_or_as_a_jump_goes_with_the_units(seed: int) -> None:
+    """A ramp whose end meets the flat road to rounding, and slip that comes to rest."""
+    assert symmetries.units(symmetries.case(draws.draw(seed))) == 0.0
 
 
 def test_a_campaign_goes_on_where_it_was(tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ cdef class Elements(Laws):
     # its branches
     cdef int *branch, *departing, *stuck_element, *row_stuck
     cdef int stuck
+    cdef double creep
     cdef int *kept_branch, *kept_signal
     cdef double *kept_set
     # results of the last evaluation
@@ -24,6 +25,7 @@ cdef class Elements(Laws):
     cdef double *branch_f, *branch_k, *branch_c
     cdef double force0, force1, force2
 
+    cdef void set_creep(self, double reach) noexcept nogil
     @cython.locals(s=int, e=int, k=int)
     cdef void forget_branches(self) noexcept nogil
     @cython.locals(e=int)

@@ -25,7 +25,7 @@ _KINDS = 5
 _LAWS, _PIECE = 3, 12  # as in laws
 
 _ELASTIC = 1  # the middle piece of an element that yields
-_CREEP = 1e-12  # m/s, below which friction keeps sticking when signals change
+_CREEP = 1e-10  # 1/s, times the scale of the motion: the slip that counts as rest
 
 
 class Elements(Laws):
@@ -56,6 +56,7 @@ class Elements(Laws):
         kinds = _KINDS * elements
         kept = self.state.memory
         self.branch, self.departing = kept.marks(kinds), kept.marks(kinds)
+        self.creep = 0.0  # m/s, up to which slip counts as rest
         self.stuck = 0
         self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
         self.kept_branch = kept.marks(kinds)
@@ -96,6 +97,10 @@ class Elements(Laws):
         rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
         if len(set(rubbing)) < len(rubbing):
             raise ValueError("two elements with friction act along one direction; make them one")
+
+    def set_creep(self, reach):
+        """Take what counts as rest from the scale of the motion, m."""
+        self.creep = _CREEP * reach
 
     def forget_branches(self):
         """Reset all branches to the state before any motion."""
@@ -329,7 +334,7 @@ class Elements(Laws):
             # already let it slip back a little
             self.all_signals(t)
             self.row_states(q, v)
-            back = self.row_v[self.element_row[e]] * side > _CREEP
+            back = self.row_v[self.element_row[e]] * side > self.creep
             self.branch[at] = side if self.branch[at] == 0 or back else 0
             self.list_stuck()
             self.departing[at] = -side if self.branch[at] != 0 and not back else 0
@@ -389,7 +394,7 @@ class Elements(Laws):
 
     def _follow_slip(self, e, w):
         at = _KINDS * e + _FRICTION
-        if self.branch[at] != 0 or fabs(w) > _CREEP:
+        if self.branch[at] != 0 or fabs(w) > self.creep:
             self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
 
     def mark_bounds(self):

@@ -194,6 +194,7 @@ class March:
             self.limited_time[e] = 0.0
         self.net.forget()
         self.net.set_datum(0.0)
+        self.net.set_creep(reach)
         self.net.enter_segments(time)
         self.stepper.start()
         self.watch.start()

@@ -22,8 +22,10 @@ cdef class Signals:
     @cython.locals(s=int, k=int)
     cdef void set_datum(self, double datum) noexcept nogil
 
-    @cython.locals(now=int, before=double, jump=double)
+    @cython.locals(now=int, before=double, jump=double, rounding=double)
     cdef double enter_segment(self, int s, double t) noexcept nogil
+    @cython.locals(at=int, size=double)
+    cdef double _rounding(self, int s, double t) noexcept nogil
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double *coefficients) noexcept nogil
     cdef double set_at(self, int s) noexcept nogil

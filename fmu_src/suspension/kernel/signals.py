@@ -72,6 +72,7 @@ class Signals:
         now = self.signal_now[s]
         self.signal(s, t)
         before = self.road[4 * s]
+        rounding = self._rounding(s, t)
         while (
             self.signal_now[s] + 1 < self.signal_count[s]
             and self.segment[(self.signal_first[s] + self.signal_now[s] + 1) * _SEGMENT] <= t
@@ -81,10 +82,13 @@ class Signals:
             return 0.0
         self.signal(s, t)
         jump = self.road[4 * s] - before
-        # continuous segments agree to rounding
-        if fabs(jump) <= 1e-12 * (fabs(self.road[4 * s]) + fabs(before)) + 1e-15:
-            return 0.0
-        return jump
+        return jump if fabs(jump) > rounding + self._rounding(s, t) else 0.0
+
+    def _rounding(self, s, t):
+        """Return what two continuous segments may differ by at t, as times are rounded and sums are."""
+        at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
+        size = fabs(self.road[4 * s]) + fabs(self.segment[at + 2]) + fabs(self.segment[at + 6])
+        return 1e-12 * size + 1e-15 * fabs(t) * fabs(self.road[4 * s + 1])
 
     def replace_signal(self, s, t, coefficients):
         """Make a one-segment signal a cubic in time from t on; return the jump of its value."""
