@@ -59,19 +59,63 @@ def test_strong_damping_and_light_wheels_keep_the_tolerance(name: str, contact: 
     assert {t: e for t, e in found.items() if not e < 3.0} == {}
 
 
-@pytest.mark.parametrize("name", ["damper x 2e6", "tyre damper x 1e4", "tyre damper x 1e6"])
-def test_between_steps_strong_dampers_take_the_force_that_is_left_for_them(name: str) -> None:
-    """Their rates are known to 1e-6 of all rates at best, which they multiply beyond all forces."""
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize(
+    "name", ["damper x 1e4", "damper x 2e6", "tyre damper x 1e4", "tyre damper x 1e6"]
+)
+def test_between_steps_forces_of_strong_dampers_keep_the_tolerance(
+    name: str, tolerance: float
+) -> None:
+    """What decays fast leaves a remainder whose jerk is enormous; velocities hold as well."""
     system = build("QuarterCar", DAMPED[name][0])
-    times, forces = array("d", np.linspace(0.0, 0.3, 1501)), []
-    for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": 1e-6}):
+    times = np.linspace(0.0, 0.3, 1501)
+    runs = []
+    for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": tolerance}):
         integrator = Integrator(system, **options)  # type: ignore[arg-type]
-        q, v, a = (np.zeros(2 * len(times)) for _ in range(3))
-        found = np.zeros(len(system.elements) * len(times))
-        assert integrator.run(times, q, v, a, found) == 0
-        forces.append(found)
-    truth, found = forces
-    assert np.abs(found - truth).max() < 3e-4 * np.abs(truth).max()
+        columns = [np.zeros((k, len(times))) for k in (2, 2, 2, len(system.elements))]
+        assert integrator.run(array("d", times), *(c.reshape(-1) for c in columns)) == 0
+        runs.append((columns, [t for t, *_ in integrator.log]))
+    (truth, switches), (found, _) = runs
+    apart = np.abs(times[:, None] - np.array(switches)).min(axis=1) > 2e-4  # forces jump there
+    for kind in (0, 1, 3):
+        error = np.abs(found[kind] - truth[kind])[:, apart].max() / np.abs(truth[kind]).max()
+        assert error < 3.0 * tolerance, kind
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+def test_a_strongly_damped_tyre_leaves_the_road_as_often_as_it_does(contact: str) -> None:
+    """Its force is what the rest of the car leaves for it, not its damping times a rate near none."""
+    system = build("QuarterCar", {**DAMPED["tyre damper x 1e6"][0], "contact": contact})
+    logs = []
+    for options in ({"method": "exact", "tolerance": 1e-12}, {"tolerance": 1e-3}):
+        integrator = Integrator(system, **options)  # type: ignore[arg-type]
+        assert integrator.advance(0.1) == 0
+        logs.append([(t, new) for t, e, _, _, new in integrator.log if e == 2 and t < 0.1])
+    assert [new for _, new in logs[0]] == [new for _, new in logs[1]] == [1, 0]
+    assert [t for t, _ in logs[1]] == pytest.approx([t for t, _ in logs[0]], abs=1e-5)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8])
+def test_damping_a_million_times_critical_takes_few_steps(tolerance: float) -> None:
+    """Rounding of rates, times damping over mass, is no error that shorter steps could remove."""
+    rate = 1e6 * 2.0 * np.sqrt(14709.975 * 294.1995)
+    system = build("QuarterCar", {"damper.rebound_rate": rate, "damper.bump_rate": rate})
+    integrator = Integrator(system, tolerance=tolerance)
+    assert integrator.advance(1.0) == 0
+    assert integrator.step_count < 20_000  # 2 million at 1e-8 once
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8])
+def test_a_strong_damper_beside_a_curved_spring_runs_at_any_tolerance(tolerance: float) -> None:
+    """The rate of the interpolant halfway is a difference of rounded displacements."""
+    ends = []
+    for chosen in (tolerance, 1e-7):
+        given = {"damper.rebound_rate": 2e7, "spring.cubic": 7e5, "solver.tolerance": chosen}
+        session = Session("OneDof", given)
+        session.advance(1.0)
+        assert session.ok
+        ends.append(float(session.value("body_displacement")))
+    assert ends[0] == pytest.approx(ends[1], abs=1e-8)
 
 
 def test_a_run_that_is_out_of_balance_ends_with_the_reason() -> None:

@@ -1,11 +1,12 @@
 cimport cython
 from libc.math cimport fabs
 from .balance cimport Balance
+from .linear cimport decompose, solve
 from .modes cimport Modes
 from .motion cimport Motion
 from .network cimport Network
 
-cdef double _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE
+cdef double _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE, _LONG_PHASE, _PARTS
 
 @cython.final
 cdef class Errors:
@@ -14,15 +15,20 @@ cdef class Errors:
     cdef Modes modes
     cdef Network net
     cdef int n, order
-    cdef bint controlled
+    cdef bint controlled, own_jerks
     cdef double tolerance, time, step, error, allowed
-    cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack
+    cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
     @cython.locals(i=int, size=double)
     cdef void begin(self) noexcept nogil
     cdef inline void note(self, double size) noexcept nogil
     @cython.locals(i=int, slowest=double)
     cdef double negligible(self, double h) noexcept nogil
+    @cython.locals(i=int)
+    cdef void keep_jerks(self) noexcept nogil
+    @cython.locals(n=int, i=int, k=int, tau=double, way=double, v=double, vb=double, a=double, ab=double,
+                   x=double, y=double, mass=double, damping=double)
+    cdef void find_jerks(self, double h) noexcept nogil
     @cython.locals(i=int, v=double, a=double, j=double)
     cdef void read_middle(self, double h) noexcept nogil
     @cython.locals(i=int)

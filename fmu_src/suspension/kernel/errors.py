@@ -7,6 +7,8 @@ import cython
 if not cython.compiled:
     from math import fabs
 
+    from .linear import decompose, solve
+
 _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps add up
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 _LEAST_LENGTH = 1e-290  # m, instead of none
@@ -14,6 +16,8 @@ _READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
 _READ_PHASE = (
     3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
 )
+_LONG_PHASE = 20.0  # phase of the fastest motion beyond which its remainder spoils the jerks
+_PARTS = 20.0  # of a step, in one of which a damper must act to be strong
 _NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
 
 
@@ -37,7 +41,9 @@ class Errors:
         self.middle_a = memory.zeros(n)
         self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)
         self.septic_a = memory.zeros(n)
-        self.lack = memory.zeros(n)
+        self.lack, self.held = memory.zeros(n), memory.zeros(n * n)
+        # whether the attempt is read with other jerks than those at its ends
+        self.own_jerks = False
 
     def begin(self):
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
@@ -65,13 +71,56 @@ class Errors:
             slowest = max(slowest, self.modes.velocity_scale[i])
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
 
+    def keep_jerks(self):
+        """Read the attempt with the jerks at its ends."""
+        self.own_jerks = False
+        for i in range(self.n):
+            self.motion.jerk[i], self.motion.end_jerk[i] = self.motion.j[i], self.motion.jb[i]
+
+    def find_jerks(self, h):
+        """Find the jerks with which the attempt is read between its ends.
+
+        A remainder e of what a damper lets decay at the rate d is d e in accelerations, but d^2 e in the
+        jerks j, which then do not describe a step much longer than 1/d. They are replaced by the j' of
+
+            M (j' - j) + tau B (j' - j5) = 0,    tau = h / 20,
+
+        with the jerks j5 of the quintic through q, v and a at both ends; j' = j where dampers are weak.
+        """
+        n = self.n
+        self.keep_jerks()
+        if self.net.stuck or h * self.modes.quickest < _LONG_PHASE:
+            return
+        tau = h / _PARTS
+        for i in range(n * n):
+            self.held[i] = self.net.mass[i] + tau * self.modes.damping[i]
+        if decompose(self.held, 0, n) != 0:
+            return
+        self.own_jerks = True
+        for i in range(n):
+            way = 60.0 * (self.motion.qb[i] - self.motion.q[i]) / (h * h * h)
+            v, vb = self.motion.v[i], self.motion.vb[i]
+            a, ab = self.motion.a[i], self.motion.ab[i]
+            self.septic_v[i] = way - (36.0 * v + 24.0 * vb) / (h * h) - (9.0 * a - 3.0 * ab) / h
+            self.septic_a[i] = way - (24.0 * v + 36.0 * vb) / (h * h) - (3.0 * a - 9.0 * ab) / h
+        for i in range(n):
+            x = 0.0
+            y = 0.0
+            for k in range(n):
+                mass, damping = self.net.mass[n * i + k], tau * self.modes.damping[n * i + k]
+                x += mass * self.motion.j[k] + damping * self.septic_v[k]
+                y += mass * self.motion.jb[k] + damping * self.septic_a[k]
+            self.motion.jerk[i], self.motion.end_jerk[i] = x, y
+        solve(self.held, 0, n, self.motion.jerk)
+        solve(self.held, 0, n, self.motion.end_jerk)
+
     def read_middle(self, h):
         """Evaluate the septic through the ends of the attempt and two derivatives, halfway."""
         for i in range(self.n):
             v, a, j = (
                 self.motion.vb[i] - self.motion.v[i],
                 self.motion.ab[i] - self.motion.a[i],
-                self.motion.jb[i] - self.motion.j[i],
+                self.motion.end_jerk[i] - self.motion.jerk[i],
             )
             self.septic_q[i] = 0.5 * (self.motion.q[i] + self.motion.qb[i]) - h * (
                 11.0 / 64.0 * v
@@ -80,7 +129,7 @@ class Errors:
             self.septic_v[i] = (
                 35.0 / 16.0 * (self.motion.qb[i] - self.motion.q[i]) / h
                 - 19.0 / 32.0 * (self.motion.v[i] + self.motion.vb[i])
-                + h * (a / 16.0 - h / 384.0 * (self.motion.j[i] + self.motion.jb[i]))
+                + h * (a / 16.0 - h / 384.0 * (self.motion.jerk[i] + self.motion.end_jerk[i]))
             )
             self.septic_a[i] = (
                 15.0 / 8.0 * v / h

@@ -289,6 +289,7 @@ class Exact(Method):
             return status
         self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
         self.errors.begin()
+        self.errors.keep_jerks()
         self.errors.read_middle(h)
         for i in range(self.n):
             # errors do not accumulate here, so one step may use the whole tolerance; in v the

@@ -3,7 +3,7 @@ from libc.math cimport fabs
 from .columns cimport Columns
 from .method cimport Method
 
-cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE
+cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE, _ROUNDING_OF_RATES
 
 cdef class Extrapolated(Method):
     cdef Columns columns
@@ -12,11 +12,11 @@ cdef class Extrapolated(Method):
     cdef int attempt(self, double t, double h) noexcept nogil
     @cython.locals(status=int)
     cdef int extrapolate(self, double t, double h) noexcept nogil
-    @cython.locals(i=int)
+    @cython.locals(i=int, rounding=double, error=double)
     cdef void _find_error(self, double h) noexcept nogil
     @cython.locals(phase=double, better=double)
     cdef void _expect_better(self, double h) noexcept nogil
-    @cython.locals(i=int, lack=double)
+    @cython.locals(i=int, lack=double, rounding=double)
     cdef void _check_middle(self, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _check_reading(self, double h) noexcept nogil

@@ -27,6 +27,7 @@ _MOST_BETTER = 10.0
 # the least share of that difference that is taken for the error with curved forces
 _BENT_BETTER = 0.3
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
+_ROUNDING_OF_RATES = 2e-15  # of velocities, as several substeps add it up
 _EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
 _LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
@@ -80,6 +81,7 @@ class Extrapolated(Method):
         if self.columns.extrapolate(self.motion.qb, self.motion.vb) != 0:
             return DIVERGED
         self.balance.end_step(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
+        self.errors.find_jerks(h)
         if self.errors.controlled:
             self._find_error(h)
         return 0
@@ -87,9 +89,14 @@ class Extrapolated(Method):
     def _find_error(self, h):
         """Find the error of the attempt, in units of the one allowed."""
         self.errors.begin()
+        rounding = 0.0  # of velocities, which matters where strong damping multiplies it
+        if h * self.modes.quickest > _STIFF_PHASE:
+            for i in range(self.n):
+                rounding = max(rounding, _ROUNDING_OF_RATES * fabs(self.motion.vb[i]))
         for i in range(self.n):
+            error = max(0.0, fabs(self.columns.error_v[i]) - rounding)
             self.errors.note(fabs(self.columns.error_q[i]))
-            self.errors.note(fabs(self.columns.error_v[i]) * self.modes.velocity_scale[i])
+            self.errors.note(error * self.modes.velocity_scale[i])
         self._expect_better(h)
         if self.balance.bends:
             self._check_middle(h)
@@ -121,7 +128,9 @@ class Extrapolated(Method):
         """
         self.errors.find_lack(h)
         for i in range(self.n):
-            lack = _SHARE * h * self.errors.lack[i]
+            # of the septic's rate, which is a difference of q over the step, multiplied by damping
+            rounding = 1e-15 * (fabs(self.motion.q[i]) + fabs(self.motion.qb[i])) / h
+            lack = _SHARE * h * max(0.0, self.errors.lack[i] - rounding * self.modes.quickest)
             self.errors.note(h / 32.0 * lack)
             self.errors.note(0.12 * self.modes.velocity_scale[i] * lack)
 
@@ -133,7 +142,7 @@ class Extrapolated(Method):
         """
         for i in range(self.n):
             self.errors.note(
-                _SHARE * h * h * h / 768.0 * fabs(self.motion.jb[i] - self.motion.j[i])
+                _SHARE * h * h * h / 768.0 * fabs(self.motion.end_jerk[i] - self.motion.jerk[i])
             )
 
 

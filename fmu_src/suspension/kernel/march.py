@@ -524,11 +524,12 @@ class March:
             self.dense.qa[i] = self.motion.q[i]
             self.dense.va[i] = self.motion.v[i]
             self.dense.aa[i] = self.motion.a[i]
-            self.dense.ja[i] = self.motion.j[i]
+            self.dense.ja[i] = self.motion.jerk[i]
             self.dense.qb[i] = self.motion.q[i] = self.motion.qb[i]
             self.dense.vb[i] = self.motion.v[i] = self.motion.vb[i]
             self.dense.ab[i] = self.motion.a[i] = self.motion.ab[i]
-            self.dense.jb[i] = self.motion.j[i] = self.motion.jb[i]
+            self.dense.jb[i] = self.motion.end_jerk[i]
+            self.motion.j[i] = self.motion.jb[i]
             self.motion.drift[i] = self.motion.drift_end[i]
         self.state.reach = self.motion.reach_at(self.motion.q)
         self._count_limited(h)

@@ -9,6 +9,7 @@ cdef class Motion:
     cdef KernelState state
     cdef int n, elements
     cdef double *q, *v, *a, *j, *qb, *vb, *ab, *jb, *drift, *drift_end, *origin
+    cdef double *jerk, *end_jerk
     cdef double *multiplier, *multiplier_rate
 
     @cython.locals(i=int, e=int)

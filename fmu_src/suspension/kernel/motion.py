@@ -27,6 +27,8 @@ class Motion:
         # at the end of the attempt
         self.qb, self.vb = memory.zeros(n), memory.zeros(n)
         self.ab, self.jb = memory.zeros(n), memory.zeros(n)
+        # jerks with which the attempt is read between its ends, at its start and its end
+        self.jerk, self.end_jerk = memory.zeros(n), memory.zeros(n)
         # the acceleration of the method minus that of the equation of motion, which is in `a`
         self.drift, self.drift_end = kept.zeros(n), memory.zeros(n)
         self.origin = kept.zeros(n)  # start of the run, from which the motion is measured

@@ -77,8 +77,10 @@ cdef class Network(Elements):
     @cython.locals(i=int)
     cdef bint is_damped(self, double *stiffness, double *damping, double share,
                         double omega) noexcept nogil
-    @cython.locals(r=int, i=int, k=int, b=double, mobility=double)
+    @cython.locals(r=int)
     cdef bint _decays_within(self, double h) noexcept nogil
+    @cython.locals(i=int, k=int, b=double, mobility=double)
+    cdef double mobility(self, int r) noexcept nogil
     @cython.locals(n=int, i=int, k=int, _iteration=int, mass=double, change=double)
     cdef void _slave_rates(self, double h, double *q, double *v, double *a) noexcept nogil
     @cython.locals(e=int, p=int)

@@ -464,15 +464,18 @@ class Network(Elements):
     def _decays_within(self, h):
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
         for r in range(self.rows):
-            if self.row_c[r] != 0.0:
-                mobility = 0.0
-                for i in range(self.n):
-                    for k in range(self.n):
-                        b = self.row_direction[r * self.n + i] * self.row_direction[r * self.n + k]
-                        mobility += b * self.flexibility[i * self.n + k]
-                if self.row_c[r] * mobility * h > _SLAVED:
-                    return 1
+            if self.row_c[r] != 0.0 and self.row_c[r] * self.mobility(r) * h > _SLAVED:
+                return 1
         return 0
+
+    def mobility(self, r):
+        """Return b' M^-1 b of row r, 1/kg."""
+        mobility = 0.0
+        for i in range(self.n):
+            for k in range(self.n):
+                b = self.row_direction[r * self.n + i] * self.row_direction[r * self.n + k]
+                mobility += b * self.flexibility[i * self.n + k]
+        return mobility
 
     def _slave_rates(self, h, q, v, a):
         """Let strong dampers take the force that is left for them, by M a' = p - sum b f(q, v').

@@ -19,6 +19,7 @@ cdef class Stepper:
 
     cdef void start(self) noexcept nogil
     cdef void refresh(self, double t) noexcept nogil
+    @cython.locals(status=int)
     cdef int attempt(self, double t, double h) noexcept nogil
     cdef bint is_plain(self) noexcept nogil
     @cython.locals(i=int, a=double, j=double, v=double)

@@ -6,7 +6,7 @@ from .network cimport Network
 from .stepper cimport Stepper
 
 cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _PIECE
-cdef double _NEVER
+cdef double _NEVER, _SLAVED
 
 @cython.final
 cdef class Switches:
@@ -15,7 +15,7 @@ cdef class Switches:
     cdef Network net
     cdef Crossing crossing
     cdef int watched, element, kind, side
-    cdef bint roads_known, start_known, recedes, across, only_opens
+    cdef bint roads_known, start_known, own_jerks, recedes, across, only_opens
     cdef double at, miss
     cdef int *watched_element, *watched_kind
     cdef double *low, *high, *row, *road
@@ -26,7 +26,7 @@ cdef class Switches:
     cdef void enter_branches(self) noexcept nogil
     @cython.locals(ps=int, pd=int, pm=int, factor=double)
     cdef void _note_contact(self, int e) noexcept nogil
-    @cython.locals(r=int)
+    @cython.locals(r=int, known=bint)
     cdef void _read_attempt(self, double t, double h) noexcept nogil
     @cython.locals(e=int, kind=int, p=int, k=int, m=int, at=int, degree=int, first=double,
                    found=double)
@@ -52,6 +52,11 @@ cdef class Switches:
     cdef bint _rate_stays_far(self, int k, double h) noexcept nogil
     @cython.locals(at=int, f0=double, f1=double, f2=double)
     cdef int _polynomial(self, int e, int kind, double h) noexcept nogil
+    @cython.locals(r=int, i=int, less=double)
+    cdef double _rate_left(self, int e, double *j, double *jerk) noexcept nogil
+    cdef double _end_rate(self, int e, double h) noexcept nogil
+    @cython.locals(mobility=double)
+    cdef bint _is_slaved(self, int e, double h) noexcept nogil
     @cython.locals(k=double, c=double)
     cdef void _contact_force(self, int e, int at) noexcept nogil
     @cython.locals(e=int, kind=int, departing=bint, at=double)

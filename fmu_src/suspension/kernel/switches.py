@@ -18,6 +18,7 @@ if not cython.compiled:
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
 _PIECE = 12  # as in laws
 _NEVER = 1e299  # larger bounds do not exist
+_SLAVED = 4.0  # decay within a step from which a force follows from the others
 
 
 class Switches:
@@ -42,6 +43,7 @@ class Switches:
         self.road = memory.zeros(8 * max(self.net.signals, 1))
         self.roads_known = 0
         self.start_known = 0
+        self.own_jerks = False  # whether the attempt read last had jerks of its own
         elements = self.net.elements
         self.contact_f, self.contact_k = memory.zeros(elements), memory.zeros(elements)
         self.contact_c = memory.zeros(elements)
@@ -115,8 +117,11 @@ class Switches:
         """Read signals and rows at both ends of the attempt just made."""
         if not (self.roads_known and self.stepper.balance.loads_hold):
             self._read_roads(t, h)
+        # with jerks that are those of this attempt alone, its start is not the end of the last one
+        known = self.start_known and not (self.own_jerks or self.stepper.errors.own_jerks)
+        self.own_jerks = self.stepper.errors.own_jerks
         for r in range(self.net.rows):
-            if not self.start_known:
+            if not known:
                 self._read_row(r, 0)
             self._read_row(r, 1)
         self.start_known = 1
@@ -207,12 +212,12 @@ class Switches:
                 d0 += b * self.motion.qb[i]
                 d1 += b * self.motion.vb[i]
                 d2 += b * self.motion.ab[i]
-                d3 += b * self.motion.jb[i]
+                d3 += b * self.motion.end_jerk[i]
             else:
                 d0 += b * self.motion.q[i]
                 d1 += b * self.motion.v[i]
                 d2 += b * self.motion.a[i]
-                d3 += b * self.motion.j[i]
+                d3 += b * self.motion.jerk[i]
         if self.net.row_signal[r] >= 0:
             at = 8 * self.net.row_signal[r] + 4 * end
             d0 -= self.road[at]
@@ -260,6 +265,10 @@ class Switches:
             self._contact_force(e, at)
             f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
             self._contact_force(e, at + 4)
+            if self._is_slaved(e, h):
+                f1 += self._rate_left(e, self.motion.j, self.motion.jerk)
+                self.crossing.hermite3(f0, f1, self.net.force0, self._end_rate(e, h), h)
+                return 3
             self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
             return 5
         if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
@@ -274,6 +283,30 @@ class Switches:
             self.row[at + 5], self.row[at + 6], self.row[at + 7], h,
         )  # fmt: skip
         return 5
+
+    def _is_slaved(self, e, h):
+        """Return whether a tyre on the road stops its masses within a small part of the attempt."""
+        if not self.stepper.errors.own_jerks or self.net.branch[_KINDS * e + _CONTACT]:
+            return 0
+        mobility = self.net.mobility(self.net.element_row[e])
+        return self.contact_c[e] * mobility * h > _SLAVED
+
+    def _rate_left(self, e, j, jerk):
+        """Return by how much the rate of a force is another with the jerks that describe the step.
+
+        M j = p' - sum b f': like the force of a strong damper, its rate is what the others leave for it.
+        """
+        r = self.net.element_row[e]
+        less = 0.0
+        for i in range(self.net.n):
+            less += self.net.row_direction[r * self.net.n + i] * (j[i] - jerk[i])
+        return less / self.net.mobility(r)
+
+    def _end_rate(self, e, h):
+        """Return the rate of the contact force found last, which is that at the end of the attempt."""
+        if not self._is_slaved(e, h):
+            return self.net.force1
+        return self.net.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
     def _contact_force(self, e, at):
         """Find the force as `unlimited_force`, in fewer operations if all pieces are straight."""
@@ -343,7 +376,8 @@ class Switches:
             value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.opening[e]
         elif kind == _CONTACT:
             self.net.unlimited_force(e, self.row, at + 4)
-            value, rate = self.net.force0, self.net.force1
+            value = self.net.force0
+            rate = self._end_rate(e, t - self.stepper.errors.time)
         elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
             value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
         else:
