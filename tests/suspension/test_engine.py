@@ -148,8 +148,9 @@ def test_the_types_of_the_kernel_are_those_of_its_source() -> None:
         methods = [node for node in kind.body if isinstance(node, ast.FunctionDef)]
         assert methods
         for method in methods:
-            its = getattr(made, method.name)
-            assert isinstance(its, property) == bool(method.decorator_list), method.name
+            its = inspect.getattr_static(made, method.name)
+            decorator = type(its).__name__ if isinstance(its, property | staticmethod) else None
+            assert [ast.unparse(d) for d in method.decorator_list] == [decorator] * bool(decorator)
             function = its.fget if isinstance(its, property) else its
             names = [argument.arg for argument in method.args.args]
             assert names == list(inspect.signature(function).parameters), method.name

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from phaseplane.suspension import characteristics as law
 from phaseplane.suspension import roads
-from phaseplane.suspension.engine import FAILURES, Integrator
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 from phaseplane.suspension.signals import Segment, Signal
@@ -116,15 +116,6 @@ def test_a_strong_damper_beside_a_curved_spring_runs_at_any_tolerance(tolerance:
         assert session.ok
         ends.append(float(session.value("body_displacement")))
     assert ends[0] == pytest.approx(ends[1], abs=1e-8)
-
-
-def test_a_run_that_is_out_of_balance_ends_with_the_reason() -> None:
-    """Order 6 leaves what is so strongly damped ringing, and its works mean nothing."""
-    parameters = DAMPED["damper x 2e6"][0]
-    integrator = Integrator(build("QuarterCar", parameters), tolerance=1e-3, order=6)
-    status = integrator.advance(1.0)
-    assert "energy balance" in FAILURES[status]
-    assert Integrator(build("QuarterCar", parameters), tolerance=1e-3).advance(1.0) == 0
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8])
