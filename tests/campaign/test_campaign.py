@@ -129,6 +129,11 @@ def test_what_counts_as_rest_or_as_a_jump_goes_with_the_units(seed: int) -> None
     assert symmetries.units(symmetries.case(draws.draw(seed))) == 0.0
 
 
+def test_a_curved_tyre_in_flight_touches_down_when_its_force_says_so() -> None:
+    """Steps in flight are long, their force is no quintic, and a corner of the spring comes soon after."""
+    assert judging.examine(draws.draw(1425))["failures"] == []
+
+
 def test_a_campaign_goes_on_where_it_was(tmp_path: Path) -> None:
     results = tmp_path / "results.jsonl"
     command = [sys.executable, "-P", str(HERE), "--to", str(results)]

@@ -5,7 +5,7 @@ from .motion cimport Motion
 from .network cimport Network
 from .stepper cimport Stepper
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _PIECE
+cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _PIECE, _STRETCHES
 cdef double _NEVER, _SLAVED
 
 @cython.final
@@ -18,7 +18,7 @@ cdef class Switches:
     cdef bint roads_known, start_known, own_jerks, recedes, across, only_opens
     cdef double at, miss
     cdef int *watched_element, *watched_kind
-    cdef double *low, *high, *row, *road
+    cdef double *low, *high, *row, *road, *point
     cdef double *contact_f, *contact_k, *contact_c
     cdef int *contact_straight
 
@@ -66,6 +66,13 @@ cdef class Switches:
     cdef bint _is_open(self, int e) noexcept nogil
     @cython.locals(e=int, bound=double, departing=bint, at=double)
     cdef void _search_gap(self, int k, double h) noexcept nogil
+    cdef void _look_for_gap(self, int e, double at, double h) noexcept nogil
+    cdef bint _is_bent_in_flight(self, int e) noexcept nogil
+    @cython.locals(e=int, m=int, departing=bint, share=double, f0=double, f1=double, f2=double,
+                   at=double)
+    cdef void _search_touchdown(self, int k, double h) noexcept nogil
+    @cython.locals(order=int, degree=int, m=int, i=int, rise=double)
+    cdef void _read_points(self, int r, double h, double share) noexcept nogil
     @cython.locals(e=int, kind=int, at=int, order=int, value=double, rate=double, bound=double,
                    over=double)
     cdef double lateness(self, double t) noexcept nogil

@@ -18,6 +18,7 @@ if not cython.compiled:
 _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
 _PIECE = 12  # as in laws
 _NEVER = 1e299  # larger bounds do not exist
+_STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic
 _SLAVED = 4.0  # decay within a step from which a force follows from the others
 
 
@@ -41,6 +42,9 @@ class Switches:
         # for each row and each road, four numbers at the start of the attempt and four at its end
         self.row = memory.zeros(8 * max(self.net.rows, 1))
         self.road = memory.zeros(8 * max(self.net.signals, 1))
+        self.point = memory.zeros(
+            4 * (_STRETCHES + 1)
+        )  # a row at the ends of all parts, as in `row`
         self.roads_known = 0
         self.start_known = 0
         self.own_jerks = False  # whether the attempt read last had jerks of its own
@@ -104,6 +108,11 @@ class Switches:
                 continue
             if self.watched_kind[k] == _CONTACT and self._is_open(self.watched_element[k]):
                 self._search_gap(k, h)
+                continue
+            if self.watched_kind[k] == _CONTACT and self._is_bent_in_flight(
+                self.watched_element[k]
+            ):
+                self._search_touchdown(k, h)
                 continue
             degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
             self.crossing.extent(degree)
@@ -331,9 +340,12 @@ class Switches:
         if at < self.at:
             self._keep(k, at, side)
             if kind == _CONTACT and side < 0:
-                # contact is regained, unless a gap has opened by then
-                self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
-                self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
+                self._look_for_gap(e, at, h)
+
+    def _look_for_gap(self, e, at, h):
+        """Find whether contact is not regained after all, as a gap has opened by then."""
+        self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
+        self.only_opens = self.crossing.value(at, 7) > self.net.opening[e]
 
     def _keep(self, k, at, side):
         self.at = at
@@ -359,6 +371,46 @@ class Switches:
             if at < self.at:
                 self._keep(k, at, -1)
                 self.across = True
+
+    def _is_bent_in_flight(self, e):
+        """Return whether a tyre whose force does not act follows a curved law."""
+        return self.net.branch[_KINDS * e + _CONTACT] != 0 and not self.contact_straight[e]
+
+    def _search_touchdown(self, k, h):
+        """Store the time at which a tyre in flight presses again by a curved law, if it is the earliest.
+
+        As its force does not act, no error keeps steps so short that one quintic describes it: it is
+        followed in parts.
+        """
+        e = self.watched_element[k]
+        departing = self.net.departing[_KINDS * e + _CONTACT] == -1
+        share = 1.0 / _STRETCHES
+        self._read_points(self.net.element_row[e], h, share)
+        for m in range(_STRETCHES):
+            self.net.unlimited_force(e, self.point, 4 * m)
+            f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
+            self.net.unlimited_force(e, self.point, 4 * m + 4)
+            self.crossing.hermite5(
+                f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h * share
+            )
+            at = self.crossing.exit(self.low[k], -1, 5, departing and m == 0)
+            if at <= 1.0:
+                at = (m + at) * share
+                if at < self.at:
+                    self._keep(k, at, -1)
+                    self._look_for_gap(e, at, h)
+                return
+
+    def _read_points(self, r, h, share):
+        """Read the deflection of row r and three derivatives at the ends of all parts of the attempt."""
+        self.crossing.hermite7(self.row, 8 * r, h)
+        for order in range(4):
+            degree = 7 - order
+            for m in range(_STRETCHES + 1):
+                self.point[4 * m + order] = self.crossing.value(m * share, degree)
+            for i in range(degree):
+                rise = self.crossing.bezier[i + 1] - self.crossing.bezier[i]
+                self.crossing.bezier[i] = degree * rise / h
 
     def lateness(self, t):
         """Return by how much the attempt, which ends at t, passed the switch found, s; 0 if unknown.
