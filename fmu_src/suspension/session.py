@@ -36,12 +36,7 @@ from .variables import (
 
 _HALTED, _AT_SWITCHES = -1, 1  # as in kernel.march
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
-
-
 _MOST_EVENTS = 100_000  # stored per run
-_DRIFT = 30.0  # tolerances by which the energy may be off, of all energy held, taken and brought in
-_ROUNDING = 1e-9
-_FIRST_LOOK = 1000  # steps; later after twice as many each time
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +89,7 @@ class Session:
         self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
-        self._warned = self._passed_over = self._drifts = False
-        self._look_at = _FIRST_LOOK
+        self._warned = self._passed_over = False
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
@@ -299,21 +293,14 @@ class Session:
 
     def _note_drift(self) -> None:
         """Say once that errors have added up: in a long run without damping nothing forgets them."""
-        if self._integrator.step_count < self._look_at or self._drifts:
-            return
-        self._look_at = 2 * self._integrator.step_count
-        kinetic, stored, dissipated, supplied = self._integrator.energies()
-        # all that has been there, and what has gone through it: a residual of that is no drift
-        turned_over = kinetic + sum(map(abs, (*stored, *dissipated, *supplied)))
-        part = abs(self._integrator.residual_end) / (turned_over or inf)
-        tolerance = float(self.parameters["solver.tolerance"])
-        if part > _DRIFT * tolerance and part > _ROUNDING:
-            self._drifts = True
+        part = self._run.find_drift()
+        if part > 0.0:
             self.messages.append(
                 (
                     "info",
                     f"errors add up: by {self._integrator.time:.6g} s the energy balance is off by "
-                    f"{part:.2g} of all energy; reduce solver.tolerance for a long run",
+                    f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for "
+                    "a long run",
                 )
             )
 

@@ -4,8 +4,8 @@ from .arrays cimport Memory
 from .integrator cimport Integrator
 from .rest cimport Rest
 
-cdef int _SAMPLES, _WAITING, _NONE
-cdef double _LONGEST
+cdef int _SAMPLES, _WAITING, _NONE, _FIRST_LOOK
+cdef double _LONGEST, _DRIFT, _LEAST_DRIFT
 
 @cython.final
 cdef class Run:
@@ -34,6 +34,9 @@ cdef class Run:
     # energies at the time looked at last, and what their account opened with
     cdef double kinetic, stored, dissipated, opening
     cdef double *supplied, *carried
+    # whether errors have added up, and the number of steps after which to look at that
+    cdef bint drifts
+    cdef long long look_at
     cdef readonly int waiting
     cdef double *waiting_time
     cdef int *waiting_tyre, *waiting_airborne
@@ -75,5 +78,7 @@ cdef class Run:
     cpdef void find_energies(self) noexcept nogil
     @cython.locals(e=int)
     cdef void _look(self, double time) noexcept nogil
+    @cython.locals(e=int, k=int, turned_over=double, off=double, tolerated=double)
+    cpdef double find_drift(self) noexcept nogil
     @cython.locals(k=int)
     cdef void hand_on(self, Integrator integrator, int *counterpart) noexcept nogil

@@ -24,6 +24,9 @@ _SAMPLES = 3  # for two slopes
 _LONGEST = 2.0  # duration of the extrapolation, in intervals of the last slope
 _WAITING = 1024  # switches that can wait; between two looks at them there are at most half as many
 _NONE = -1
+_FIRST_LOOK = 1000  # steps before the energies are looked at; later after twice as many each time
+_DRIFT = 30.0  # tolerances by which the energy may be off, of all energy held, taken and brought in
+_LEAST_DRIFT = 1e-9
 
 
 class Run:
@@ -83,6 +86,7 @@ class Run:
         for k in range(self.lines):
             self.line_time[k] = start
             self.line_value[k] = self.line_slope[k] = 0.0
+        self.look_at, self.drifts = _FIRST_LOOK, 0
         self.begin_contacts()
 
     # -- inputs --------------------------------------------------------------------------------------
@@ -325,6 +329,28 @@ class Run:
         supplied = [self.supplied[s] for s in range(self.signals)]
         return self.kinetic, self.stored, self.dissipated, tuple(supplied)
 
+    def find_drift(self):
+        """Return the part of all energy by which the balance is off, if errors have added up; else 0.
+
+        They do in a long run without damping, where nothing forgets them. It is told once.
+        """
+        if self.drifts or self.integrator.state.step_count < self.look_at:
+            return 0.0
+        self.look_at = 2 * self.integrator.state.step_count
+        self.integrator.find_energies(self.integrator.dense.end)
+        # all that has been there, and what has gone through it: a residual of that is no drift
+        turned_over = self.integrator.ledger.kinetic
+        for e in range(self.integrator.net.elements):
+            turned_over += fabs(self.integrator.ledger.kept[e])
+        for k in range(self.integrator.ledger.works):
+            turned_over += fabs(self.integrator.ledger.until[k])
+        off = fabs(self.integrator.state.residual_end)
+        tolerated = max(_DRIFT * self.integrator.stepper.errors.tolerance, _LEAST_DRIFT)
+        if off <= tolerated * turned_over:
+            return 0.0
+        self.drifts = 1
+        return off / turned_over
+
     # -- another integrator --------------------------------------------------------------------------
 
     def hand_on(self, integrator, counterpart):
@@ -396,7 +422,8 @@ class Run:
     def snapshot(self):
         """Return the state, apart from the integrator's, as numbers."""
         numbers = [
-            self.time, self.start, self.handed, self.interval, self.opening, self.sampled, self.waiting
+            self.time, self.start, self.handed, self.interval, self.opening, self.look_at,
+            self.sampled, self.drifts, self.waiting,
         ]  # fmt: skip
         for part in self._parts():
             numbers += part.tolist()
@@ -405,8 +432,8 @@ class Run:
     def restore(self, state):
         """Return to the state of a snapshot of the same run."""
         self.time, self.start, self.handed, self.interval, self.opening = state[:5]
-        self.sampled, self.waiting = int(state[5]), int(state[6])
-        at = 7
+        self.look_at, self.sampled, self.drifts, self.waiting = map(int, state[5:9])
+        at = 9
         for part in self._parts():
             kind = int if part.format == "i" else float
             for k in range(len(part)):

@@ -45,7 +45,7 @@ _ROOTS = [
     *(("Run", name) for name in (
         "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
         "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
-        "begin_account", "carry_account", "find_energies",
+        "begin_account", "carry_account", "find_energies", "find_drift",
     )),
     *(("Network", name) for name in ("signal_at", "next_corner", "set_datum")),
 ]  # fmt: skip

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
+from phaseplane.suspension.session import Session
 from phaseplane.suspension.variables import MODELS, variables
 from structures import STRUCTURES
 
@@ -124,6 +125,25 @@ def test_what_it_cannot_have_is_refused_in_words(
         with pytest.raises(Exception, match="status 3"):
             one.exitInitializationMode()
     assert why in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
+    fmi: int, native_fmu: Packer, capfd: Any
+) -> None:
+    undamped: dict[str, Any] = {
+        "damper.rebound_rate": 0.0, "damper.bump_rate": 0.0, "tyre.damping": 0.0, "lift_off": False,
+        "solver.tolerance": 1e-3,
+    }  # fmt: skip
+    session = Session("QuarterCar", undamped)
+    for k in range(1, 201):
+        session.advance(0.5 * k)
+    (wanted,) = [text for _, text in session.messages if "errors add up" in text]
+    fmu = native_fmu("QuarterCar", *undamped.items(), fmi=fmi)
+    simulate_fmu(str(fmu), stop_time=100.0, output_interval=0.5, debug_logging=True)
+    said = capfd.readouterr().out
+    assert said.count("errors add up") == 1
+    assert wanted in said
 
 
 def test_what_is_fixed_is_declared_so(native_fmu: Packer) -> None:

@@ -195,6 +195,7 @@ static void note_switches(Instance *one, double until) {
 static int step(Instance *one, double until, int stop) {
     State *now = &one->now;
     Integrator *integrator = &now->machine.integrator;
+    double drift;
     int status;
     integrator->halts = one->quiet ? 0 : one->update ? AT_STEPS : one->early_return ? AT_SWITCHES : 0;
     for (;;) {
@@ -218,6 +219,11 @@ static int step(Instance *one, double until, int stop) {
         now->passed_over = 1;
         say(one, "logAll", "switches follow one another without time between them, the first by "
             "%.6g s: passed over, results may be less exact there", integrator->state->time);
+    }
+    drift = Run_find_drift(&now->conduct.run);
+    if (drift > 0.0) {
+        say(one, "logAll", "errors add up: by %.6g s the energy balance is off by %.2g of all energy; "
+            "reduce solver.tolerance, or a fixed solver.step, for a long run", integrator->state->time, drift);
     }
     if (status == 0) return 0;
     now->ok = 0;
