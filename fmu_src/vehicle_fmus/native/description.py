@@ -53,6 +53,7 @@ def description(
         root, "CoSimulation", modelIdentifier=model, canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUstate="true", canSerializeFMUstate="true",
         canNotUseMemoryManagementFunctions="true", maxOutputDerivativeOrder="1",
+        providesDirectionalDerivative="true",
     )  # fmt: skip
     SubElement(SubElement(kind, "SourceFiles"), "File", name="all.c")
     root.append(unit_definitions(declared))

@@ -47,7 +47,7 @@ def description(
         canSerializeFMUState="true", canHandleVariableCommunicationStepSize="true",
         maxOutputDerivativeOrder="1", providesIntermediateUpdate="true",
         mightReturnEarlyFromDoStep="true", canReturnEarlyAfterIntermediateUpdate="true",
-        hasEventMode="true",
+        hasEventMode="true", providesDirectionalDerivatives="true",
     )  # fmt: skip
     root.append(_with_second(unit_definitions(declared)))
     categories = SubElement(root, "LogCategories")

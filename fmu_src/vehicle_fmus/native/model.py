@@ -223,11 +223,12 @@ def _tables(
         value = 0.0 if isinstance(start, str) else float(start)
         low, high = (float("-inf") if v.minimum is None else v.minimum,
                      float("inf") if v.maximum is None else v.maximum)  # fmt: skip
+        nominal = 1.0 if v.nominal is None else v.nominal
         index = inputs.index(v.name) if v.name in inputs else -1
         lines.append(
             f"    {{{_text(v.name)}, {_KIND[type(v.start)]}, {v.causality.upper()}, {int(v.tunable)}, "
-            f"{int(v.positive)}, {number(value)}, {number(low)}, {number(high)},\n"
-            f"        {_text(v.format_range())}, {text}, {index}}},"
+            f"{int(v.positive)}, {number(value)}, {number(low)}, {number(high)}, "
+            f"{number(nominal)},\n        {_text(v.format_range())}, {text}, {index}}},"
         )
     tyres = {axle.tyre for axle in system.axles if axle.tyre}
     lines += ["};", "", "static const struct {", "    const char *name;",

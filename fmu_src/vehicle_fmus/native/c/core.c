@@ -6,6 +6,8 @@
  */
 
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
+#define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
+#define APART 1e-3 /* distance of these places, of the size of what is varied */
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct State {
@@ -503,9 +505,23 @@ static double get_value(Instance *one, unsigned k) {
     return find_output(&now->machine.integrator, &now->conduct.run, now->derived, one->roads, k);
 }
 
+/* Return the derivative at x of the polynomial that is 1 at place i and 0 at the other places 0, 1, ... */
+static double slope_of(int i, double x) {
+    double slope = 0.0;
+    for (int j = 0; j < PLACES; j++) {
+        double product = 1.0;
+        if (j == i) continue;
+        for (int m = 0; m < PLACES; m++) {
+            if (m != i && m != j) product *= (x - m) / (i - m);
+        }
+        slope += product / (i - j);
+    }
+    return slope;
+}
+
 /* Find the derivative of an output by time at the present, within the last step.
  *
- * Displacements and velocities have velocities and accelerations. Others are read at five places of the
+ * Displacements and velocities have velocities and accelerations. Others are read at some places of the
  * step, around the present as far as it allows; the derivative is that of the polynomial through them.
  */
 static int find_rate(Instance *one, unsigned k, double *rate) {
@@ -513,7 +529,7 @@ static int find_rate(Instance *one, unsigned k, double *rate) {
     const Dense *dense = run->integrator->dense;
     const double present = run->time, h = (dense->end - dense->start) / 64;
     const double first = fmax(dense->start, fmin(present - 2 * h, dense->end - 4 * h));
-    double y[5];
+    double y[PLACES];
     if (!one->now.ready || !one->now.ok) return fail(one, "there is no motion to take derivatives of");
     if (has_own_rate(k)) {
         find_forces(one);
@@ -524,7 +540,7 @@ static int find_rate(Instance *one, unsigned k, double *rate) {
     *rate = 0.0;
     if (!is_continuous(k)) return 0;
     if (h <= 0.0) return fail(one, "%s: has no derivative before the first step", variables[k].name);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < PLACES; i++) {
         run->time = first + i * h;
         Integrator_sample(run->integrator, run->time);
         forget(one);
@@ -533,20 +549,7 @@ static int find_rate(Instance *one, unsigned k, double *rate) {
     run->time = present;
     Integrator_sample(run->integrator, present);
     forget(one);
-    for (int i = 0; i < 5; i++) {
-        /* the derivative of Lagrange's polynomial i, which is 1 at place i and 0 at the others */
-        const double x = (present - first) / h;
-        double slope = 0.0;
-        for (int j = 0; j < 5; j++) {
-            double product = 1.0;
-            if (j == i) continue;
-            for (int m = 0; m < 5; m++) {
-                if (m != i && m != j) product *= (x - m) / (i - m);
-            }
-            slope += product / (i - j);
-        }
-        *rate += y[i] * slope / h;
-    }
+    for (int i = 0; i < PLACES; i++) *rate += y[i] * slope_of(i, (present - first) / h) / h;
     return 0;
 }
 
@@ -581,4 +584,58 @@ static void restore(Instance *one, const State *state) {
     one->now = *state;
     one->refusal[0] = 0;
     wire(one);
+}
+
+/* ---- directional derivatives ----------------------------------------------------------------- */
+
+/* Find how outputs change if inputs and parameters do along a direction, the seed.
+ *
+ * The outputs of a step do not depend on inputs that are set after it. Those of the start follow inputs and
+ * parameters: they are found for some values along the direction, on one side where the other is refused.
+ */
+static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unknowns,
+        const unsigned known[], size_t knowns, const double seed[], double sensitivity[]) {
+    static const int firsts[] = {-2, 0, 1 - PLACES};
+    State *start = NULL;
+    double h = INFINITY;
+    int status = 0;
+    if (one->refusal[0]) return fail(one, "%s", one->refusal);
+    for (size_t k = 0; k < knowns; k++) {
+        const Variable *v = &variables[known[k]];
+        if (v->causality == OUTPUT || (v->causality == PARAMETER && one->now.initialised)) {
+            return fail(one, "%s: derivatives are by inputs, and before the end of initialisation by "
+                        "parameters", v->name);
+        }
+        if (seed[k] != 0.0) {
+            h = fmin(h, APART * fmax(fabs(get_value(one, known[k])), v->nominal) / fabs(seed[k]));
+        }
+    }
+    for (size_t k = 0; k < unknowns; k++) {
+        const Variable *v = &variables[unknown[k]];
+        if (v->causality != OUTPUT) return fail(one, "%s: derivatives are of outputs", v->name);
+        sensitivity[k] = 0.0;
+    }
+    if (one->now.initialised || h == INFINITY) return 0;
+    if (copy_state(one, &start)) return 1;
+    for (size_t side = 0; side < sizeof firsts / sizeof firsts[0]; side++) {
+        const int first = firsts[side];
+        for (size_t k = 0; k < unknowns; k++) sensitivity[k] = 0.0;
+        for (int i = 0; i < PLACES; i++) {
+            const double weight = slope_of(i, -first) / h;
+            restore(one, start);
+            for (size_t k = 0; k < knowns; k++) {
+                const double value = get_value(one, known[k]);
+                set_value(one, known[k], value + (first + i) * h * seed[k]);
+            }
+            status = begin(one);
+            if (status) break;
+            for (size_t k = 0; k < unknowns; k++) {
+                sensitivity[k] += weight * get_value(one, unknown[k]);
+            }
+        }
+        if (status == 0) break;
+    }
+    restore(one, start);
+    free(start);
+    return status;
 }

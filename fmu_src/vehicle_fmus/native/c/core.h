@@ -13,7 +13,7 @@ enum { PARAMETER, INPUT, OUTPUT };
 typedef struct Variable {
     const char *name;
     int kind, causality, tunable, positive;
-    double start, minimum, maximum;
+    double start, minimum, maximum, nominal;
     const char *range; /* the allowed values, in words */
     const char *text;  /* the start of a string */
     int index;         /* number of an input among the inputs */

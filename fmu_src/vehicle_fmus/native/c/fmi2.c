@@ -262,15 +262,22 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return fmi2OK;
 }
 
-/* ---- what it cannot do --------------------------------------------------------------------- */
-
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference unknown[],
         size_t unknowns, const fmi2ValueReference known[], size_t knowns, const fmi2Real seed[],
         fmi2Real sensitivity[]) {
-    (void) unknown, (void) unknowns, (void) known, (void) knowns, (void) seed, (void) sensitivity;
-    fail(&((Host *) c)->instance, "directional derivatives are not provided");
-    return failed(c, fmi2Error);
+    Host *host = c;
+    for (size_t k = 0; k < unknowns + knowns; k++) {
+        if (!is_of_kind(host, k < unknowns ? unknown[k] : known[k - unknowns], REAL)) {
+            return failed(host, fmi2Error);
+        }
+    }
+    if (find_sensitivity(&host->instance, unknown, unknowns, known, knowns, seed, sensitivity)) {
+        return failed(host, fmi2Error);
+    }
+    return fmi2OK;
 }
+
+/* ---- what it cannot do --------------------------------------------------------------------- */
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t count,
         const fmi2Integer order[], const fmi2Real value[]) {

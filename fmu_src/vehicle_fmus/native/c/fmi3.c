@@ -317,6 +317,23 @@ fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[
     return fmi3OK;
 }
 
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference unknown[],
+        size_t unknowns, const fmi3ValueReference known[], size_t knowns, const fmi3Float64 seed[],
+        size_t seeds, fmi3Float64 sensitivity[], size_t sensitivities) {
+    Host *host = c;
+    if (misplaced(host, "fmi3GetDirectionalDerivative", INITIALIZATION | EVENT | STEP | LOOKING) ||
+        !have_room(host, knowns, seeds) || !have_room(host, unknowns, sensitivities)) {
+        return failed(host);
+    }
+    for (size_t k = 0; k < unknowns + knowns; k++) {
+        if (!is_of_kind(host, k < unknowns ? unknown[k] : known[k - unknowns], REAL)) return failed(host);
+    }
+    if (find_sensitivity(&host->instance, unknown, unknowns, known, knowns, seed, sensitivity)) {
+        return failed(host);
+    }
+    return fmi3OK;
+}
+
 /* ---- whole state --------------------------------------------------------------------------- */
 
 fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
@@ -404,7 +421,6 @@ NO_FUNCTION(fmi3GetNumberOfVariableDependencies, "dependencies that change", fmi
         size_t *count)
 NO_FUNCTION(fmi3GetVariableDependencies, "dependencies that change", fmi3ValueReference vr, size_t a[],
         fmi3ValueReference b[], size_t d[], fmi3DependencyKind kind[], size_t count)
-NO_FUNCTION(fmi3GetDirectionalDerivative, "directional derivatives", SENSITIVITIES)
 NO_FUNCTION(fmi3GetAdjointDerivative, "adjoint derivatives", SENSITIVITIES)
 NO_FUNCTION(fmi3GetIntervalDecimal, "clocks with intervals", REFERENCES, fmi3Float64 interval[],
         fmi3IntervalQualifier qualifier[])
