@@ -96,9 +96,13 @@ class Stepped:
         return best
 
 
-def native_car(folder: Path) -> Path:
+def native_car(folder: Path, **settings: object) -> Path:
     """Pack the native FMU for this machine."""
-    (file,) = pack.build(["QuarterCar"], folder / "native", platforms=[compilers.this_platform()])
+    given = {name.replace("__", "."): value for name, value in settings.items()}
+    platforms = [compilers.this_platform()]
+    (file,) = pack.build(
+        ["QuarterCar"], folder / "native", platforms=platforms, parameters={"QuarterCar": given}
+    )
     return file
 
 
@@ -120,15 +124,11 @@ def step_costs(folder: Path, rounds: int = 15) -> dict[str, float]:
     return best_of({name: one.time for name, one in stepped.items()}, rounds)
 
 
-def host_costs(folder: Path) -> dict[str, float]:
-    """Return the processor time of the native FMU in a host in C, s: a step with 8 values, an instance.
-
-    An instance is made, initialised and freed.
-    """
-    fmu = native_car(folder)
+def in_host(folder: Path, fmu: Path, what: str, *words: object) -> list[float]:
+    """Let the host in C measure a native FMU; words that are names of variables become references."""
     unpacked = Path(extract(str(fmu)))
     description = read_model_description(str(unpacked), validate=False)
-    references = {v.name: str(v.valueReference) for v in description.modelVariables}
+    references = {v.name: v.valueReference for v in description.modelVariables}
     source = Path(__file__).parents[1] / "tests" / "vehicle_fmus" / "native" / "loading.c"
     headers, program = Path(pack.__file__).parent / "c", folder / "loading"
     subprocess.run(
@@ -136,12 +136,27 @@ def host_costs(folder: Path) -> dict[str, float]:
     )
     library = unpacked / "binaries" / "linux64" / "QuarterCar.so"
     done = subprocess.run(
-        [str(program), str(library), description.guid, "time", "1000", str(STEP),
-         *(references[name] for name in READ)],
+        [str(program), str(library), description.guid, what,
+         *(str(references.get(str(word), word)) for word in words)],
         check=True, capture_output=True, text=True,
     )  # fmt: skip
-    step, instance = map(float, done.stdout.split())
-    return {"step": 1e-9 * step, "instance": 1e-9 * instance}
+    return [1e-9 * float(time) for time in done.stdout.split()]
+
+
+def host_costs(folder: Path) -> dict[str, float]:
+    """Return the processor time of the native FMU in a host in C, s: a step with 8 values, an instance.
+
+    An instance is made, initialised and freed.
+    """
+    step, instance = in_host(folder, native_car(folder), "time", 1000, STEP, *READ)
+    return {"step": step, "instance": instance}
+
+
+def tuning_costs(folder: Path) -> dict[str, float]:
+    """Return the processor time of a step on a road as input, and of one with another spring rate, s."""
+    fmu = native_car(folder, road__shape="input")
+    step, tuned = in_host(folder, fmu, "tune", 1000, STEP, "spring.rate", 30000.0)
+    return {"step on sampled road": step, "step with parameter tuned": tuned}
 
 
 def run_costs(folder: Path, rounds: int = 9) -> dict[str, float]:
@@ -222,7 +237,8 @@ def measured() -> dict[str, Any]:
     """Return both tables with their ratios, the machine and the versions."""
     with tempfile.TemporaryDirectory() as work:
         step, scene = step_costs(Path(work)), scene_costs(Path(work))
-        host, run = host_costs(Path(work)), run_costs(Path(work))
+        host = host_costs(Path(work)) | tuning_costs(Path(work))
+        run = run_costs(Path(work))
     return {
         "machine": {"processor": _processor(), "python": platform.python_version(),
                     **{name: version(name) for name in ("fmpy", "pythonfmu")}},

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmu_cost import host_costs, run_costs, step_costs
+from fmu_cost import host_costs, run_costs, step_costs, tuning_costs
 
 
 def test_a_communication_step(tmp_path: Path) -> None:
@@ -23,3 +23,8 @@ def test_a_run_with_its_measures(tmp_path: Path) -> None:
     costs = run_costs(tmp_path)
     assert costs["through the FMU"] <= costs["FMPy"], costs
     assert costs["in process"] <= 0.35 * costs["FMPy"], costs
+
+
+def test_a_parameter_that_changes_costs_about_a_step(tmp_path: Path) -> None:
+    costs = tuning_costs(tmp_path)
+    assert costs["step with parameter tuned"] <= 2.5 * costs["step on sampled road"], costs

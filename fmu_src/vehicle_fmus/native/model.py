@@ -39,7 +39,7 @@ from .translate import needed, translated
 
 _ROOTS = [
     *(("Integrator", name) for name in (
-        "begin_row", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
+        "begin_row", "take_laws", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
         "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
     )),
     *(("Run", name) for name in (
@@ -133,7 +133,9 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     fields: dict[str, Number] = dict(machine.noted)
     at = machine.arrays[id(plain.net.row_direction)]
     fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
-    setting = _set_up(tape, plain.row(system, rest, rest), starts, (read, rates), fields)
+    row = plain.row(system, rest, rest)
+    laws = len(row) - len(plain_module("network").laws_of(packed))
+    setting = _set_up(tape, row, laws, starts, (read, rates), fields)
     continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
@@ -262,6 +264,7 @@ def _tables(
 def _set_up(
     tape: Tape,
     row: Sequence[Any],
+    laws: int,
     starts: Sequence[Any],
     read: tuple[_Expressions, _Expressions],
     fields: Mapping[str, Number],
@@ -278,13 +281,15 @@ def _set_up(
     wanted = [*(g.condition for g in guards), *rows, *derived, *set_fields.values()]
     lines = [
         f"#define ROW {len(row)}",
+        f"#define LAWS {laws} /* where those of the elements begin, up to the end of the row */",
+        f"#define FIELDS {max(len(set_fields), 1)}",
         f"#define DERIVED {len(derived)}",
         "",
         "/* Find the numbers of the system, as recorded from the set-up in Python.",
         " *",
         " * Return 0, or the number of the guard that does not hold, counted from 1.",
         " */",
-        "static int set_up(const double *p, Machine *of, double *row, double *derived) {",
+        "static int set_up(const double *p, double *row, double *fields, double *derived) {",
         *(f"    {line}" for line in tape.lines(wanted, names)),
     ]
     for k, guard in enumerate(guards, 1):
@@ -292,8 +297,18 @@ def _set_up(
         lines.append(f"    if ({f'!({text})' if guard.holds else text}) return {k};")
     lines += [f"    row[{k}] = {node.written(names)[0]};" for k, node in enumerate(rows)]
     lines += [f"    derived[{k}] = {node.written(names)[0]};" for k, node in enumerate(derived)]
-    lines += [f"    of->{name} = {node.written(names)[0]};" for name, node in set_fields.items()]
-    lines += ["    (void) of;", "    return 0;", "}", ""]
+    lines += [
+        f"    fields[{k}] = {n.written(names)[0]};" for k, n in enumerate(set_fields.values())
+    ]
+    lines += ["    (void) fields;", "    return 0;", "}", ""]
+    lines += [
+        "/* Set the fields that depend on parameters, and that no row has. */",
+        "static void enter_fields(const double *fields, Machine *of) {",
+        *(f"    of->{name} = fields[{k}];" for k, name in enumerate(set_fields)),
+        "    (void) fields, (void) of;",
+        "}",
+        "",
+    ]
     known = {id(node): f"derived[{k}]" for k, node in enumerate(derived)}
     outputs, rates = read
     parts = [

@@ -5,6 +5,9 @@
  *     loading LIBRARY GUID cycles COUNT              make and end instances; print bytes of the heap before, after
  *     loading LIBRARY GUID time STEPS SIZE NAMES...  print ns of processor time: of a step with its
  *                                                    outputs read, of making an instance, least of several
+ *     loading LIBRARY GUID tune STEPS SIZE REFERENCE VALUE
+ *                                                    print ns of processor time of a step, and of one
+ *                                                    before which the parameter is set to another value
  */
 
 #include <stdio.h>
@@ -105,6 +108,22 @@ static void measure(int steps, double size, int count) {
     printf("%.1f %.1f\n", 1e9 * step, 1e9 * making);
 }
 
+static double time_of_step(int steps, double size, double value) {
+    double least = 1e9;
+    for (int round = 0; round < 20; round++) {
+        fmi2Component one = begun();
+        const double start = seconds();
+        for (int k = 0; k < steps; k++) {
+            values[0] = k % 2 ? value : 1.01 * value;
+            if (value != 0.0) set_real(one, names, 1, values);
+            if (do_step(one, k * size, size, 1) != fmi2OK) exit(5);
+        }
+        least = (seconds() - start) / steps < least ? (seconds() - start) / steps : least;
+        free_instance(one);
+    }
+    return least;
+}
+
 static void cycle(int count) {
     for (int k = 0; k < 100; k++) free_instance(begun());
     const long before = IN_USE;
@@ -131,6 +150,12 @@ int main(int count, char **arguments) {
     get_real = (fmi2GetRealTYPE *) FIND(library, "fmi2GetReal");
     set_real = (fmi2SetRealTYPE *) FIND(library, "fmi2SetReal");
     if (strcmp(what, "cycles") == 0) cycle(atoi(arguments[4]));
+    if (strcmp(what, "tune") == 0) {
+        const int steps = atoi(arguments[4]);
+        const double size = atof(arguments[5]), plain = time_of_step(steps, size, 0.0);
+        names[0] = (fmi2ValueReference) atoi(arguments[6]);
+        printf("%.1f %.1f\n", 1e9 * plain, 1e9 * time_of_step(steps, size, atof(arguments[7])));
+    }
     if (strcmp(what, "refuse") == 0) {
         fmi2Component one = made();
         names[0] = (fmi2ValueReference) atoi(arguments[4]);

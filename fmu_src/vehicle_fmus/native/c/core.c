@@ -16,7 +16,7 @@ typedef struct State {
     double parameters[VARIABLES], used[VARIABLES]; /* by value reference; as set, and as in use */
     double inputs[VARIABLES];                      /* set before the end of initialisation */
     char is_set[VARIABLES];
-    double derived[DERIVED];
+    double row[ROW], fields[FIELDS], derived[DERIVED]; /* found from the parameters in use */
     double start, tolerance;
     double handed; /* end of the step for which the courses of the inputs were found, until one is set */
     int kept;      /* whether `behind` is of that step */
@@ -108,10 +108,10 @@ static int check_parameters(Instance *one, const double *p) {
     return 0;
 }
 
-/* Make a machine for the present parameters, at a time; on failure it is as good as none. */
-static int make_machine(Instance *one, Machine *machine, double time) {
+/* Find the numbers of the system with the present parameters. */
+static int find_numbers(Instance *one, double *row, double *fields) {
     State *now = &one->now;
-    double p[VARIABLES], row[ROW];
+    double p[VARIABLES];
     int guard;
     memcpy(p, now->parameters, sizeof p);
     if (check_parameters(one, p)) return 1;
@@ -121,15 +121,22 @@ static int make_machine(Instance *one, Machine *machine, double time) {
         if (check_parameters(one, p)) return 1;
     }
 #endif
+    guard = set_up(p, row, fields, now->derived);
+    if (guard) return fail(one, "%s", guards[guard - 1]);
+    memcpy(now->used, now->parameters, sizeof now->used);
+    return 0;
+}
+
+/* Make a machine of the numbers found, at a time; on failure it is as good as none. */
+static int make_machine(Instance *one, Machine *machine, double time) {
+    State *now = &one->now;
     *machine = machine_as_packed;
     machine_wire(machine);
-    guard = set_up(p, machine, row, now->derived);
-    if (guard) return fail(one, "%s", guards[guard - 1]);
-    if (Integrator_begin_row(&machine->integrator, row, 0, time) != 0) {
+    enter_fields(now->fields, machine);
+    if (Integrator_begin_row(&machine->integrator, now->row, 0, time) != 0) {
         return fail(one, "the mass matrix must be symmetric and positive definite; check masses and "
                     "inertias");
     }
-    memcpy(now->used, now->parameters, sizeof now->used);
     return 0;
 }
 
@@ -256,20 +263,42 @@ static int stop_here(Instance *one) {
     return status;
 }
 
-/* Rebuild the system with the parameters set, and continue from the present state. */
+/* Let another machine, made of the numbers found, go on from the present state. */
+static int replace_machine(Instance *one) {
+    State *now = &one->now;
+    int counterpart[ELEMENTS];
+    if (make_machine(one, &now->behind, now->conduct.run.time)) return 1;
+    for (int e = 0; e < ELEMENTS; e++) counterpart[e] = e;
+    Run_hand_on(&now->conduct.run, &now->behind.integrator, counterpart);
+    now->machine = now->behind;
+    machine_wire(&now->machine);
+    return 0;
+}
+
+/* Continue from the present state with the parameters set.
+ *
+ * Laws of elements are replaced where they are. What changes more needs another machine.
+ */
 static int take_parameters(Instance *one) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
-    int counterpart[ELEMENTS];
+    double row[ROW], fields[FIELDS] = {0.0};
+    int same;
     now->tuned = 0;
     if (memcmp(now->parameters, now->used, sizeof now->used) == 0) return 0;
     if (stop_here(one)) return 1;
     Run_find_energies(run);
-    if (make_machine(one, &now->behind, run->time)) return 1;
-    for (int e = 0; e < ELEMENTS; e++) counterpart[e] = e;
-    Run_hand_on(run, &now->behind.integrator, counterpart);
-    now->machine = now->behind;
-    machine_wire(&now->machine);
+    if (find_numbers(one, row, fields)) return 1;
+    same = memcmp(row, now->row, LAWS * sizeof *row) == 0 &&
+        memcmp(fields, now->fields, sizeof fields) == 0;
+    memcpy(now->row, row, sizeof row);
+    memcpy(now->fields, fields, sizeof fields);
+    if (same) {
+        Integrator_take_laws(&now->machine.integrator, row, LAWS);
+    } else if (replace_machine(one)) {
+        return 1;
+    }
+    now->kept = 0;
     Run_compare_contacts(run);
     Run_carry_account(run);
     if (run->waiting > 0) enter_due(one, run->time);
@@ -392,6 +421,7 @@ static int begin(Instance *one) {
     now->handed = -INFINITY;
     now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
     memset(now->ticks, 0, sizeof now->ticks);
+    if (find_numbers(one, now->row, now->fields)) return 1;
     if (make_machine(one, &now->machine, now->start)) return 1;
     now->behind = now->machine;
     now->conduct = conduct_as_packed;
