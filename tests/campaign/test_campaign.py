@@ -130,7 +130,7 @@ def test_what_counts_as_rest_or_as_a_jump_goes_with_the_units(seed: int) -> None
 
 
 def test_a_curved_tyre_in_flight_touches_down_when_its_force_says_so() -> None:
-    """Steps in flight are long, their force is no quintic, and a corner of the spring comes soon after."""
+    """Steps in flight are long, their force is no quintic, and a corner of the spring comes soon."""
     assert judging.examine(draws.draw(1425))["failures"] == []
 
 
