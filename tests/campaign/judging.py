@@ -139,6 +139,7 @@ class Standard:
     motion: truth.Truth
     start: Array
     usable: Array  # bool: not next to a switch, where forces and accelerations may jump
+    reach: float  # m, that of the system before anything has moved
 
     @property
     def rows(self) -> dict[str, Array]:
@@ -150,7 +151,7 @@ class Standard:
 
     def errors(self, rows: dict[str, Array]) -> dict[str, float]:
         """The largest error of each kind, over its largest value; of what rests, all or none."""
-        rounding = _LITTLE * float(np.abs(self.motion.displacements).max())
+        rounding = _LITTLE * max(self.reach, float(np.abs(self.motion.displacements).max()))
         if self.scale("displacements") <= rounding:
             moved = float(np.abs(rows["displacements"] - self.motion.displacements).max())
             return dict.fromkeys(KINDS, 0.0 if moved <= rounding else np.inf)
@@ -174,7 +175,8 @@ def standard(drawn: Drawn) -> Standard:
     times = instants(drawn)
     session = Session(drawn.model, drawn.parameters)
     start = np.array([*session.state.q, *session.state.v], float)
-    motion = truth.solve(build(drawn.model, drawn.parameters), start, times)
+    system = build(drawn.model, drawn.parameters)
+    motion = truth.solve(system, start, times)
     events = np.array(sorted({t for t, *_ in motion.switches} | set(motion.jumps)))
     usable = np.ones(len(times), bool)
     if len(events):
@@ -186,7 +188,7 @@ def standard(drawn: Drawn) -> Standard:
             np.abs(events[after] - times), np.abs(times - events[np.maximum(after - 1, 0)])
         )
         usable = gaps > min(near, 2e-4)
-    return Standard(motion, start, usable)
+    return Standard(motion, start, usable, max(system.scales))
 
 
 def examine(drawn: Drawn, only: str = "") -> dict[str, Any]:
