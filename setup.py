@@ -73,11 +73,15 @@ DIRECTIVES = {
 }
 # in the order in which they need each other
 MODULES = (
-    "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws", "elements", "network",
-    "dense", "balance", "columns", "motion", "modes", "errors", "method", "extrapolated", "increments",
-    "wilson", "exact", "methods", "stepper", "switches", "ledger", "watch", "march", "handover",
-    "integrator", "rest", "run", "lines",
+    "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
+    "elements", "branches", "network", "dense", "bends", "balance", "columns", "motion",
+    "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact", "methods",
+    "stepper", "straight_tyres", "switches", "step_readings", "potential", "ledger", "watch",
+    "reading", "switch_log", "limited", "march", "handover", "integrator", "rest", "inputs",
+    "contacts", "account", "run", "lines",
 )  # fmt: skip
+
+INTEGERS = re.compile(r"^cdef int ([_A-Z0-9, ]+)$", re.MULTILINE)
 
 
 def staged() -> str:
@@ -93,20 +97,28 @@ def staged() -> str:
     STAGE.mkdir(parents=True)
     (STAGE / "__init__.py").touch()
     sources = [KERNEL / f"{module}.py" for module in MODULES]
+    types = [path.with_suffix(".pxd") for path in sources if path.with_suffix(".pxd").exists()]
+    texts = [path.read_text(encoding="utf-8") for path in types]
+    integers = {
+        name for text in texts for names in INTEGERS.findall(text) for name in names.split(", ")
+    }
     target = STAGE / "integrator.py"
-    target.write_text(one_source(sources), encoding="utf-8")
-    types = [path.with_suffix(".pxd") for path in sources]
-    target.with_suffix(".pxd").write_text(one_set_of_types(types), encoding="utf-8")
+    source, values = one_source(sources, integers)
+    target.write_text(source, encoding="utf-8")
+    target.with_suffix(".pxd").write_text(one_set_of_types(texts, values), encoding="utf-8")
     return str(target)
 
 
-def one_source(paths: list[Path]) -> str:
-    """All modules one after the other, without what they import from each other or uncompiled.
+def one_source(paths: list[Path], integers: set[str]) -> tuple[str, dict[str, str]]:
+    """All modules one after the other, and the values of the integers, which C has as constants.
+
+    Left out is what modules import from each other or uncompiled.
 
     Raises
     ------
     ValueError : two modules define the same function or class, or different constants of one name; in
-        one module, the later would take the place of the earlier.
+        one module, the later would take the place of the earlier. Or one statement defines integers
+        and other constants.
     """
     imports: dict[str, None] = {}
     known: dict[str, str] = {}
@@ -121,10 +133,15 @@ def one_source(paths: list[Path]) -> str:
                 case ast.Import() | ast.ImportFrom(level=0):
                     imports[written] = None
                 case ast.Assign():
-                    for name, value in assigned(node):
+                    pairs = assigned(node)
+                    for name, value in pairs:
                         if known.setdefault(name, value) != value:
                             raise ValueError(f"{path.name}: {name} = {value}, not {known[name]}")
-                    continue
+                    kinds = {name in integers for name, _ in pairs}
+                    if len(kinds) > 1:
+                        raise ValueError(f"{path.name}: integers stand apart: {written}")
+                    if kinds == {False}:
+                        continue
                 case ast.FunctionDef(name=name) | ast.ClassDef(name=name):
                     if name in defined:
                         raise ValueError(f"{path.name}: {name} is defined in {defined[name]}, too")
@@ -139,7 +156,7 @@ def one_source(paths: list[Path]) -> str:
             for line in range(node.lineno - 1, node.end_lineno):
                 lines[line] = ""
         bodies.append("\n".join(lines))
-    return "\n".join([*imports, *bodies])
+    return "\n".join([*imports, *bodies]), {name: known[name] for name in sorted(integers)}
 
 
 def assigned(node: ast.Assign) -> list[tuple[str, str]]:
@@ -151,23 +168,21 @@ def assigned(node: ast.Assign) -> list[tuple[str, str]]:
     return [(ast.unparse(target), ast.unparse(value))]
 
 
-def one_set_of_types(paths: list[Path]) -> str:
-    """All declarations of C types, those of constants once each."""
+def one_set_of_types(texts: list[str], integers: dict[str, str]) -> str:
+    """All declarations of C types, those of constants once each, integers with their values."""
     taken: dict[str, set[str]] = {}
     bodies = []
-    for path in paths:
-        if not path.exists():
-            continue
-        text = path.read_text(encoding="utf-8")
+    for text in texts:
         for source, names in re.findall(r"^from (\S+) cimport (.+)$", text, re.MULTILINE):
             if not source.startswith("."):
                 taken.setdefault(f"from {source} cimport", set()).update(names.split(", "))
-        for kind, names in re.findall(r"^cdef (int|double) ([_A-Z0-9, ]+)$", text, re.MULTILINE):
-            taken.setdefault(f"cdef {kind}", set()).update(names.split(", "))
+        for names in re.findall(r"^cdef double ([_A-Z0-9, ]+)$", text, re.MULTILINE):
+            taken.setdefault("cdef double", set()).update(names.split(", "))
         once = r"^(from \S+ cimport .+|cimport cython|cdef (int|double) [_A-Z0-9, ]+)$"
         bodies.append(re.sub(once, "", text, flags=re.MULTILINE))
     head = [f"{what} {', '.join(sorted(names))}" for what, names in taken.items()]
-    return "\n".join(["cimport cython", *head, *bodies])
+    values = [f"    {name} = {value}" for name, value in integers.items()]
+    return "\n".join(["cimport cython", *head, "cdef enum:", *values, *bodies])
 
 
 def translated(source: str) -> str:

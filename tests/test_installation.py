@@ -56,7 +56,7 @@ def test_two_meanings_of_one_name_are_refused(
     installer: Any, tmp_path: Path, first: str, second: str
 ) -> None:
     with pytest.raises(ValueError, match=r"part1\.py: _(same|Same|SAME) "):
-        installer.one_source(modules(tmp_path, first, second))
+        installer.one_source(modules(tmp_path, first, second), set())
 
 
 def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
@@ -66,8 +66,20 @@ def test_modules_follow_one_another(installer: Any, tmp_path: Path) -> None:
         "from .part0 import root\n_N = 2\ndef twice(): return 2.0 * root()",
     )
     found: dict[str, Any] = {}
-    exec(installer.one_source(parts), found)
+    source, integers = installer.one_source(parts, set())
+    exec(source, found)
     assert found["twice"]() == pytest.approx(2.0 * 2.0**0.5)
+    assert not integers
+
+
+def test_integers_of_the_kernel_are_constants_of_c(installer: Any, tmp_path: Path) -> None:
+    parts = modules(tmp_path, "_N, _M = 2, 3\n_X = 0.5", "from .part0 import _N\n_N = 2")
+    source, integers = installer.one_source(parts, {"_N", "_M"})
+    assert integers == {"_M": "3", "_N": "2"}
+    assert [line for line in source.splitlines() if line] == ["_X = 0.5"]
+    assert "    _M = 3\n    _N = 2" in installer.one_set_of_types([], integers)
+    with pytest.raises(ValueError, match="integers stand apart"):
+        installer.one_source(modules(tmp_path, "_N, _X = 2, 0.5"), {"_N"})
 
 
 def test_every_module_of_the_kernel_is_compiled(installer: Any) -> None:

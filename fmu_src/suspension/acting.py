@@ -7,7 +7,7 @@ parameters of the same axle.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from .declared import ROAD_SHAPES
 from .variable import Value
@@ -15,22 +15,19 @@ from .variable import Value
 _AXLES = ("front.", "rear.")
 
 
-@dataclass(frozen=True, slots=True)
-class Given:
+class Given(NamedTuple):
     """At least one of these must be given (not empty, not 0) and have an effect."""
 
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Without:
+class Without(NamedTuple):
     """None of these may be given and have an effect: each replaces the parameter."""
 
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Among:
+class Among(NamedTuple):
     """Another parameter must have one of these values."""
 
     name: str
@@ -99,8 +96,7 @@ CONDITIONS: Mapping[str, tuple[Condition, ...]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Idle:
+class Idle(NamedTuple):
     """A parameter that has no effect.
 
     Parameters

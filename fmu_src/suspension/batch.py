@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import ceil, isfinite, nan
 from operator import itemgetter
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,11 +25,13 @@ from .outputs import Reading, reading_of
 from .reasons import why_stopped
 from .series import Series, is_at_end, is_over_time, joints
 from .session import start_state
-from .slots import Slots
 from .systems import System
 from .variable import Variable
 from .variables import ParameterError, Value, checked_parameters, refuse_unknown, variables
 from .variables import outputs as outputs_of
+
+if TYPE_CHECKING:
+    from .slots import Slots
 
 _Solver = tuple[str, float, float, float, str]  # method, step, tolerance, theta, beyond
 _CHUNK = 1024  # runs per task of a thread
@@ -182,8 +185,7 @@ def _outputs(model: str, wanted: Callable[[Reading], bool]) -> list[str]:
     return [name for name, v in declared.items() if wanted(reading_of(v, system))]
 
 
-@dataclass(frozen=True, slots=True)
-class _Task:
+class _Task(NamedTuple):
     """What all runs have in common."""
 
     model: str
@@ -288,6 +290,8 @@ class _Bench:
         self._known[key] = None
         try:
             kind = self._kind(_solver(parameters), build(model, parameters))
+            from .slots import Slots  # noqa: PLC0415  (a single run needs none)
+
             slots = Slots(model, parameters, varied, kind.integrator, self._task.times[0])
             self._known[key] = slots, kind
         except Exception:

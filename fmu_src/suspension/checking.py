@@ -17,6 +17,7 @@ from math import inf, isfinite, sqrt
 from operator import mul
 
 from .characteristics import Characteristic
+from .elimination import Matrix, pivot_rows
 from .engine import Integrator
 from .reasons import why_stopped
 from .systems import Element, System
@@ -265,16 +266,9 @@ def _mass(mass: Sequence[Sequence[float]]) -> Iterator[str]:
         yield "mass: not positive definite; some motion would have no inertia"
 
 
-def _definite(matrix: Sequence[Sequence[float]], least: float = 0.0) -> bool:
-    """Return whether every pivot of the elimination is above `least` times its diagonal entry."""
-    rows = [list(row) for row in matrix]
-    for k, row in enumerate(rows):
-        if not (isfinite(row[k]) and row[k] > least * abs(matrix[k][k])):
-            return False
-        for other in rows[k + 1 :]:
-            ratio = other[k] / row[k]
-            other[:] = [x - ratio * y for x, y in zip(other, row, strict=True)]
-    return True
+def _definite(matrix: Matrix) -> bool:
+    """Return whether every pivot of the elimination is positive."""
+    return all(0.0 < row[k] < inf for k, row in enumerate(pivot_rows(matrix)))
 
 
 def _element(element: Element) -> Iterator[str]:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 from .units import UNITS, UnitError, nearest, to_si
 
 _COMMENT = "#"
 
 
-@dataclass(frozen=True, slots=True)
-class Wanted:
+class Wanted(NamedTuple):
     """A column to read.
 
     Parameters
@@ -230,7 +229,9 @@ def _column(file: str, heading: Sequence[str], name: str) -> int:
         return found[0]
     if found:
         raise ValueError(f"{file}: {len(found)} columns are called {name!r}")
-    columns = ", ".join(map(repr, heading)) or "none"
+    if not heading:
+        raise ValueError(f"{file} is empty")
+    columns = ", ".join(map(repr, heading))
     raise ValueError(
         f"{file} has no column {name!r}; its columns are {columns}{nearest(name, heading)}"
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf
+from typing import NamedTuple
 
 from .systems import Axle, System
 from .variable import Value, Variable
@@ -41,8 +42,7 @@ class Line:
         return self.terms[0][0] if alone and self.terms[0][1] == 1.0 else None
 
 
-@dataclass(frozen=True, slots=True)
-class OfContact:
+class OfContact(NamedTuple):
     """An output that follows from the lift-offs and touchdowns of a tyre.
 
     Parameters
@@ -57,23 +57,20 @@ class OfContact:
     what: str
 
 
-@dataclass(frozen=True, slots=True)
-class OfFlow:
+class OfFlow(NamedTuple):
     """An output of the element that yields: `permanent_set` or `yielding`."""
 
     element: int
     what: str
 
 
-@dataclass(frozen=True, slots=True)
-class OfRun:
+class OfRun(NamedTuple):
     """An output of the run: `energy_residual`, `stable_step`, `step_count` or `ok`."""
 
     what: str
 
 
-@dataclass(frozen=True, slots=True)
-class OfLedger:
+class OfLedger(NamedTuple):
     """An entry of the energy ledger.
 
     Parameters

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, reduce
 from itertools import pairwise
 from math import inf, isfinite
 from operator import add
+from typing import NamedTuple
 
 from . import characteristics, roads
 from .characteristics import Characteristic
@@ -234,8 +235,7 @@ def _damper_element(
     return Element(f"{prefix}damper", direction, damper=damper, road=road, modulation=modulation)
 
 
-@dataclass(frozen=True, slots=True)
-class _Stop:
+class _Stop(NamedTuple):
     """An end stop: names of its element and parameters, how it is made, and where it acts.
 
     Parameters

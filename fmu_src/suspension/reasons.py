@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from .elimination import solve
 from .engine import FAILURES, KINDS
 
 if TYPE_CHECKING:
@@ -39,11 +40,11 @@ def _diverged(one: Integrator, system: System) -> str:
     return f"{system.coordinates[k]} is at {q[k]:.3g} m; the last step was {one.last_attempt:.3g} s"
 
 
-def _too_small(one: Integrator, system: System) -> str:
+def _short_steps(one: Integrator, system: System) -> str:
     rate, k = _fastest_motion(one, system)
     return (
-        f"{one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, changes at "
-        f"{rate:.3g} 1/s"
+        f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, "
+        f"changes at {rate:.3g} 1/s"
     )
 
 
@@ -83,27 +84,19 @@ def _no_time(one: Integrator, system: System) -> str:
     return f"the last are those of the {', '.join(names)}" if names else ""
 
 
-def _too_many(one: Integrator, system: System) -> str:
-    rate, k = _fastest_motion(one, system)
-    return (
-        f"the last was {one.last_attempt:.3g} s; the fastest motion, that of {system.coordinates[k]}, "
-        f"changes at {rate:.3g} 1/s"
-    )
-
-
 def _out_of_balance(one: Integrator, system: System) -> str:
     return f"{one.residual_end:.3g} J; the last step was {one.last_attempt:.3g} s"
 
 
 _DETAILS: dict[int, Callable[[Integrator, System], str]] = {
     2: _diverged,
-    3: _too_small,
+    3: _short_steps,
     4: _no_equilibrium,
     5: _not_positive,
     6: _unstable,
     7: _energy_grows,
     8: _no_time,
-    9: _too_many,
+    9: _short_steps,
     11: _out_of_balance,
 }
 
@@ -136,25 +129,10 @@ def _fastest_mode(one: Integrator, system: System) -> tuple[float, int]:
     largest = 0.0
     for _ in range(_ITERATIONS):
         force = [sum(k * v for k, v in zip(row, x, strict=True)) for row in stiffness]
-        x = _solved(system.mass, force)
+        x = solve(system.mass, force)
         largest = max(map(abs, x))
         if largest == 0.0:
             break
         x = [v / largest for v in x]
     moved = max(range(len(x)), key=lambda i: abs(x[i]) * system.mass[i][i] ** 0.5)
     return largest**0.5, moved
-
-
-def _solved(matrix: Sequence[Sequence[float]], right: Sequence[float]) -> list[float]:
-    """Solve a system with a symmetric positive definite matrix by elimination."""
-    n = len(right)
-    rows = [[*matrix[i], right[i]] for i in range(n)]
-    for i in range(n):
-        for j in range(i + 1, n):
-            factor = rows[j][i] / rows[i][i]
-            rows[j] = [b - factor * a for a, b in zip(rows[i], rows[j], strict=True)]
-    x = [0.0] * n
-    for i in reversed(range(n)):
-        known = sum(rows[i][j] * x[j] for j in range(i + 1, n))
-        x[i] = (rows[i][n] - known) / rows[i][i]
-    return x

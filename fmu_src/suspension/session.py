@@ -26,6 +26,7 @@ from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import Checked, number
 from .variables import (
+    SOLVER_PARAMETERS,
     ParameterError,
     Value,
     checked_parameters,
@@ -36,6 +37,7 @@ from .variables import (
 
 _HALTED, _AT_SWITCHES = -1, 1  # as in kernel.march
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
+_TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 _MOST_EVENTS = 100_000  # stored per run
 
 
@@ -71,7 +73,8 @@ class Session:
     model : a key of `variables.MODELS`, such as `QuarterCar`
     parameters : public parameters by name, in SI or as texts with units; the others at their defaults
     start_time : s
-    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default
+    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A host may give
+        any: one outside the range of `solver.tolerance` is not used, and a message says so
 
     Raises
     ------
@@ -86,9 +89,9 @@ class Session:
         tolerance: float | None = None,
     ) -> None:
         self.model = model
-        self._tolerance = tolerance
         self.ok = True
         self.messages: list[tuple[str, str]] = []
+        self._tolerance = self._allowed(tolerance)
         self._warned = self._passed_over = False
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         self.parameters = checked_parameters(model, parameters)
@@ -134,17 +137,26 @@ class Session:
         if state != (list(self._integrator.sample_q), list(self._integrator.sample_v)):
             self._integrator.set_state(*state)
             self._behind = self._integrator.snapshot()
-        self._run.begin_contacts()
-        self._run.begin_account()
+        self._run.contacts.begin(self._integrator)
+        self._run.account.begin(self._integrator)
         self._energies = None
+
+    def _allowed(self, tolerance: float | None) -> float | None:
+        """Return the host's tolerance if it can be used; hosts that have none may give 0."""
+        try:
+            return float(_TOLERANCE.checked(tolerance)) if tolerance else None
+        except ParameterError as error:
+            self.messages.append(
+                ("info", f"the host's tolerance of {tolerance:g} is not used: {error}")
+            )
+            return None
 
     def _new_integrator(self, system: System, time: float) -> Integrator:
         """Return an integrator that starts at a time, s, with the solver's parameters."""
         p = self.parameters
         wanted = p["solver.tolerance"]
-        if self._tolerance is not None and self._tolerance > 0.0:
-            declared = next(v for v in variables(self.model) if v.name == "solver.tolerance")
-            wanted = self._tolerance if wanted == declared.start else wanted
+        if self._tolerance is not None and wanted == _TOLERANCE.start:
+            wanted = self._tolerance
         method = str(p["solver.method"])
         try:
             return Integrator(
@@ -164,7 +176,7 @@ class Session:
         self._system, self._integrator = system, integrator
         self._behind = integrator.snapshot()
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
-        self.contacts = Contacts(*self._run.contacts())
+        self.contacts = Contacts(*self._run.contacts.seen())
         self.state = State(system, integrator)
         # of use while `ok`; they do not hold the session, which so goes with its last owner
         self.readers = Readers(outputs(self.model), system, integrator, proxy(self))
@@ -293,7 +305,7 @@ class Session:
 
     def _note_drift(self) -> None:
         """Say once that errors have added up: in a long run without damping nothing forgets them."""
-        part = self._run.find_drift()
+        part = self._run.account.find_drift(self._integrator)
         if part > 0.0:
             self.messages.append(
                 (
@@ -325,9 +337,9 @@ class Session:
         parameters = Checked(self.model, {**self.parameters, **tuned})
         if parameters == self.parameters:
             return
-        system = replace(build(self.model, parameters), signals=self._signals)
+        system = self._on_present_road(parameters)
         self._stop_here()
-        self._run.find_energies()
+        self._run.account.find(self._integrator, self.time)
         self.parameters = parameters
         if _has_other_laws_alone(system, self._system) and self._integrator.fits(system):
             self._integrator.retune(system)
@@ -335,9 +347,17 @@ class Session:
             self._behind = self._integrator.snapshot()
         else:
             self._replace_integrator(system)
-        self._run.compare_contacts()
-        self._run.carry_account()
+        self._run.contacts.compare(self._integrator, self.time)
+        self._run.account.carry(self._integrator)
         self._energies = None
+
+    def _on_present_road(self, parameters: Checked) -> System:
+        """Return the system with other parameters and the present signals; no road is made again."""
+        flat = {"road.shape": "flat"} if "road.shape" in parameters else {}
+        system = build(self.model, Checked(self.model, {**parameters, **flat}))
+        if any(self._signals[axle.road].scale for axle in system.axles):
+            return replace(system, signals=self._signals, scales=self._system.scales)
+        return replace(system, signals=self._signals)
 
     def _replace_integrator(self, system: System) -> None:
         """Let a new integrator of another system go on from the present state."""
@@ -355,7 +375,7 @@ class Session:
         self._forget_events()
         self._step(self.time, stop=True)
         # what happened up to now was reported when it was first passed
-        self._run.forget_waiting()
+        self._run.contacts.forget_waiting()
         del self.messages[reported:]
 
     def _hand_over(self, until: float) -> None:
@@ -383,7 +403,7 @@ class Session:
             name = self._system.elements[element].name
             self.events.append(Event(time, name, KINDS[kind], before, after))
             if element in self._tyre_elements and KINDS[kind] == "contact":
-                self._run.note_contact(time, element, after)
+                self._run.contacts.note(time, element, after)
             elif name.endswith("stop"):
                 met = (after < before) == name.endswith("bump_stop")
                 self.messages.append(
@@ -405,8 +425,8 @@ class Session:
     def energies(self) -> Energies:
         """Return the energies at the present time; see `kernel.run`."""
         if self._energies is None:
-            self._run.find_energies()
-            self._energies = Energies(*self._run.energies())
+            self._run.account.find(self._integrator, self.time)
+            self._energies = Energies(*self._run.account.energies())
         return self._energies
 
     # -- outputs -------------------------------------------------------------------------------------
@@ -415,7 +435,7 @@ class Session:
         """Interpolate the state at the present time."""
         self._energies = None
         now = self._run.time
-        while (c := self._run.next_contact(now)) >= 0:
+        while (c := self._run.contacts.next(now)) >= 0:
             airborne = self.contacts.airborne[c]
             instants = self.contacts.last_lift_off if airborne else self.contacts.last_touchdown
             what = f"{_wheel(self._tyres[c])}{'lift-off' if airborne else 'touchdown'}"

@@ -9,7 +9,7 @@ too.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import isfinite
 from typing import Any
@@ -116,34 +116,6 @@ class Tape:
     def node(self, value: Any) -> Node:
         """Return the node of a number, noted or plain."""
         return value.node if isinstance(value, Number) else self.constant(value)
-
-    def lines(self, wanted: Iterable[Node], names: dict[int, str]) -> list[str]:
-        """Return the C that computes nodes in order: those that are used more than once get a name.
-
-        Parameters
-        ----------
-        wanted : nodes
-        names : names of nodes that are known; new ones are added
-        """
-        uses: dict[int, int] = {}
-        found: list[Node] = []
-        waiting = [(node, False) for node in reversed(list(wanted))]
-        while waiting:  # chains of operations, as along a spline, are longer than Python's stack
-            node, done = waiting.pop()
-            if done:
-                found.append(node)
-                continue
-            uses[id(node)] = uses.get(id(node), 0) + 1
-            if uses[id(node)] == 1 and id(node) not in names:
-                waiting.append((node, True))
-                waiting += [(operand, False) for operand in reversed(node.operands)]
-        lines = []
-        for node in found:
-            if node.operands and uses[id(node)] > 1:
-                text = node.written(names)[0]
-                names[id(node)] = name = f"t{len(names)}"
-                lines.append(f"const double {name} = {text};")
-        return lines
 
 
 def number(value: float) -> str:

@@ -32,6 +32,7 @@ MOST = 3.0  # tolerances: what a run may be off
 _LITTLE = 1e-12  # a disturbance as rounding makes it; a smaller motion is rest
 _INSTANTS = 160
 _STEPS = (1e-3, 5e-4, 2.5e-4)  # s, of methods with fixed steps
+_ADVISED = 8e-6  # s, if none of them is short enough
 _ADVICE = "shorten solver.step"  # of a run that a step is too long for
 _MOST_FIXED = 0.1  # of the peak, at the shortest of them
 _TIME = 60  # s of one run, of which nothing ever takes so long
@@ -307,13 +308,16 @@ def _examine_exact(found: dict[str, Any], drawn: Drawn, right: Standard, judge: 
 
 
 def _examine_fixed(found: dict[str, Any], drawn: Drawn, right: Standard) -> None:
+    """Fixed steps; if all are refused with the advice to shorten them, it is followed."""
     failures, method = found["failures"], drawn.method
-    errors = []
-    for step in _STEPS:
+    errors: list[float] = []
+    for step in (*_STEPS, _ADVISED):
+        if step == _ADVISED and errors:
+            break
         what = f"{method}, {step:g} s"
         refusals: list[str] = []
         motion = _attempt(refusals, what, drawn, right.motion.times, method=method, step=step)
-        if refusals and step > _STEPS[-1] and _ADVICE in refusals[0]:
+        if refusals and step > _ADVISED and not errors and _ADVICE in refusals[0]:
             found.setdefault("refused", []).append(refusals[0])
             continue
         failures += refusals

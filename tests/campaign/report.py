@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ KINDS = ("displacements", "velocities", "accelerations", "forces")
 
 
 def text(results: Sequence[Mapping[str, Any]]) -> str:
-    """Distribution, worst, and what is not explained."""
+    """Distribution, worst, and what is not explained: tables as docs/validation.md has them."""
     compared = [r for r in results if r["errors"]]
     models = Counter(r["model"] for r in results)
     lines = [
@@ -20,76 +20,85 @@ def text(results: Sequence[Mapping[str, Any]]) -> str:
         f"{sum(r.get('switches', 0) for r in results)} switches; "
         f"{sum('without' in r for r in results)} without a reference",
         "",
-        "errors in tolerances        systems   median     90 %     99 %    worst  (its number)",
+        *_head("errors in tolerances"),
     ]
     for tolerance in ("0.001", "0.0001", "1e-06", "1e-08"):
-        for kind in KINDS:
-            lines.append(_line(tolerance, kind, _column(compared, tolerance, kind)))
-    lines += [_line("exact 1e-6", kind, _exact(compared, kind)) for kind in KINDS]
-    lines += ["", *_fixed(compared), "", *_symmetries(compared), ""]
-    unexplained = [(r, line) for r in results for line in r["failures"]]
-    explained = [(r, line) for r in results for line in r.get("explained", ())]
-    refused = [(r, line) for r in results for line in r.get("refused", ())]
-    lines.append(
-        f"fixed steps of 1 or 0.5 ms refused, with the advice to shorten them: {len(refused)}"
-    )
-    lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in refused]
-    lines.append(f"beyond 3 tolerances, but explained by the system: {len(explained)}")
-    lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in explained]
-    lines.append(f"wrong: {len(unexplained)} in {len({r['seed'] for r, _ in unexplained})} systems")
-    lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in unexplained]
+        lines += _kinds(tolerance, [r["errors"].get(tolerance) for r in results], results)
+    lines += _kinds("`exact`, 1e-06", [r.get("exact") for r in results], results)
+    lines += ["", *_symmetries(results), "", *_fixed(compared), ""]
+    for key, title in (
+        ("refused", "fixed steps refused, with the advice to shorten them"),
+        ("explained", "beyond 3 tolerances, but explained by the system"),
+        ("failures", "wrong"),
+    ):
+        found = [(r, line) for r in results for line in r.get(key, ())]
+        lines.append(f"{title}: {len(found)} in {len({r['seed'] for r, _ in found})} systems")
+        lines += [f"  {r['seed']} {r['model']}: {line}" for r, line in found]
     return "\n".join(lines)
 
 
 _Column = list[tuple[float, int]]
 
 
-def _column(results: Iterable[Mapping[str, Any]], tolerance: str, kind: str) -> _Column:
-    return [(r["errors"][tolerance][kind], r["seed"]) for r in results if tolerance in r["errors"]]
+def _head(what: str) -> list[str]:
+    return [
+        f"| {what} | systems | median | 90 % | 99 % | worst | its number |",
+        "|---|---:|---:|---:|---:|---:|---:|",
+    ]
 
 
-def _exact(results: Iterable[Mapping[str, Any]], kind: str) -> _Column:
-    return [(r["exact"][kind], r["seed"]) for r in results if "exact" in r]
+def _kinds(
+    what: str,
+    errors: Sequence[Mapping[str, float] | None],
+    results: Sequence[Mapping[str, Any]],
+) -> Iterator[str]:
+    for kind in KINDS:
+        column = [(e[kind], r["seed"]) for e, r in zip(errors, results, strict=True) if e]
+        yield _line(f"{what}: {kind}", column)
 
 
-def _line(what: str, kind: str, column: _Column) -> str:
+def _line(what: str, column: _Column) -> str:
     if not column:
-        return f"{f'{what:<10} {kind}':<27} {0:>7}"
+        return f"| {what} | 0 | | | | | |"
     values = np.array([value for value, _ in column])
     shares = np.quantile(values, [0.5, 0.9, 0.99], method="lower")
     worst, seed = max(column)
-    numbers = " ".join(f"{x:>8.2g}" for x in (*shares, worst))
-    return f"{f'{what:<10} {kind}':<27} {len(column):>7} {numbers}  ({seed})"
+    numbers = " | ".join(f"{x:.2g}" for x in (*shares, worst))
+    return f"| {what} | {len(column)} | {numbers} | {seed} |"
 
 
-def _fixed(results: Iterable[Mapping[str, Any]]) -> Iterable[str]:
+def _fixed(results: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """For each method the errors at its fixed steps and the order between the last two."""
-    yield "fixed steps of 1, 0.5, 0.25 ms: displacements over the peak (median), order (median)"
+    yield "| displacements over the peak (median) | systems | 1 ms | 0.5 ms | 0.25 ms | order (median) |"
+    yield "|---|---:|---:|---:|---:|---:|"
     by_method: dict[str, list[list[float]]] = {}
     for result in results:
         if "fixed" in result:
             by_method.setdefault(result["fixed"]["method"], []).append(result["fixed"]["errors"])
     for method, rows in sorted(by_method.items()):
         errors = np.array(rows)
+        medians = " | ".join(f"{x:.2g}" for x in np.median(errors, axis=0))
         moved = errors[(errors > 1e-12).all(axis=1)]
-        order = np.median(np.log2(moved[:, 1] / moved[:, 2])) if len(moved) else np.nan
-        medians = " ".join(f"{x:.2g}" for x in np.median(errors, axis=0))
-        yield f"{method:<14} {len(rows):>5} systems   {medians}   {order:.2f}"
+        order = "rounding"
+        if np.median(errors) > 1e-9:
+            order = f"{np.median(np.log2(moved[:, 1] / moved[:, 2])):.2f}"
+        yield f"| `{method}` | {len(rows)} | {medians} | {order} |"
 
 
-def _symmetries(results: Sequence[Mapping[str, Any]]) -> Iterable[str]:
+def _symmetries(results: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """What is left of each symmetry, in tolerances of 1e-6, and the order of inputs."""
-    yield "left of symmetries           systems   median     90 %     99 %    worst  (its number)"
+    yield from _head("left of a symmetry, in tolerances of 1e-6")
     found: dict[str, _Column] = {}
     for r in results:
         for name, value in r.get("symmetries", {}).items():
             found.setdefault(name, []).append((value, r["seed"]))
     for name, column in found.items():
-        yield _line(name, "", column)
+        yield _line(name, column)
     errors = np.array([r["inputs"] for r in results if "inputs" in r])
     moved = errors[(errors > 1e-7).all(axis=1)] if len(errors) else errors
     if len(moved):
         orders = np.quantile(0.5 * np.log2(moved[:, 0] / moved[:, 1]), [0.1, 0.5, 0.9])
+        yield ""
         yield (
             f"road as an input: {len(moved)} systems, order {orders[1]:.2f} "
             f"(10 to 90 %: {orders[0]:.2f} to {orders[2]:.2f})"

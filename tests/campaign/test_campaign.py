@@ -134,6 +134,26 @@ def test_a_curved_tyre_in_flight_touches_down_when_its_force_says_so() -> None:
     assert judging.examine(draws.draw(1425))["failures"] == []
 
 
+@pytest.mark.parametrize(
+    ("seed", "only"),
+    [
+        (1633, "1e-06"),  # a damper of 1e7 N s/m that moves a mass at 0 m and one at -0.05 m
+        (2539, "0.0001"),  # steps that end on the knee of a saturating damper of 7e5 N s/m
+        # fixed steps refused, until one is as short as the advice says
+        pytest.param(2412, "tangent", marks=pytest.mark.slow),
+    ],
+)
+def test_strong_dampers_are_followed(seed: int, only: str) -> None:
+    assert judging.examine(draws.draw(seed), only)["failures"] == []
+
+
+@pytest.mark.parametrize("seed", [1976, 2155, 2568])
+def test_a_kerb_is_the_limit_of_ramps_that_are_short_beside_the_decay_of_a_tyre(seed: int) -> None:
+    apart = symmetries.short_ramps(symmetries.case(draws.draw(seed)))
+    assert apart is not None
+    assert apart < judging.MOST * symmetries.TOLERANCE
+
+
 def test_a_campaign_goes_on_where_it_was(tmp_path: Path) -> None:
     results = tmp_path / "results.jsonl"
     command = [sys.executable, "-P", str(HERE), "--to", str(results)]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from phaseplane.suspension.kernel.integrator import Integrator
+from phaseplane.suspension.engine import Integrator
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import Session
 

@@ -77,10 +77,10 @@ def test_a_jump_is_no_slope(before: float, after: float, jump: int) -> None:
 
 
 def test_of_two_slopes_the_smaller_one_counts_and_at_a_turn_none() -> None:
-    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 5.0)).slope(0, 3.0) == 2.0
-    assert course((0.0, 0.0), (1.0, -2.0), (2.0, -5.0)).slope(0, 3.0) == -2.0
-    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 2.0)).slope(0, 3.0) == 0.0
-    assert course((0.0, 0.0), (1.0, 3.0)).slope(0, 2.0) == 0.0
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 5.0)).inputs.slope(0, 3.0) == 2.0
+    assert course((0.0, 0.0), (1.0, -2.0), (2.0, -5.0)).inputs.slope(0, 3.0) == -2.0
+    assert course((0.0, 0.0), (1.0, 3.0), (2.0, 2.0)).inputs.slope(0, 3.0) == 0.0
+    assert course((0.0, 0.0), (1.0, 3.0)).inputs.slope(0, 2.0) == 0.0
 
 
 def test_a_later_call_at_the_same_instant_replaces_the_earlier_one() -> None:
@@ -88,9 +88,9 @@ def test_a_later_call_at_the_same_instant_replaces_the_earlier_one() -> None:
     made.time = 2.0
     made.set_input(0, 17.0)
     made.set_input(0, 2.0)
-    assert (made.samples[0], list(made.sample_time[:3])) == (3, [0.0, 1.0, 2.0])
-    assert list(made.sample_value[:3]) == [0.0, 1.0, 2.0]
-    assert made.slope(0, 3.0) == 1.0
+    assert (made.inputs.samples[0], list(made.inputs.sample_time[:3])) == (3, [0.0, 1.0, 2.0])
+    assert list(made.inputs.sample_value[:3]) == [0.0, 1.0, 2.0]
+    assert made.inputs.slope(0, 3.0) == 1.0
 
 
 def test_a_host_that_falls_silent_leaves_the_value_as_it_was_set() -> None:
@@ -171,7 +171,12 @@ def order(
 
 ROADS = {"OneDof": ("",), "QuarterCar": ("",), "HalfCarRigidTyres": ("front_", "rear_"),
          "HalfCar": ("front_", "rear_")}  # fmt: skip
-FORCES = {**dict.fromkeys(ROADS, ("body_force", 400.0)), "Elastoplastic": ("force", 4.0)}
+FORCES = [
+    (model, variable.name)
+    for model in (*ROADS, "Elastoplastic")
+    for variable in variables(model)
+    if variable.causality == "input" and variable.name.endswith("force")
+]
 
 
 def straight(model: str) -> dict[str, object]:
@@ -184,10 +189,10 @@ def straight(model: str) -> dict[str, object]:
     return found | ({"lift_off": False} if model in ("QuarterCar", "HalfCar") else {})
 
 
-@pytest.mark.parametrize("model", FORCES)
-def test_a_force_from_outside_is_right_to_second_order(model: str) -> None:
-    name, size = FORCES[model]
+@pytest.mark.parametrize(("model", "name"), FORCES)
+def test_a_force_from_outside_is_right_to_second_order(model: str, name: str) -> None:
     still: dict[str, object] = {"road.shape": "flat"} if model in ROADS else {}
+    size = 400.0 if model in ROADS else 4.0
     found = order(model, {**straight(model), **still}, {name: lambda t: size * wave(t)})
     assert 1.8 < found < 2.4
 

@@ -230,20 +230,6 @@ def test_the_error_goes_with_the_tolerance() -> None:
     assert max(typical) < min(0.5, 2.5 * min(typical))
 
 
-def test_the_state_can_be_put_back_to_the_bit() -> None:
-    integrator = Integrator(build("QuarterCar", STOPS))
-    integrator.advance(0.04)
-    kept = integrator.snapshot()
-    integrator.advance(0.8)
-    ahead = integrator.snapshot()
-    integrator.restore(kept)
-    assert integrator.snapshot() == kept
-    integrator.advance(0.8)
-    assert integrator.snapshot() == ahead
-    with pytest.raises(ValueError, match="another system"):
-        Integrator(build("QuarterCar", {})).restore(kept)
-
-
 def test_unusable_systems_are_refused() -> None:
     with pytest.raises(ValueError, match="positive definite"):
         Integrator(oscillator(0.0, 1.0, 0.0))

@@ -348,7 +348,7 @@ def test_a_force_table_is_read_alike(tmp_path: Path) -> None:
     [
         ("x,z\n0,1\n", ("m", "kg"), "unit 'kg' does not fit here; allowed: m, mm"),
         ("x,z\n0,1\n", ("N", "m"), "unit 'N' does not fit here; allowed: m, .* s, ms"),
-        ("", ("m", "m"), "has no column 'x'; its columns are none"),
+        ("", ("m", "m"), "is empty"),
         ("X,z\n0,1\n", ("m", "m"), "road.csv has no column 'x'.*columns are 'X', 'z'"),
         ("x,z,x\n0,1,2\n", ("m", "m"), "2 columns are called 'x'"),
         ("x,z\n", ("m", "m"), "no rows"),

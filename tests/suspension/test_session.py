@@ -46,9 +46,10 @@ def test_forces_and_accelerations_obey_the_equations_of_motion() -> None:
     p = session.parameters
     for t in np.linspace(0.0, 0.3, 31):
         session.advance(float(t))
+        # AP57 eq. 14
         suspension = sum(
             float(session.value(f"{name}_force")) for name in ("spring", "damper", "bump_stop")
-        )  # AP57 eq. 14
+        )
         body = float(p["sprung_mass"]) * float(session.value("body_acceleration"))
         wheel = float(p["unsprung_mass"]) * float(session.value("wheel_acceleration"))
         tyre = float(session.value("tyre_force"))
@@ -126,6 +127,17 @@ def test_the_tolerance_of_the_host_counts_where_none_is_set() -> None:
     for session in (coarse, own):
         session.advance(1.0)
     assert own.value("step_count") > 1.3 * coarse.value("step_count")  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("tolerance", [-1.0, 0.5, 2.0, float("nan"), float("inf")])
+def test_a_tolerance_that_a_host_cannot_mean_is_told_and_not_used(tolerance: float) -> None:
+    odd, own = Session("QuarterCar", {}, tolerance=tolerance), Session("QuarterCar", {})
+    for session in (odd, own):
+        session.advance(0.3)
+    (text,) = [text for _, text in odd.messages if "tolerance" in text]
+    assert f"the host's tolerance of {tolerance:g} is not used: solver.tolerance = " in text
+    assert odd.value("body_acceleration") == own.value("body_acceleration")
+    assert odd.value("step_count") == own.value("step_count")
 
 
 def test_without_gravity_the_wheel_never_leaves() -> None:

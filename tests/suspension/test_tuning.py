@@ -7,6 +7,7 @@ from math import cos, pi, sin, sqrt
 import pytest
 from phaseplane.suspension import session as session_module
 from phaseplane.suspension.session import Session, SimulationError
+from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.variables import MODELS, ParameterError
 from phaseplane.suspension.variables import outputs as session_outputs
 
@@ -210,6 +211,26 @@ def test_a_change_of_laws_makes_no_integrator_and_reads_no_road(
     assert made == []
     # a road that is no input is in no snapshot: it would be some 80 bytes for each of its segments
     assert size == len(session.integrator.snapshot()) < 80 * len(session._signals["road"].segments)
+
+
+@pytest.mark.parametrize("road", [
+    {"road.shape": "random"}, {"road.shape": "spline", "road.table": "0:0, 1:0.05, 2:0"},
+])  # fmt: skip
+@pytest.mark.parametrize("name", ["front.damper.rebound_rate", "front.bump_stop.stiffness"])
+def test_a_change_makes_no_road_again(
+    road: dict[str, str], name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    session = Session("HalfCar", {"speed": 20.0, **road})
+    session.advance(0.1)
+    roads, scales = dict(session._signals), session._system.scales
+    made: list[int] = []
+    monkeypatch.setattr(Signal, "delayed", lambda self, _: made.append(len(self.segments)) or self)
+    session.set_parameter(name, 1234.0)
+    session.advance(0.2)
+    assert made == [1]  # a flat one
+    assert session._system.scales == scales
+    assert all(session._system.signals[name] is road for name, road in roads.items())
+    assert session.ok
 
 
 def test_what_is_not_a_law_is_changed_by_another_integrator() -> None:

@@ -1,26 +1,22 @@
 cimport cython
+from .bends cimport Bends
 from .linear cimport solve
 from .network cimport Network
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS
 
 @cython.final
 cdef class Balance:
     cdef Network net
-    cdef int n, instants, last, bends
-    cdef bint loads_hold, joined
+    cdef Bends bends
+    cdef int n, instants, last
+    cdef bint loads_hold
     cdef double *fraction, *tangent_k, *tangent_c
-    cdef double *constant, *loads, *load_rate, *under, *carrier, *force, *force_k, *force_c
+    cdef double *constant, *loads, *load_rate, *under, *carrier
     cdef double[1024] stiffness, damping, flexibility
     cdef double[32] q, v, a, j, f
-    cdef int *bent_row, *bent_first, *bent_piece, *bent_factor, *bent_law
 
     @cython.locals(i=int)
     cdef void enter(self) noexcept nogil
-    @cython.locals(r=int, e=int, k=int, p=int, first=int, count=int)
-    cdef void _list_bends(self) noexcept nogil
-    @cython.locals(i=int, force=double, k=double, c=double, damping=double, slope=double)
-    cdef inline void bend(self, int p, double d, double w) noexcept nogil
     @cython.locals(k=int)
     cdef void prepare(self, double t, double h) noexcept nogil
     cdef void loads_at_end(self, double t) noexcept nogil

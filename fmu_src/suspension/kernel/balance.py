@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import cython
 
+from .bends import Bends
+
 if not cython.compiled:
     from .linear import solve
-
-_SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS = 0, 1, 2, 3, 5  # as in elements
 
 
 MOST_COORDINATES, MOST_ROWS = 32, 64  # for which there is room
@@ -48,19 +48,11 @@ class Balance:
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
         self.loads_hold = 0  # whether the loads of the present branches are constant, and known
-        self.bends = 0  # number of rows with a curved force
-        self.joined = False  # whether one of them is of joined pieces
-        self.bent_row, self.bent_first = memory.marks(rows), memory.marks(rows + 1)
-        laws = 2 * self.net.elements
-        self.bent_law = memory.marks(laws)
-        self.bent_piece, self.bent_factor = memory.marks(laws), memory.marks(laws)
+        self.bends = Bends(network)
         # road of each bent row, its rate
         self.under = memory.zeros(2 * rows * (self.instants + 1))
         # acceleration of the road of sticking rows
         self.carrier = memory.zeros(rows * self.instants)
-        # of each bent row
-        self.force, self.force_k = memory.zeros(rows), memory.zeros(rows)
-        self.force_c = memory.zeros(rows)
 
     def enter(self):
         """Read the present branches."""
@@ -71,59 +63,7 @@ class Balance:
         for i in range(self.n * self.n):
             self.stiffness[i], self.damping[i] = self.tangent_k[i], self.tangent_c[i]
             self.flexibility[i] = self.net.flexibility[i]
-        self._list_bends()
-
-    def _list_bends(self):
-        """List the curved pieces, row by row."""
-        self.bends = count = 0
-        self.joined = False
-        if self.net.always_straight:
-            return
-        for r in range(self.net.rows):
-            first = count
-            for e in range(self.net.elements):
-                if self.net.element_row[e] != r or self.net.branch[_KINDS * e + _CONTACT]:
-                    continue
-                if not self.net.spring_is_straight(e):
-                    self.bent_piece[count] = self.net.piece_now(e, _SPRING)
-                    self.bent_law[count] = _SPRING
-                    count += 1
-                if not self.net.damper_is_straight(e):
-                    self.bent_piece[count] = self.net.piece_now(e, _DAMPER)
-                    self.bent_factor[count] = self.net.piece_now(e, _MODULATION)
-                    self.bent_law[count] = _MODULATION if self.net.modulated[e] else _DAMPER
-                    count += 1
-            for k in range(first, count):
-                p = self.bent_piece[k]
-                if self.net.run_last[p] > self.net.run_first[p]:
-                    self.joined = True
-            if count > first:
-                self.bent_row[self.bends], self.bent_first[self.bends] = r, first
-                self.bends += 1
-                self.bent_first[self.bends] = count
-
-    def bend(self, p, d, w):
-        """Find the curved force of bent row p at deflection d and rate w, and its derivatives."""
-        force = 0.0
-        k = 0.0
-        c = 0.0
-        for i in range(self.bent_first[p], self.bent_first[p + 1]):
-            if self.bent_law[i] == _SPRING:
-                self.net.law_and_slope(self.bent_piece[i], d)
-                force += self.net.value
-                k += self.net.slope
-                continue
-            self.net.law_and_slope(self.bent_piece[i], w)
-            if self.bent_law[i] == _DAMPER:
-                force += self.net.value
-                c += self.net.slope
-                continue
-            damping, slope = self.net.value, self.net.slope
-            self.net.law_and_slope(self.bent_factor[i], d)
-            force += damping * self.net.value
-            c += slope * self.net.value
-            k += damping * self.net.slope
-        self.force[p], self.force_k[p], self.force_c[p] = force, k, c
+        self.bends.enter()
 
     # -- loads -------------------------------------------------------------------------------------
 
@@ -150,7 +90,7 @@ class Balance:
         """Use the loads of one instant for another, too."""
         for i in range(self.n):
             self.loads[self.n * other + i] = self.loads[self.n * k + i]
-        for p in range(2 * self.bends):
+        for p in range(2 * self.bends.count):
             self.under[2 * self.net.rows * other + p] = self.under[2 * self.net.rows * k + p]
         for p in range(self.net.stuck):
             self.carrier[self.net.rows * other + p] = self.carrier[self.net.rows * k + p]
@@ -165,8 +105,8 @@ class Balance:
                 self.load_rate[i] = 0.0
             self._add_loads(self.load_rate, 0, 1)
         at = 2 * self.net.rows * k
-        for p in range(self.bends):
-            s = self.net.row_signal[self.bent_row[p]]
+        for p in range(self.bends.count):
+            s = self.net.row_signal[self.bends.row[p]]
             if s >= 0:
                 self.under[at + 2 * p] = self.net.road[4 * s]
                 self.under[at + 2 * p + 1] = self.net.road[4 * s + 1]
@@ -217,7 +157,7 @@ class Balance:
             self.net.rest(v)
             self._solve_rows(q, v, a, j)
             return
-        if self.loads_hold and self.bends:
+        if self.loads_hold and self.bends.count:
             self.net.all_signals(t)
         self.loads_at_end(t)
         self._solve(q, v, a, j)
@@ -227,7 +167,7 @@ class Balance:
         if self.net.stuck:
             self.end(t, q, v, a, j)
             return
-        if self.loads_hold and self.bends:
+        if self.loads_hold and self.bends.count:
             self.net.all_signals(t)
         self._solve(q, v, a, j)
 
@@ -275,46 +215,46 @@ class Balance:
         self._find_force(n, self.instants - 1)
         multiply(self.flexibility, 0, self.f, 0, n, self.a, 0)
         resist(self.damping, self.a, self.stiffness, self.v, 0, n, self.load_rate, 0, self.f)
-        if self.bends:
+        if self.bends.count:
             self._add_bend_rates(n)
         multiply(self.flexibility, 0, self.f, 0, n, self.j, 0)
 
     def _find_force(self, n, k):
         """Set `f` to all forces on the masses at the state `q`, `v`, with the loads at instant k."""
         resist(self.damping, self.v, self.stiffness, self.q, 0, n, self.loads, n * k, self.f)
-        for p in range(self.bends):
-            r = self.bent_row[p]
+        for p in range(self.bends.count):
+            r = self.bends.row[p]
             at = 2 * (self.net.rows * k + p)
             d = -self.under[at]
             w = -self.under[at + 1]
             for i in range(n):
                 d += self.net.row_direction[n * r + i] * self.q[i]
                 w += self.net.row_direction[n * r + i] * self.v[i]
-            self.bend(p, d, w)
+            self.bends.find(p, d, w)
             for i in range(n):
-                self.f[i] -= self.net.row_direction[n * r + i] * self.force[p]
+                self.f[i] -= self.net.row_direction[n * r + i] * self.bends.force[p]
 
     def _add_bend_rates(self, n):
         """Add the rates of the curved forces to `f`, and find the tangents with them."""
         for i in range(n * n):
             self.tangent_k[i], self.tangent_c[i] = self.stiffness[i], self.damping[i]
-        for p in range(self.bends):
-            r = self.bent_row[p]
+        for p in range(self.bends.count):
+            r = self.bends.row[p]
             s = self.net.row_signal[r]
             dv = -self.net.road[4 * s + 1] if s >= 0 else 0.0
             da = -self.net.road[4 * s + 2] if s >= 0 else 0.0
             for i in range(n):
                 dv += self.net.row_direction[n * r + i] * self.v[i]
                 da += self.net.row_direction[n * r + i] * self.a[i]
-            rate = self.force_k[p] * dv + self.force_c[p] * da
+            rate = self.bends.force_k[p] * dv + self.bends.force_c[p] * da
             for i in range(n):
                 b = self.net.row_direction[n * r + i]
                 self.f[i] -= b * rate
                 if b != 0.0:
                     for m in range(n):
                         x = b * self.net.row_direction[n * r + m]
-                        self.tangent_k[n * i + m] += x * self.force_k[p]
-                        self.tangent_c[n * i + m] += x * self.force_c[p]
+                        self.tangent_k[n * i + m] += x * self.bends.force_k[p]
+                        self.tangent_c[n * i + m] += x * self.bends.force_c[p]
 
 
 def multiply(m, at, x, first, n, out, to):

@@ -4,7 +4,7 @@ from .balance cimport Balance, multiply, resist
 from .network cimport Network
 
 cdef int _SUBSTEPS, _ITERATIONS
-cdef double _ENDLESS, _EPSILON, _SMALL, _LEAST_SHARE, _AHEAD, _DEPENDENT
+cdef double LEAST_SHARE, _ENDLESS, _EPSILON, _SMALL, _AHEAD, _DEPENDENT
 
 @cython.final
 cdef class Columns:

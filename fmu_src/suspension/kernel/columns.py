@@ -42,7 +42,7 @@ _ITERATIONS = 60
 _ENDLESS = 1e290  # m/s^2
 _EPSILON = 4e-16  # relative error of a sum of forces
 _SMALL = 1e-10  # relative size of corrections that may stop decreasing
-_LEAST_SHARE = 1e-3  # of a correction
+LEAST_SHARE = 1e-3  # of a correction
 _DEPENDENT = 1e-12  # share of a condition that those before it leave, if it follows from them
 _AHEAD = 10.0  # times the correction expected next
 
@@ -136,10 +136,10 @@ class Columns:
                 self.q[n * c + i] = q[i]
                 self.v[n * c + i] = v[i]
                 self.a[n * c + i] = a[i]
-        if self.balance.bends:
+        if self.balance.bends.count:
             self._begin_rows(n, a, j)
         # with constants as arguments the compiler unrolls loops and drops branches
-        if self.balance.bends or self.net.stuck:
+        if self.balance.bends.count or self.net.stuck:
             if n == 2:
                 return self._advance(2, True)
             return self._advance(4, True) if n == 4 else self._advance(n, True)
@@ -180,7 +180,7 @@ class Columns:
         for c in range(self.columns):
             if self.net.stuck and self._hold(n, c) != 0:
                 return 1
-            if self.balance.bends:
+            if self.balance.bends.count:
                 self._couple(n, c)
         self.step = h
         return 0
@@ -266,13 +266,13 @@ class Columns:
 
     def _couple(self, n, c):
         """Find W b and b' W b of the curved rows."""
-        bends, rows = self.balance.bends, self.net.rows
+        bends, rows = self.balance.bends.count, self.net.rows
         for p in range(bends):
-            self._spread(n, c, self.balance.bent_row[p])
+            self._spread(n, c, self.balance.bends.row[p])
             for i in range(n):
                 self.yield_of[n * (rows * c + p) + i] = self.f[i]
             for o in range(bends):
-                self.coupling[rows * (rows * c + p) + o] = self._along(n, self.balance.bent_row[o])
+                self.coupling[rows * (rows * c + p) + o] = self._along(n, self.balance.bends.row[o])
 
     # -- one substep -------------------------------------------------------------------------------
 
@@ -303,17 +303,21 @@ class Columns:
             u = self.balance.carrier[self.net.rows * instant + p]
             for i in range(n):
                 self.a[n * c + i] += self.carried[n * (self.net.rows * c + p) + i] * u
-        if self.balance.bends == 1:
+        if self.balance.bends.count == 1:
             return self._bend(n, 1, c, k, instant)
-        if self.balance.bends == 2:
+        if self.balance.bends.count == 2:
             return self._bend(n, 2, c, k, instant)
-        return self._bend(n, self.balance.bends, c, k, instant) if self.balance.bends else 0
+        return (
+            self._bend(n, self.balance.bends.count, c, k, instant)
+            if self.balance.bends.count
+            else 0
+        )
 
     def _begin_rows(self, n, a, j):
         """Set the past of every column so that the first substep expects a0 + s j0."""
         self.bend = -1.0
-        for p in range(self.balance.bends):
-            r = self.balance.bent_row[p]
+        for p in range(self.balance.bends.count):
+            r = self.balance.bends.row[p]
             x = 0.0
             rate = 0.0
             for i in range(n):
@@ -339,7 +343,7 @@ class Columns:
             lack = 0.0
             rounding = 0.0
             for p in range(bends):
-                self.balance.bend(
+                self.balance.bends.find(
                     p,
                     self.d[p] + self.sixth[c] * self.x[p],
                     self.w[p] + self.half[c] * self.x[p],
@@ -348,7 +352,7 @@ class Columns:
                 rest = self.x0[p] - self.x[p]
                 size = fabs(self.x0[p])
                 for o in range(bends):
-                    x = self.coupling[rows * (rows * c + p) + o] * self.balance.force[o]
+                    x = self.coupling[rows * (rows * c + p) + o] * self.balance.bends.force[o]
                     rest -= x
                     size += fabs(x)
                 self.rest[p] = rest
@@ -356,11 +360,7 @@ class Columns:
                 rounding = max(rounding, _EPSILON * size)
             if not lack < _ENDLESS:
                 return DIVERGED
-            if (
-                lack > lack_before
-                and before > _SMALL / _EPSILON * rounding
-                and share > _LEAST_SHARE
-            ):
+            if lack > lack_before and before > _SMALL / _EPSILON * rounding and share > LEAST_SHARE:
                 share *= 0.5
                 for p in range(bends):
                     self.x[p] -= share * self.dx[p]
@@ -390,7 +390,7 @@ class Columns:
         """Find d*, w* and x without curved forces, and expect x as a parabola through the last three."""
         at = 2 * self.net.rows * instant
         for p in range(bends):
-            r = self.balance.bent_row[p]
+            r = self.balance.bends.row[p]
             d = 0.0
             w = 0.0
             x = 0.0
@@ -410,7 +410,7 @@ class Columns:
         rows = self.net.rows
         sixth, half = self.sixth[c], self.half[c]
         if bends == 1:
-            slope = sixth * self.balance.force_k[0] + half * self.balance.force_c[0]
+            slope = sixth * self.balance.bends.force_k[0] + half * self.balance.bends.force_c[0]
             pivot = 1.0 + self.coupling[rows * rows * c] * slope
             if not pivot > 0.0:
                 return 1
@@ -419,7 +419,7 @@ class Columns:
         for p in range(bends):
             self.dx[p] = self.rest[p]
             for o in range(bends):
-                slope = sixth * self.balance.force_k[o] + half * self.balance.force_c[o]
+                slope = sixth * self.balance.bends.force_k[o] + half * self.balance.bends.force_c[o]
                 self.matrix[rows * p + o] = self.coupling[rows * (rows * c + p) + o] * slope
             self.matrix[rows * p + p] += 1.0
         for k in range(bends):
@@ -439,8 +439,11 @@ class Columns:
     def _take_rows(self, n, bends, c, k):
         """Add what the forces of the curved rows do, and note their accelerations."""
         for p in range(bends):
-            slope = self.sixth[c] * self.balance.force_k[p] + self.half[c] * self.balance.force_c[p]
-            force = self.balance.force[p] + slope * self.dx[p]
+            slope = (
+                self.sixth[c] * self.balance.bends.force_k[p]
+                + self.half[c] * self.balance.bends.force_c[p]
+            )
+            force = self.balance.bends.force[p] + slope * self.dx[p]
             at = self.net.rows * c + p
             for i in range(n):
                 self.a[n * c + i] -= self.yield_of[n * at + i] * force

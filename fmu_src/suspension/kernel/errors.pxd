@@ -1,12 +1,12 @@
 cimport cython
-from libc.math cimport fabs
+from libc.math cimport fabs, pow
 from .balance cimport Balance
 from .linear cimport decompose, solve
 from .modes cimport Modes
 from .motion cimport Motion
 from .network cimport Network
 
-cdef double _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _READ_PHASE, _NEGLIGIBLE, _LONG_PHASE, _PARTS
+cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _LONG_PHASE, _STRONG
 
 @cython.final
 cdef class Errors:
@@ -16,12 +16,14 @@ cdef class Errors:
     cdef Network net
     cdef int n, order
     cdef bint controlled, own_jerks
-    cdef double tolerance, time, step, error, allowed
+    cdef double tolerance, time, step, error, allowed, none
     cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
     @cython.locals(i=int, size=double)
     cdef void begin(self) noexcept nogil
     cdef inline void note(self, double size) noexcept nogil
+    @cython.locals(factor=double)
+    cdef double factor(self) noexcept nogil
     @cython.locals(i=int, slowest=double)
     cdef double negligible(self, double h) noexcept nogil
     @cython.locals(i=int)
@@ -33,5 +35,9 @@ cdef class Errors:
     cdef void read_middle(self, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void find_lack(self, double h) noexcept nogil
+    @cython.locals(i=int, rounding=double, lack=double)
+    cdef void note_middle(self, double h) noexcept nogil
+    @cython.locals(i=int, decay=double)
+    cdef double of_reading(self, double h) noexcept nogil
     @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)
     cdef bint can_read(self, double x, double h) noexcept nogil

@@ -4,7 +4,7 @@ from .linear cimport solve
 from .method cimport Method
 from .network cimport Network
 
-cdef int _TERMS, _POWERS, _SEGMENT
+cdef int _TERMS, _POWERS
 cdef double _SHORT, _FINER
 
 @cython.final

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import cython
 
+from .layout import AMPLITUDE, ANGLE, C1, C2, C3, ORIGIN, SEGMENT, SPEED
 from .method import Method
 from .outcomes import DIVERGED
 
@@ -27,7 +28,6 @@ if not cython.compiled:
 _TERMS = 16
 _SHORT = 0.5  # largest change of any motion or road in one part, for which the terms suffice
 _POWERS = 4  # of time, in the cubic of a signal
-_SEGMENT = 10  # as in signals
 # times as accurate in q must a septic be whose rates and accelerations are read
 _FINER = 128.0
 
@@ -98,8 +98,8 @@ class Propagator:
                     return 0
         for s in range(self.net.signals):
             g = self._segment(s)
-            speed = fabs(self.net.segment[g + 8])
-            if self.net.segment[g + 6] != 0.0 and speed * self.part > _SHORT:
+            speed = fabs(self.net.segment[g + SPEED])
+            if self.net.segment[g + AMPLITUDE] != 0.0 and speed * self.part > _SHORT:
                 return 0
         return 1
 
@@ -108,7 +108,7 @@ class Propagator:
         n = self.n
         cosines = 0
         for s in range(self.net.signals):
-            if self.net.segment[self._segment(s) + 6] != 0.0:
+            if self.net.segment[self._segment(s) + AMPLITUDE] != 0.0:
                 cosines += 1
         self.size = size = 2 * n + _POWERS + 2 * cosines
         for i in range(size * size):
@@ -135,7 +135,7 @@ class Propagator:
             self.rates[(2 * n + k) * size + 2 * n + k - 1] = 1.0
         at = 2 * n + _POWERS
         for s in range(self.net.signals):
-            if self.net.segment[self._segment(s) + 6] != 0.0:
+            if self.net.segment[self._segment(s) + AMPLITUDE] != 0.0:
                 self._enter_sinusoid(s, at, t)
                 at += 2
         self._enter_start()
@@ -152,13 +152,13 @@ class Propagator:
             self.rates[(n + i) * size + 2 * n] = x
 
     def _segment(self, s):
-        return (self.net.signal_first[s] + self.net.signal_now[s]) * _SEGMENT
+        return (self.net.signal_first[s] + self.net.signal_now[s]) * SEGMENT
 
     def _enter_sinusoid(self, s, at, t):
         """Enter cosine and sine of signal s, which rotate; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
-        amplitude, speed = self.net.segment[g + 6], self.net.segment[g + 8]
-        angle = self.net.segment[g + 7] + speed * (t - self.net.segment[g + 1])
+        amplitude, speed = self.net.segment[g + AMPLITUDE], self.net.segment[g + SPEED]
+        angle = self.net.segment[g + ANGLE] + speed * (t - self.net.segment[g + ORIGIN])
         self.state[at], self.state[at + 1] = cos(angle), sin(angle)
         self.rates[at * self.size + at + 1] = -speed * self.part
         self.rates[(at + 1) * self.size + at] = speed * self.part
@@ -181,8 +181,8 @@ class Propagator:
     def _derivative(self, s, t, order):
         """Return a derivative, of order 1 or more, of the cubic part of signal s."""
         g = self._segment(s)
-        x = t - self.net.segment[g + 1]
-        c1, c2, c3 = self.net.segment[g + 3], self.net.segment[g + 4], self.net.segment[g + 5]
+        x = t - self.net.segment[g + ORIGIN]
+        c1, c2, c3 = self.net.segment[g + C1], self.net.segment[g + C2], self.net.segment[g + C3]
         if order == 1:
             return c1 + x * (2.0 * c2 + x * 3.0 * c3)
         if order == 2:

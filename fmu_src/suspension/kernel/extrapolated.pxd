@@ -3,7 +3,7 @@ from libc.math cimport fabs
 from .columns cimport Columns
 from .method cimport Method
 
-cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE, _ROUNDING_OF_RATES
+cdef double _SLOW_PHASE, _MOST_BETTER, _BENT_BETTER, _STIFF_PHASE, ROUNDING_OF_RATES
 
 cdef class Extrapolated(Method):
     cdef Columns columns
@@ -16,8 +16,6 @@ cdef class Extrapolated(Method):
     cdef void _find_error(self, double h) noexcept nogil
     @cython.locals(phase=double, better=double)
     cdef void _expect_better(self, double h) noexcept nogil
-    @cython.locals(i=int, lack=double, rounding=double)
-    cdef void _check_middle(self, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _check_reading(self, double h) noexcept nogil
 

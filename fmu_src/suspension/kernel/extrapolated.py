@@ -12,6 +12,7 @@ from __future__ import annotations
 import cython
 
 from .columns import SEQUENCES, Columns, instants_of
+from .errors import ROUNDING_OF_RATES
 from .method import Method
 from .outcomes import DIVERGED
 
@@ -27,7 +28,6 @@ _MOST_BETTER = 10.0
 # the least share of that difference that is taken for the error with curved forces
 _BENT_BETTER = 0.3
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
-_ROUNDING_OF_RATES = 2e-15  # of velocities, as several substeps add it up
 _EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
 _LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
@@ -73,7 +73,7 @@ class Extrapolated(Method):
     def extrapolate(self, t, h):
         """Take all columns, and find the error from the last two."""
         self.balance.prepare(t, h)
-        if self.balance.bends:
+        if self.balance.bends.count:
             self.columns.enough = self.errors.negligible(h)
         status = self.columns.attempt(h, self.motion.q, self.motion.v, self.motion.a, self.motion.j)
         if status != 0:
@@ -90,16 +90,15 @@ class Extrapolated(Method):
         """Find the error of the attempt, in units of the one allowed."""
         self.errors.begin()
         rounding = 0.0  # of velocities, which matters where strong damping multiplies it
-        if h * self.modes.quickest > _STIFF_PHASE:
-            for i in range(self.n):
-                rounding = max(rounding, _ROUNDING_OF_RATES * fabs(self.motion.vb[i]))
+        for i in range(self.n):
+            rounding = max(rounding, ROUNDING_OF_RATES * fabs(self.motion.vb[i]))
         for i in range(self.n):
             error = max(0.0, fabs(self.columns.error_v[i]) - rounding)
             self.errors.note(fabs(self.columns.error_q[i]))
             self.errors.note(error * self.modes.velocity_scale[i])
         self._expect_better(h)
-        if self.balance.bends:
-            self._check_middle(h)
+        if self.balance.bends.count:
+            self.errors.note_middle(h)
         if h * self.modes.quickest > _STIFF_PHASE:
             self._check_reading(h)
         self.errors.error /= self.errors.allowed
@@ -110,7 +109,7 @@ class Extrapolated(Method):
         With curved forces only by the phase, as their own changes count, too.
         """
         phase = h * (self.modes.quickest + self.modes.road_rate) / _SLOW_PHASE
-        if phase < 1.0 and self.balance.bends:
+        if phase < 1.0 and self.balance.bends.count:
             self.errors.error *= max(phase, _BENT_BETTER)
         elif phase < 1.0:
             better = phase * phase
@@ -119,20 +118,6 @@ class Extrapolated(Method):
             else:
                 better = 1.0 / _MOST_BETTER
             self.errors.error *= better
-
-    def _check_middle(self, h):
-        """Count the residual of the septic in the equation of motion halfway as an error of the step.
-
-        It shows a knee of a curved force that all substeps miss. An error e of the septic, which
-        vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is at most 0.12 h e''.
-        """
-        self.errors.find_lack(h)
-        for i in range(self.n):
-            # of the septic's rate, which is a difference of q over the step, multiplied by damping
-            rounding = 1e-15 * (fabs(self.motion.q[i]) + fabs(self.motion.qb[i])) / h
-            lack = _SHARE * h * max(0.0, self.errors.lack[i] - rounding * self.modes.quickest)
-            self.errors.note(h / 32.0 * lack)
-            self.errors.note(0.12 * self.modes.velocity_scale[i] * lack)
 
     def _check_reading(self, h):
         """Count the effect of the end jerks on the septic halfway as an error, for stiff motions.

@@ -5,7 +5,6 @@ from .linear cimport decompose, solve
 from .network cimport Network
 
 cdef int _MOST_MEANS
-cdef double _LEAST_SHARE
 
 @cython.final
 cdef class Increments:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import cython
 
+from .columns import LEAST_SHARE
 from .extrapolated import Extrapolated
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
@@ -17,7 +18,6 @@ if not cython.compiled:
     from .linear import decompose, solve
 
 _MOST_MEANS = 200
-_LEAST_SHARE = 1e-3  # of a correction
 
 
 class Increments:
@@ -79,7 +79,7 @@ class Increments:
                 # the mean may oscillate between both sides of a damper's saturation; where changes
                 # go on in one direction, a smaller share would only stop short of the equilibrium
                 if self.most_change > 0.9 * before and self.turn < 0.0:
-                    share = max(0.5 * share, _LEAST_SHARE)
+                    share = max(0.5 * share, LEAST_SHARE)
                 before = self.most_change
             for i in range(self.n):
                 self.correction[i] = a[i] - self.sa[i]
@@ -198,7 +198,7 @@ class Mean(Extrapolated):
 
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
-        if not self.balance.bends or self.net.stuck:
+        if not self.balance.bends.count or self.net.stuck:
             return self.extrapolate(t, h)
         for i in range(self.n):
             self.motion.qb[i], self.motion.vb[i] = self.motion.q[i], self.motion.v[i]

@@ -5,7 +5,7 @@ from .arrays cimport Lent, Memory
 from .handover cimport Handover
 from .march cimport March
 
-cdef int _EVENT_CAPACITY, _SPRING, _CONTACT, _KINDS, _ENOUGH_STEPS, _MOST_STEPS
+cdef int _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
 cdef class Integrator(March):
@@ -15,6 +15,7 @@ cdef class Integrator(March):
     cdef Handover handover
     cdef public object going_on
     cdef double *given  # the coefficients of a signal
+    cdef double *rate_before
     cdef list lent
     cdef double *instants, *out_q, *out_v, *out_a, *out_f
     cdef Py_ssize_t state_size  # bytes
@@ -41,11 +42,7 @@ cdef class Integrator(March):
     cdef bint keeps_pace(self, double until) noexcept nogil
     @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
-    @cython.locals(k=int, i=int, what="int *")
-    cdef _log_events(self)
-    @cython.locals(i=int)
     cpdef void sample(self, double t) noexcept nogil
-    @cython.locals(h=double)
     cpdef void sample_forces(self, double t) noexcept nogil
     @cython.locals(k=int)
     cdef void find_energies(self, double t) noexcept nogil

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import cython
 
+from .account import Account
 from .arrays import Lent, Memory
+from .contacts import Contacts
 from .elements import KINDS
 from .handover import Handover
+from .layout import BRANCHES, CONTACT, SPRING
 from .lines import Lines
 from .march import March
 from .method import Method
@@ -15,6 +18,7 @@ from .network import Network, laws_of
 from .outcomes import INTERRUPTED, NO_MASS, PAUSED, TOO_MANY
 from .rest import Rest
 from .run import Run
+from .switch_log import CAPACITY
 
 if not cython.compiled:
     from math import sqrt
@@ -23,6 +27,8 @@ __all__ = [
     "FAILURES",
     "KINDS",
     "METHODS",
+    "Account",
+    "Contacts",
     "Integrator",
     "Lines",
     "Method",
@@ -48,10 +54,8 @@ FAILURES = {
     12: "the run was interrupted; let it end to have the rest",
 }
 
-_EVENT_CAPACITY = 512  # as in march
 _ENOUGH_STEPS = 200000  # after which the number of steps still to come is estimated, repeatedly
 _MOST_STEPS = 30000000  # still to come, in one call
-_SPRING, _CONTACT, _KINDS = 0, 3, 5  # as in elements
 
 
 class Integrator(March):
@@ -122,7 +126,7 @@ class Integrator(March):
         """
         self.handover.take_run(earlier.motion, earlier.net)
         for e in range(self.net.elements):
-            self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited_time)
+            self.handover.take_element(e, counterpart[e], earlier.ledger.work, earlier.limited.time)
         self._go_on()
 
     def take_laws(self, x, at):
@@ -132,7 +136,7 @@ class Integrator(March):
         """
         self.handover.take_run(self.motion, self.net)
         for e in range(self.net.elements):
-            self.handover.take_element(e, e, self.ledger.work, self.limited_time)
+            self.handover.take_element(e, e, self.ledger.work, self.limited.time)
         self.net.enter_elements(x, at)
         self._go_on()
 
@@ -153,7 +157,7 @@ class Integrator(March):
         self.state.exchange = self.handover.exchange
         for e in range(self.net.elements):
             self.ledger.work[e] = self.handover.work[e]
-            self.limited_time[e] = self.handover.limited_time[e]
+            self.limited.time[e] = self.handover.limited_time[e]
         self.state.supplied = self.handover.supplied
         self.ledger.strike_balance(self.state.time, self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
@@ -274,7 +278,7 @@ class Integrator(March):
         Return 0, or the key in `FAILURES` of a reason to end it: `going_on` denies it, or too many steps
         are still to come at the present pace.
         """
-        self._log_events()
+        self.noted.all()
         self.since_pause = 0
         if cython.compiled:
             PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
@@ -374,36 +378,27 @@ class Integrator(March):
                 self.sample_forces(t)
                 force_at = before * self.net.elements + self.filled
                 for i in range(self.net.elements):
-                    self.out_f[force_at + i * self.count] = self.read_f[i]
+                    self.out_f[force_at + i * self.count] = self.reading.f[i]
             for i in range(self.n):
-                self.out_q[at + i * self.count] = self.read_q[i]
+                self.out_q[at + i * self.count] = self.reading.q[i]
             if self.want_v:
                 for i in range(self.n):
-                    self.out_v[at + i * self.count] = self.read_v[i]
+                    self.out_v[at + i * self.count] = self.reading.v[i]
             if self.want_a:
                 for i in range(self.n):
-                    self.out_a[at + i * self.count] = self.read_a[i]
+                    self.out_a[at + i * self.count] = self.reading.a[i]
             self.filled += 1
         return 0
-
-    def _log_events(self):
-        for k in range(self.event_count):
-            what = self.event_what
-            i = 4 * k
-            self.logged.append((self.event_time[k], what[i], what[i + 1], what[i + 2], what[i + 3]))
-        self.event_count, self.event_base, self.flushed = 0, 0, len(self.logged)
 
     @property
     def log(self):
         """The switches so far: (time, element, kind, branch before, branch after)."""
-        self._log_events()
-        return self.logged
+        return self.noted.all()
 
     def take_log(self):
         """Return the switches since the last call, and clear them."""
-        taken = self.log
-        self.logged = []
-        self.flushed = 0
+        taken = self.noted.all()
+        self.noted.clear()
         return taken
 
     # -- reading results ---------------------------------------------------------------------------
@@ -415,10 +410,7 @@ class Integrator(March):
         for `extrapolated` the septic through q and its three derivatives at both ends.
         """
         self.dense.read(t)
-        for i in range(self.n):
-            self.read_low[i] = self.dense.q[i]
-            self.read_q[i] = self.dense.q[i] + self.state.datum
-            self.read_v[i], self.read_a[i] = self.dense.v[i], self.dense.a[i]
+        self.reading.take(self.dense)
 
     def sample_forces(self, t):
         """Find accelerations and element forces at the last sampled time, by the equation of motion.
@@ -427,36 +419,33 @@ class Integrator(March):
         dry friction that sticks is the one needed to hold it. `sample_set` gets the permanent sets.
         """
         self._show_last_branches()
-        h = self.dense.end - self.dense.start
-        self.net.read_forces(
-            t, h, self.read_low, self.read_v, self.read_a, self.read_f, self.read_set
-        )
+        self.reading.find_forces(t, self.dense.end - self.dense.start)
         self.net.exchange_branches()
 
     @property
     def sample_q(self):
         """Displacements at the last sampled time, m."""
-        return self.net.memory.seen(self.read_q, self.n)
+        return self.net.memory.seen(self.reading.q, self.n)
 
     @property
     def sample_v(self):
         """Velocities at the last sampled time, m/s."""
-        return self.net.memory.seen(self.read_v, self.n)
+        return self.net.memory.seen(self.reading.v, self.n)
 
     @property
     def sample_a(self):
         """Accelerations at the last sampled time, m/s^2."""
-        return self.net.memory.seen(self.read_a, self.n)
+        return self.net.memory.seen(self.reading.a, self.n)
 
     @property
     def sample_f(self):
         """The force of each element at the last sampled time, N; see `sample_forces`."""
-        return self.net.memory.seen(self.read_f, self.net.elements)
+        return self.net.memory.seen(self.reading.f, self.net.elements)
 
     @property
     def sample_set(self):
         """The permanent set of each element that yields at the last sampled time, m."""
-        return self.net.memory.seen(self.read_set, self.net.elements)
+        return self.net.memory.seen(self.reading.set, self.net.elements)
 
     @property
     def residual_end(self):
@@ -516,16 +505,16 @@ class Integrator(March):
 
     def limited_time_at(self, e, t):
         """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""
-        late = self.dense.end - t if self.step_limited[e] else 0.0
-        return self.limited_time[e] - late
+        late = self.dense.end - t if self.limited.now[e] else 0.0
+        return self.limited.time[e] - late
 
     def at_limit(self, e):
         """Return whether element e is now at its limit (a tyre off the road)."""
-        return self.net.branch[_KINDS * e + _CONTACT] != 0
+        return self.net.branch[BRANCHES * e + CONTACT] != 0
 
     def yielding(self, e):
         """Return whether element e, which can yield, did so in the last step."""
-        at = _KINDS * e + _SPRING
+        at = BRANCHES * e + SPRING
         return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
 
     def permanent_set(self, e):
@@ -557,6 +546,7 @@ class Integrator(March):
     def _make_room(self):
         """Allocate what changes of signals and parameters need, and find the size of the state."""
         self.given = self.net.memory.zeros(4)
+        self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
         self.handover = Handover(self.net)
         # asked with the present time at each pause of a long run: whether it is to go on
         self.going_on = None
@@ -607,7 +597,7 @@ class Integrator(March):
         """
         if len(state) != self.state_size:
             raise ValueError("this state is of another system")
-        self.logged = []
+        self.noted.clear()
         self._resume(bytes(state))
 
 
@@ -626,7 +616,7 @@ class Rows:
         self.integrator, self.logs = integrator, logs
         most = self.most = self.integrator.places
         self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
-        self.contacts = self.integrator.contacts
+        self.contacts = self.integrator.limited.count
         self.memory = memory = Memory()
         self.status, self.filled = memory.marks(most), memory.marks(most)
         self.steps, self.log_end = memory.marks(most), memory.marks(most)
@@ -688,7 +678,7 @@ class Rows:
     def limited_time(self, k, e):
         """Return for how long element e was at its limit, s, in run k of the last batch."""
         for i in range(self.contacts):
-            if self.integrator.contact_element[i] == e:
+            if self.integrator.limited.element[i] == e:
                 return self.limited[k * self.contacts + i]
         return 0.0  # it has no limit
 
@@ -698,8 +688,8 @@ class Rows:
             status = 0
             if not self.underway:
                 if not self.logs:
-                    self.integrator.event_count = 0
-                elif self.integrator.event_count > _EVENT_CAPACITY // 4:
+                    self.integrator.noted.count = 0
+                elif self.integrator.noted.count > CAPACITY // 4:
                     return 0
                 status = self._begin()
             if status == 0:
@@ -721,10 +711,10 @@ class Rows:
         k = self.made
         self.status[k], self.filled[k] = status, self.integrator.filled
         self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count
-        self.log_end[k] = self.integrator.flushed + self.integrator.event_count
-        for i in range(self.integrator.contacts):
+        self.log_end[k] = self.integrator.noted.flushed + self.integrator.noted.count
+        for i in range(self.integrator.limited.count):
             self.limited[k * self.contacts + i] = self.integrator.limited_time_at(
-                self.integrator.contact_element[i],
+                self.integrator.limited.element[i],
                 self.integrator.instants[self.integrator.count - 1],
             )
         self.made += 1

@@ -2,12 +2,12 @@ cimport cython
 from libc.math cimport exp, fabs, log1p, pow, sinh, tanh
 from .signals cimport Signals
 
-cdef int _LAWS, _PIECE, _FORCE, _SLOPE, _INTEGRAL
+cdef int _FORCE, _SLOPE, _INTEGRAL
 cdef double _LOG_2, _NEAR, _FARTHEST, _SMOOTH
 
 cdef class Laws(Signals):
     cdef double *piece
-    cdef int *first, *count  # of the pieces of law k of element e, at index _LAWS e + k
+    cdef int *first, *count  # of the pieces of law k of element e, at index LAWS e + k
     cdef int *straight  # whether each piece is straight
     cdef double value, slope  # of the law last asked for
     cdef double *low, *high  # range in which each piece is curved

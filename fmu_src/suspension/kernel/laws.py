@@ -10,13 +10,27 @@ from itertools import accumulate
 
 import cython
 
+from .layout import (
+    C0,
+    C1,
+    C2,
+    C3,
+    EXPONENT,
+    LAWS,
+    ORIGIN,
+    OWN,
+    PIECE,
+    POWER,
+    SATURATION,
+    SCALE,
+    START,
+    STORED,
+)
 from .signals import Signals
 
 if not cython.compiled:
     from math import exp, fabs, log1p, pow, sinh, tanh
 
-_LAWS = 3  # of each element: spring, damper, modulation of the damper
-_PIECE = 12  # numbers stored for one piece of a law
 _FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # what is asked of a function in Python
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
 _NEAR = 1e-5  # relative distance for its second derivative
@@ -40,7 +54,7 @@ class Laws(Signals):
         count = [pieces for element in system.elements for pieces in pieces_of(element)]
         self.count = memory.integers(count)
         self.first = memory.integers(accumulate(count, initial=0))
-        self.piece = memory.zeros(_PIECE * sum(count))
+        self.piece = memory.zeros(PIECE * sum(count))
         self.straight = memory.integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
         self.failure = None  # what a function has raised
@@ -51,27 +65,35 @@ class Laws(Signals):
 
     def enter_laws(self, e, x, at):
         """Read the pieces of the laws of element e from x[at:]; return where they end."""
-        first = self.first[_LAWS * e]
-        last = self.first[_LAWS * (e + 1)]
-        for i in range(_PIECE * (last - first)):
-            self.piece[_PIECE * first + i] = x[at + i]
+        first = self.first[LAWS * e]
+        last = self.first[LAWS * (e + 1)]
+        for i in range(PIECE * (last - first)):
+            self.piece[PIECE * first + i] = x[at + i]
         for p in range(first, last):
-            k = p * _PIECE
+            k = p * PIECE
             curved = (
-                self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0 or self.piece[k + 9] != 0.0
+                self.piece[k + C2] != 0.0
+                or self.piece[k + C3] != 0.0
+                or self.piece[k + POWER] != 0.0
             )
-            self.straight[p] = not (curved or self.piece[k + 6] != 0.0 or self.piece[k + 11] != 0.0)
+            self.straight[p] = not (
+                curved or self.piece[k + SATURATION] != 0.0 or self.piece[k + OWN] != 0.0
+            )
             self.low[p], self.high[p] = -1e300, 1e300
-        for law in range(_LAWS * e, _LAWS * (e + 1)):
+        for law in range(LAWS * e, LAWS * (e + 1)):
             for p in range(self.first[law], self.first[law] + self.count[law]):
-                k = p * _PIECE
-                if self.piece[k + 4] != 0.0 or self.piece[k + 5] != 0.0 or self.piece[k + 9] != 0.0:
+                k = p * PIECE
+                if (
+                    self.piece[k + C2] != 0.0
+                    or self.piece[k + C3] != 0.0
+                    or self.piece[k + POWER] != 0.0
+                ):
                     if p > self.first[law]:
-                        self.low[p] = self.piece[k]
+                        self.low[p] = self.piece[k + START]
                     if p + 1 < self.first[law] + self.count[law]:
-                        self.high[p] = self.piece[k + _PIECE]
+                        self.high[p] = self.piece[k + PIECE + START]
             self._join(law)
-        return at + _PIECE * (last - first)
+        return at + PIECE * (last - first)
 
     def _join(self, law):
         """Find which pieces of a law are joined."""
@@ -90,9 +112,9 @@ class Laws(Signals):
         """Return whether curved piece p has the slope of the curved piece before it where it begins."""
         if self.straight[p - 1] or self.straight[p]:
             return 0
-        if self.piece[(p - 1) * _PIECE + 11] != 0.0 or self.piece[p * _PIECE + 11] != 0.0:
+        if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
             return 0
-        x = self.piece[p * _PIECE]
+        x = self.piece[p * PIECE + START]
         before, after = self.law_slope(p - 1, x), self.law_slope(p, x)
         return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
 
@@ -100,7 +122,7 @@ class Laws(Signals):
         """Return the piece at x of those that p is joined with."""
         k = self.run_first[p]
         last = self.run_last[p]
-        while k < last and x >= self.piece[(k + 1) * _PIECE]:
+        while k < last and x >= self.piece[(k + 1) * PIECE + START]:
             k += 1
         return k
 
@@ -108,22 +130,22 @@ class Laws(Signals):
         """Return the force of piece p, or of those it is joined with, at x."""
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
-        at = p * _PIECE
-        s = x - self.piece[at + 1]
+        at = p * PIECE
+        s = x - self.piece[at + ORIGIN]
         if self.straight[p]:
-            return self.piece[at + 2] + s * self.piece[at + 3]
+            return self.piece[at + C0] + s * self.piece[at + C1]
         if x < self.low[p]:
             return self.law(p, self.low[p]) + self.law_slope(p, x) * (x - self.low[p])
         if x > self.high[p]:
             return self.law(p, self.high[p]) + self.law_slope(p, x) * (x - self.high[p])
-        force = self.piece[at + 2] + s * (
-            self.piece[at + 3] + s * (self.piece[at + 4] + s * self.piece[at + 5])
+        force = self.piece[at + C0] + s * (
+            self.piece[at + C1] + s * (self.piece[at + C2] + s * self.piece[at + C3])
         )
-        if self.piece[at + 6] != 0.0:
-            force += self.piece[at + 6] * tanh(s / self.piece[at + 7])
-        if self.piece[at + 9] != 0.0:
-            force += power_of(self.piece[at + 9], self.piece[at + 10], s)
-        if self.piece[at + 11] != 0.0:
+        if self.piece[at + SATURATION] != 0.0:
+            force += self.piece[at + SATURATION] * tanh(s / self.piece[at + SCALE])
+        if self.piece[at + POWER] != 0.0:
+            force += power_of(self.piece[at + POWER], self.piece[at + EXPONENT], s)
+        if self.piece[at + OWN] != 0.0:
             force += self.own(p, _FORCE, s)
         return force
 
@@ -137,63 +159,71 @@ class Laws(Signals):
 
     def law_and_slope(self, p, x):
         """Set `value` to the force of piece p at x, `slope` to its slope (of tanh by 1 - tanh^2)."""
-        at = p * _PIECE
+        at = p * PIECE
         if self.straight[p]:
-            self.slope = self.piece[at + 3]
-            self.value = self.piece[at + 2] + (x - self.piece[at + 1]) * self.slope
+            self.slope = self.piece[at + C1]
+            self.value = self.piece[at + C0] + (x - self.piece[at + ORIGIN]) * self.slope
             return
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
-            at = p * _PIECE
-        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
-        c1, c2, c3 = self.piece[at + 3], self.piece[at + 4], self.piece[at + 5]
-        value = self.piece[at + 2] + s * (c1 + s * (c2 + s * c3))
+            at = p * PIECE
+        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + ORIGIN]
+        c1, c2, c3 = self.piece[at + C1], self.piece[at + C2], self.piece[at + C3]
+        value = self.piece[at + C0] + s * (c1 + s * (c2 + s * c3))
         slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
-        if self.piece[at + 6] != 0.0:
-            u = tanh(s / self.piece[at + 7])
-            value += self.piece[at + 6] * u
-            slope += self.piece[at + 6] / self.piece[at + 7] * (1.0 - u * u)
-        if self.piece[at + 9] != 0.0:
-            value += power_of(self.piece[at + 9], self.piece[at + 10], s)
-            slope += power_slope(self.piece[at + 9], self.piece[at + 10], s)
-        if self.piece[at + 11] != 0.0:
+        if self.piece[at + SATURATION] != 0.0:
+            u = tanh(s / self.piece[at + SCALE])
+            value += self.piece[at + SATURATION] * u
+            slope += self.piece[at + SATURATION] / self.piece[at + SCALE] * (1.0 - u * u)
+        if self.piece[at + POWER] != 0.0:
+            value += power_of(self.piece[at + POWER], self.piece[at + EXPONENT], s)
+            slope += power_slope(self.piece[at + POWER], self.piece[at + EXPONENT], s)
+        if self.piece[at + OWN] != 0.0:
             value += self.own(p, _FORCE, s)
             slope += self.own(p, _SLOPE, s)
-        self.value = value + slope * (x - self.piece[at + 1] - s)
+        self.value = value + slope * (x - self.piece[at + ORIGIN] - s)
         self.slope = slope
 
     def law_slope(self, p, x):
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
-        at = p * _PIECE
+        at = p * PIECE
         if self.straight[p]:
-            return self.piece[at + 3]
-        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + 1]
-        slope = self.piece[at + 3] + s * (2.0 * self.piece[at + 4] + 3.0 * s * self.piece[at + 5])
-        if self.piece[at + 6] != 0.0:
-            slope += self.piece[at + 6] / self.piece[at + 7] * sech_squared(s / self.piece[at + 7])
-        if self.piece[at + 9] != 0.0:
-            slope += power_slope(self.piece[at + 9], self.piece[at + 10], s)
-        if self.piece[at + 11] != 0.0:
+            return self.piece[at + C1]
+        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + ORIGIN]
+        slope = self.piece[at + C1] + s * (
+            2.0 * self.piece[at + C2] + 3.0 * s * self.piece[at + C3]
+        )
+        if self.piece[at + SATURATION] != 0.0:
+            slope += (
+                self.piece[at + SATURATION]
+                / self.piece[at + SCALE]
+                * sech_squared(s / self.piece[at + SCALE])
+            )
+        if self.piece[at + POWER] != 0.0:
+            slope += power_slope(self.piece[at + POWER], self.piece[at + EXPONENT], s)
+        if self.piece[at + OWN] != 0.0:
             slope += self.own(p, _SLOPE, s)
         return slope
 
     def law_curvature(self, p, x):
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
-        at = p * _PIECE
+        at = p * PIECE
         if x < self.low[p] or x > self.high[p]:
             return 0.0
-        s = x - self.piece[at + 1]
-        curvature = 2.0 * self.piece[at + 4] + 6.0 * s * self.piece[at + 5]
-        if self.piece[at + 6] != 0.0:
-            scale = self.piece[at + 7]
+        s = x - self.piece[at + ORIGIN]
+        curvature = 2.0 * self.piece[at + C2] + 6.0 * s * self.piece[at + C3]
+        if self.piece[at + SATURATION] != 0.0:
+            scale = self.piece[at + SCALE]
             u = s / scale
-            curvature -= 2.0 * self.piece[at + 6] / scale / scale * tanh(u) * sech_squared(u)
-        if self.piece[at + 9] != 0.0 and s != 0.0:
-            exponent = self.piece[at + 10]
-            curvature += (exponent - 1.0) / s * power_slope(self.piece[at + 9], exponent, s)
-        if self.piece[at + 11] != 0.0:
+            curvature -= (
+                2.0 * self.piece[at + SATURATION] / scale / scale * tanh(u) * sech_squared(u)
+            )
+        if self.piece[at + POWER] != 0.0 and s != 0.0:
+            exponent = self.piece[at + EXPONENT]
+            curvature += (exponent - 1.0) / s * power_slope(self.piece[at + POWER], exponent, s)
+        if self.piece[at + OWN] != 0.0:
             near = _NEAR * (1.0 + fabs(s))
             before = self.own(p, _SLOPE, s - near)
             curvature += (self.own(p, _SLOPE, s + near) - before) / (2.0 * near)
@@ -202,28 +232,32 @@ class Laws(Signals):
     def potential(self, p, x):
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
-        at = p * _PIECE
+        at = p * PIECE
         end = min(max(x, self.low[p]), self.high[p])
         if x != end:
             s = x - end
             return self.potential(p, end) + s * (
                 self.law(p, end) + 0.5 * s * self.law_slope(p, end)
             )
-        s = x - self.piece[at + 1]
-        energy = self.piece[at + 8] + s * (
-            self.piece[at + 2]
+        s = x - self.piece[at + ORIGIN]
+        energy = self.piece[at + STORED] + s * (
+            self.piece[at + C0]
             + s
             * (
-                self.piece[at + 3] / 2.0
-                + s * (self.piece[at + 4] / 3.0 + s * self.piece[at + 5] / 4.0)
+                self.piece[at + C1] / 2.0
+                + s * (self.piece[at + C2] / 3.0 + s * self.piece[at + C3] / 4.0)
             )
         )
-        if self.piece[at + 6] != 0.0:
-            energy += self.piece[at + 6] * self.piece[at + 7] * log_cosh(s / self.piece[at + 7])
-        if self.piece[at + 9] != 0.0:
-            exponent = self.piece[at + 10] + 1.0
-            energy += self.piece[at + 9] / exponent * pow(min(fabs(s), _FARTHEST), exponent)
-        if self.piece[at + 11] != 0.0:
+        if self.piece[at + SATURATION] != 0.0:
+            energy += (
+                self.piece[at + SATURATION]
+                * self.piece[at + SCALE]
+                * log_cosh(s / self.piece[at + SCALE])
+            )
+        if self.piece[at + POWER] != 0.0:
+            exponent = self.piece[at + EXPONENT] + 1.0
+            energy += self.piece[at + POWER] / exponent * pow(min(fabs(s), _FARTHEST), exponent)
+        if self.piece[at + OWN] != 0.0:
             energy += self.own(p, _INTEGRAL, s)
         return energy
 
@@ -231,14 +265,14 @@ class Laws(Signals):
         """Return the piece of a law at x, at a corner the upper one; of joined pieces, the first."""
         k = 0
         first = self.first[law]
-        while k + 1 < self.count[law] and self.piece[(first + k + 1) * _PIECE] <= x:
+        while k + 1 < self.count[law] and self.piece[(first + k + 1) * PIECE + START] <= x:
             k += 1
         return self.run_first[first + k] - first
 
     def intercept(self, p):
         """Return the force of the straight piece p extended to zero."""
-        at = p * _PIECE
-        return self.piece[at + 2] - self.piece[at + 3] * self.piece[at + 1]
+        at = p * PIECE
+        return self.piece[at + C0] - self.piece[at + C1] * self.piece[at + ORIGIN]
 
 
 def sech_squared(u):

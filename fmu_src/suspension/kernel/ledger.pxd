@@ -3,9 +3,10 @@ from libc.math cimport fabs
 from .balance cimport Balance
 from .dense cimport Dense
 from .network cimport Network
+from .potential cimport Potential
 from .state cimport KernelState
+from .step_readings cimport StepReadings
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _ELASTIC, _POINTS, _ENDS
 cdef double _TIMES, _LEAST
 
 @cython.final
@@ -14,33 +15,20 @@ cdef class Ledger:
     cdef Network net
     cdef KernelState state
     cdef Dense dense
+    cdef Potential potential
+    cdef StepReadings readings
     cdef int works
-    cdef double *work, *brought, *part, *kept, *until, *scratch, *point, *weight, *value, *rate
-    cdef double *loss, *loss_rate, *d, *w, *u, *du
-    cdef double *way, *square, *e0, *e1, *e2
-    cdef int *curved, *lossy, *needs_points, *by_element
-    cdef double[8] ends
+    cdef double *work, *brought, *part, *kept, *until, *scratch
+    cdef double *loss, *loss_rate
+    cdef int *curved, *lossy, *needs_points
     cdef double kinetic, stored
 
     @cython.locals(i=int)
     cdef void start(self) noexcept nogil
     @cython.locals(e=int, r=int, at=int, p=int, f=double, c=double, factor=double)
     cdef void enter(self) noexcept nogil
-    @cython.locals(r=int, p=int, k=double)
-    cdef void _enter_energy(self, int e) noexcept nogil
-    @cython.locals(k=int, m=int, square=double, w=double, c1=double, c2=double, c3=double)
-    cdef void _sum_row(self, int r, double h) noexcept nogil
-    @cython.locals(n=int, i=int, k=int, r=int, s=int, e=int, twice=double, energy=double, d=double)
-    cdef double _energy(self, double *q, double *v) noexcept nogil
-    cdef double _energy_of_curved(self, int e, double d) noexcept nogil
     @cython.locals(moving=bint, h=double, r=int, e=int, m=int, i=int)
     cdef void book(self) noexcept nogil
-    @cython.locals(k=int, s=int)
-    cdef void _read_signals(self, double h) noexcept nogil
-    @cython.locals(n=int, k=int, i=int, m=int, b=double)
-    cdef void _read_ends(self, double *direction, int at, double h) noexcept nogil
-    @cython.locals(s=int, k=int, m=int, d=double, w=double, way=double, square=double)
-    cdef void _read_row(self, int r, double h, bint moving) noexcept nogil
     @cython.locals(f=double, c=double, r=int, k=int, w=double, force=double, work=double)
     cdef void _book_element(self, int e, double h) noexcept nogil
     @cython.locals(s=int, p=int, bent=int, k=int, rate=double, d=double, w=double, force=double)

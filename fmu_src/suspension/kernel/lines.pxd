@@ -5,7 +5,7 @@ from .integrator cimport Integrator
 from .network cimport Network
 from .run cimport Run
 
-cdef int _SEGMENT, _Q, _V, _A
+cdef int _Q, _V, _A
 
 @cython.final
 cdef class Lines:

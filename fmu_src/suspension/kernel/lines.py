@@ -11,11 +11,11 @@ from itertools import accumulate
 import cython
 
 from .arrays import Memory
+from .layout import AMPLITUDE, ANGLE, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
 
 if not cython.compiled:
     from math import cos, sin
 
-_SEGMENT = 10  # as in signals
 _Q, _V, _A = 0, 1, 2  # what a sum is of, as in outputs; otherwise of forces
 
 
@@ -79,10 +79,10 @@ class Lines:
 
     def _state(self, quantity, i):
         if quantity == _Q:
-            return self.integrator.read_q[i]
+            return self.integrator.reading.q[i]
         if quantity == _V:
-            return self.integrator.read_v[i]
-        return self.integrator.read_a[i] if quantity == _A else self.integrator.read_f[i]
+            return self.integrator.reading.v[i]
+        return self.integrator.reading.a[i] if quantity == _A else self.integrator.reading.f[i]
 
     def _signal(self, s, rate):
         """Return the value of a signal, from zero, or its rate; at a joint the one after it.
@@ -94,22 +94,22 @@ class Lines:
         last = k + net.signal_count[s] - 1
         while k < last:
             middle = (k + last + 1) // 2
-            if net.segment[middle * _SEGMENT] <= t:
+            if net.segment[middle * SEGMENT + START] <= t:
                 k = middle
             else:
                 last = middle - 1
-        at = k * _SEGMENT
-        c1, c2, c3 = net.segment[at + 3], net.segment[at + 4], net.segment[at + 5]
-        p1, p2 = net.segment[at + 8], net.segment[at + 9]
-        amplitude = net.segment[at + 6]
-        x = t - net.segment[at + 1]
+        at = k * SEGMENT
+        c1, c2, c3 = net.segment[at + C1], net.segment[at + C2], net.segment[at + C3]
+        p1, p2 = net.segment[at + SPEED], net.segment[at + CHIRP]
+        amplitude = net.segment[at + AMPLITUDE]
+        x = t - net.segment[at + ORIGIN]
         if rate:
             value = c1 + x * (2.0 * c2 + x * 3.0 * c3)
         else:
             value = net.height[k] + x * (c1 + x * (c2 + x * c3))
         if amplitude == 0.0:
             return value
-        angle = net.segment[at + 7] + x * (p1 + x * p2)
+        angle = net.segment[at + ANGLE] + x * (p1 + x * p2)
         if rate:
             return value - amplitude * sin(angle) * (p1 + 2.0 * p2 * x)
         return value + amplitude * cos(angle)

@@ -2,47 +2,46 @@ cimport cython
 from libc.math cimport fabs, pow, sqrt
 from .dense cimport Dense
 from .ledger cimport Ledger
+from .limited cimport Limited
 from .method cimport Method
 from .motion cimport Motion
 from .network cimport Network
+from .reading cimport Reading
 from .state cimport KernelState
 from .stepper cimport Stepper
+from .switch_log cimport SwitchLog
 from .switches cimport Switches
 from .watch cimport Watch
 
 cdef int _AT_SWITCHES, _AT_STEPS
-cdef int _CONTACT, _FRICTION, _KINDS, _EVENT_CAPACITY, _FLIPS, _STALLED, _KNOTS
+cdef int _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _READ_PHASE, _JUMP, _ROAD_PHASE
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _JUMP
 
 cdef class March:
     cdef Network net
     cdef Stepper stepper
     cdef Method method
     cdef Motion motion
-    cdef object kind, method_name
+    cdef object method_name
     cdef Switches switches
     cdef Watch watch
     cdef Dense dense, whole
     cdef Ledger ledger
     cdef int n
-    cdef bint reads_switches, controlled, landing, energy
-    cdef double fixed_step, no_error
+    cdef Reading reading
+    cdef Limited limited
+    cdef SwitchLog noted
+    cdef bint reads_switches, landing, energy
+    cdef double fixed_step
     cdef public int halts
     # its state
     cdef KernelState state
-    cdef double *limited_time
-    cdef int contacts
-    cdef int *step_limited, *contact_element
-    cdef list logged
     cdef tuple wanted
-    # results at the last sampled instant
-    cdef double *read_q, *read_v, *read_a, *read_f, *read_set, *read_low
     cdef readonly Py_ssize_t filled
     # workspace
-    cdef double *event_time, *rate_before
-    cdef int *event_what, *branch_before
-    cdef int event_count, event_base, flushed, since_pause
+    cdef int *branch_before
+    cdef int since_pause
     cdef double landed
 
     @cython.locals(datum=double)
@@ -52,7 +51,6 @@ cdef class March:
     cdef int begin_row(self, double *x, int at, double start) noexcept nogil
     @cython.locals(i=int)
     cdef void _enter_state(self, double *x, int at) noexcept nogil
-    @cython.locals(e=int)
     cdef void _stand_still(self, double time, double reach) noexcept nogil
     @cython.locals(i=int)
     cdef void _begin(self) noexcept nogil
@@ -66,18 +64,14 @@ cdef class March:
     @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
     @cython.locals(i=int, flips=int, knots=int, to_end=bint, landed=bint, status=int, runs_away=bint,
-                   h=double, longer=double, joint=double, end=double, at=double)
+                   h=double, longer=double, joint=double, end=double, at=double, excess=double)
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)
     cdef bint _has_diverged(self) noexcept nogil
-    @cython.locals(i=int, k=int)
-    cdef void _count_limited(self, double h) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
     @cython.locals(knot=double)
     cdef double _knot_that_matters(self, double h) noexcept nogil
-    @cython.locals(factor=double)
-    cdef double _factor_for_error(self) noexcept nogil
     @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil
     @cython.locals(reads=bint, _iteration=int, status=int, step=double, best=double, late=double, new=double,
@@ -88,8 +82,6 @@ cdef class March:
     cdef void _keep_attempt(self, double h) noexcept nogil
     @cython.locals(new=int, before=int)
     cdef void _switch(self, int e, int kind, int side) noexcept nogil
-    @cython.locals(k=int)
-    cdef void _note(self, int e, int kind, int before, int after) noexcept nogil
     cdef bint _passes(self, double h) noexcept nogil
     @cython.locals(joint=double, end=double, h=double, status=int, before=double, to_end=bint)
     cdef int _overrun(self, double latest) noexcept nogil

@@ -9,7 +9,10 @@ from __future__ import annotations
 import cython
 
 from .dense import Dense
+from .errors import READ_PHASE
+from .layout import BRANCHES, CONTACT, FRICTION
 from .ledger import Ledger
+from .limited import Limited
 from .methods import METHODS
 from .network import Network, numbers_of
 from .outcomes import (
@@ -23,17 +26,18 @@ from .outcomes import (
     STEP_TOO_SMALL,
     UNSTABLE,
 )
+from .reading import Reading
+from .signals import ROAD_PHASE
 from .stepper import Stepper
+from .switch_log import SwitchLog
 from .switches import Switches
 from .watch import POLICIES, Watch
 
 if not cython.compiled:
-    from math import fabs, pow, sqrt
+    from math import fabs, sqrt
 
 _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 
-_CONTACT, _FRICTION, _KINDS = 3, 4, 5  # as in elements
-_EVENT_CAPACITY = 512
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
 _PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _STALLED = 100  # consecutive steps in which no time passes
@@ -45,11 +49,7 @@ _FAR = 1e8  # m, or times the scale of the run: a larger motion has diverged
 _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish, too
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
-_ROAD_PHASE = 1.5  # as in signals
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
-_READ_PHASE = (
-    3.0  # phase of the fastest motion up to which the septic can be as accurate as the step
-)
 _KNOTS = 4  # attempts to end a step on the first of them
 _JUMP = 60.0  # times the error found may be that of a step in which a second derivative jumps
 _LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
@@ -87,13 +87,14 @@ class March:
                 f"{len(system.scales)} scales for {len(system.mass)} coordinates: each needs the scale "
                 "of its errors until something has moved, such as 0.01 m"
             )
-        self.method_name, self.kind = method, METHODS[method]
+        self.method_name = method
         self.refuse(system)
         self.wanted = step, tolerance, order
-        order = self.kind.order_of(system, *self.wanted)
+        kind = METHODS[method]
+        order = kind.order_of(system, *self.wanted)
         # a fixed step of higher order keeps it only if it ends where the second derivative jumps
         self.net = Network(system, joins=step == 0.0 or order == 2)
-        self.stepper = Stepper(self.net, self.kind, order, tolerance, theta)
+        self.stepper = Stepper(self.net, kind, order, tolerance, theta)
         self.method, self.motion = self.stepper.method, self.stepper.motion
         self.state = self.net.state
         self.switches = Switches(self.stepper)
@@ -107,28 +108,18 @@ class March:
         self.fixed_step = step
         self.landing, self.energy = landing, energy
         self.halts = 0  # set by a host that wants to see every switch, or every step
-        self.controlled = self.method.controls and step == 0.0
-        self.stepper.errors.controlled = self.controlled
-        self.no_error = (0.9 / 4.0) ** (order + 1)  # below it steps grow most
-        self.whole = Dense(
-            memory, memory, n, False, False
-        )  # an attempt in which a switch is located
-        self.reads_switches = self.controlled and self.method.reads_switches
-        # results at the last sampled instant, which Python sees as `sample_q` and the like
-        self.read_q, self.read_v, self.read_a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
-        self.read_low = memory.zeros(n)  # displacements from the datum
-        elements = self.net.elements
-        self.read_f, self.read_set = memory.zeros(elements), memory.zeros(elements)
-        self.step_limited = self.state.memory.marks(elements)
-        self.limited_time = self.state.memory.zeros(elements)
-        limited = [e for e, element in enumerate(system.elements) if element.limit < 1e300]
-        self.contact_element, self.contacts = memory.integers(limited), len(limited)
-        self.event_count = self.event_base = self.flushed = 0
-        self.event_time = memory.zeros(_EVENT_CAPACITY)
-        self.event_what = memory.marks(4 * _EVENT_CAPACITY)
-        self.branch_before = memory.marks(_KINDS * elements)
-        self.rate_before = memory.zeros(max(self.net.rows, 1))
-        self.logged = []  # switches so far: (time, element, kind, from, to), without the latest ones
+        self.stepper.errors.controlled = self.method.controls and step == 0.0
+        self.stepper.errors.none = (0.9 / 4.0) ** (order + 1)
+        # an attempt in which a switch is located
+        self.whole = Dense(memory, memory, n, False, False)
+        self.reads_switches = self.stepper.errors.controlled and self.method.reads_switches
+        # the result at the last sampled instant
+        self.reading = Reading(self.net)
+        self.limited = Limited(
+            self.net, [e for e, element in enumerate(system.elements) if element.limit < 1e300]
+        )
+        self.noted = SwitchLog(memory)
+        self.branch_before = memory.marks(BRANCHES * self.net.elements)
         self._stand_still(start, max(system.scales))
         self._begin()
         self.net.place_moving()
@@ -137,12 +128,13 @@ class March:
     def fits(self, system):
         """Return whether a system differs from the present one only in its numbers."""
         return (
-            self.net.fits(system) and self.kind.order_of(system, *self.wanted) == self.method.order
+            self.net.fits(system)
+            and METHODS[self.method_name].order_of(system, *self.wanted) == self.method.order
         )
 
     def refuse(self, system):
         """Refuse a system that the method cannot integrate."""
-        why = self.kind.refusal(system)
+        why = METHODS[self.method_name].refusal(system)
         if why:
             raise ValueError(f"method {self.method_name!r} cannot take this system: {why}")
 
@@ -162,7 +154,7 @@ class March:
         The state is then that of a new integrator of the system with the same method, step and
         tolerance, but the log continues. Return 1 if the mass matrix is not positive definite.
         """
-        self.event_base = self.event_count
+        self.noted.begin_row()
         self.filled = self.state.step_count = 0
         self.state.time = start
         if self.net.enter_system(x, at + 1 + 2 * self.n) != 0:
@@ -189,9 +181,7 @@ class March:
         """Reset to rest in equilibrium."""
         self.filled = self.since_pause = 0
         self.state.stand_still(time, reach)
-        for e in range(self.net.elements):
-            self.step_limited[e] = 0
-            self.limited_time[e] = 0.0
+        self.limited.start()
         self.net.forget()
         self.net.set_datum(0.0)
         self.net.set_creep(reach)
@@ -229,7 +219,7 @@ class March:
             if loose < 0:
                 return
             side = 1 if self.motion.multiplier[loose] > 0.0 else -1
-            self.net.enter(loose, _FRICTION, side, self.state.time, self.motion.q, self.motion.v)
+            self.net.enter(loose, FRICTION, side, self.state.time, self.motion.q, self.motion.v)
             self._enter_branches()
 
     def _enter_branches(self):
@@ -242,8 +232,8 @@ class March:
 
     def _advance(self, until, stop):
         while self.state.time < until:
-            events = self.event_count
-            if events - self.event_base > _EVENT_CAPACITY // 2 or self.since_pause >= _PAUSE:
+            events = self.noted.count
+            if self.noted.is_half_full() or self.since_pause >= _PAUSE:
                 return PAUSED
             self.since_pause += 1
             before = self.state.time
@@ -259,7 +249,7 @@ class March:
                     if status != 0:
                         return status
             if self.halts == _AT_STEPS or (
-                self.halts == _AT_SWITCHES and self.event_count > events
+                self.halts == _AT_SWITCHES and self.noted.count > events
             ):
                 return HALTED
         return REACHED
@@ -316,20 +306,29 @@ class March:
     def _remember_branches(self):
         """Store the branches before new ones are chosen."""
         self._leave_step()
-        for i in range(_KINDS * self.net.elements):
+        for i in range(BRANCHES * self.net.elements):
             self.branch_before[i] = self.net.branch[i]
 
     def _book_contacts(self):
         """Book what tyres that have just left or met the road exchange, which is no work of a road."""
-        for k in range(self.contacts):
-            e = self.contact_element[k]
-            if self.net.branch[_KINDS * e + _CONTACT] != self.branch_before[_KINDS * e + _CONTACT]:
+        for k in range(self.limited.count):
+            e = self.limited.element[k]
+            if (
+                self.net.branch[BRANCHES * e + CONTACT]
+                != self.branch_before[BRANCHES * e + CONTACT]
+            ):
                 self.net.book_exchange(e, self.state.time, self.motion.q, self.motion.v)
 
     def _note_changes(self):
-        for i in range(_KINDS * self.net.elements):
+        for i in range(BRANCHES * self.net.elements):
             if self.net.branch[i] != self.branch_before[i]:
-                self._note(i // _KINDS, i % _KINDS, self.branch_before[i], self.net.branch[i])
+                self.noted.note(
+                    self.state.time,
+                    i // BRANCHES,
+                    i % BRANCHES,
+                    self.branch_before[i],
+                    self.net.branch[i],
+                )
 
     def _resume(self, content):
         """Go on from some content of the state."""
@@ -341,7 +340,7 @@ class March:
         self.net.put_moving_back()
         self.dense.start, self.dense.end = self.state.step_start, self.state.time
         self.dense.known = 0
-        self.event_count = self.event_base = self.flushed = 0
+        self.noted.start()
         self.net.list_stuck()
         self._enter_branches()
         self.state.put_back(content)  # accelerations are to the bit those of the content
@@ -363,8 +362,8 @@ class March:
             return self.watch.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
         road = self.net.road_limit(self.state.time)
-        self.stepper.modes.road_rate = _ROAD_PHASE / road if road > 0.0 else 0.0
-        if not self.controlled:
+        self.stepper.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
+        if not self.stepper.errors.controlled:
             # the period error of the linear-acceleration method is (omega h)^2 / 24
             h = sqrt(self.stepper.errors.tolerance) / omega if omega > 0.0 else road
             h = self._while_decaying(h)
@@ -409,20 +408,20 @@ class March:
                 if self.fixed_step > 0.0 or h < 1e-14:
                     return status
                 continue
-            if self.controlled:
-                if self.stepper.balance.joined and knots < _KNOTS:
+            if self.stepper.errors.controlled:
+                if self.stepper.balance.bends.joined and knots < _KNOTS:
                     knots += 1
                     at = self._knot_that_matters(h)
                     if at < 1.0:
                         h *= at
                         continue
                 if self.stepper.errors.error > self.method.most_error:
-                    h *= self._factor_for_error()
+                    h *= self.stepper.errors.factor()
                     continue
             at = self.switches.first(self.state.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
                 # branches are left at once, one after the other
-                if self.controlled:
+                if self.stepper.errors.controlled:
                     return self._overrun(latest)
                 self.state.overruns += 1
             elif at == 0.0:
@@ -432,8 +431,8 @@ class March:
                 self._enter_branches()
                 continue
             # a step shortened by a joint is no reason for a shorter next step
-            if self.controlled and (not to_end or h > self.state.proposal > 0.0):
-                longer = h * self._factor_for_error()
+            if self.stepper.errors.controlled and (not to_end or h > self.state.proposal > 0.0):
+                longer = h * self.stepper.errors.factor()
             landed = 0
             if 0.0 < at <= 1.0:
                 status = self._land(h)
@@ -443,6 +442,11 @@ class March:
                         return status
                     continue
                 h = self.landed
+                if self.stepper.errors.controlled and self.stepper.balance.bends.count:
+                    excess = self.stepper.errors.of_reading(h)
+                    if excess > self.method.most_error:  # which goes with the square of the step
+                        h -= h / sqrt(excess)
+                        continue
                 landed = not (self.switches.recedes or self.switches.only_opens)
                 self.switches.start_known = 0  # of the shortened step
                 to_end = to_end and self.state.time + h >= end
@@ -459,7 +463,7 @@ class March:
             self._relocate(True)
         if landed or to_end or not self.landing:
             self._enter_branches()
-        elif self.stepper.balance.bends:
+        elif self.stepper.balance.bends.count:
             self.stepper.modes.follow()
         if self._has_diverged():
             return DIVERGED
@@ -471,14 +475,6 @@ class March:
 
     def _has_diverged(self):
         return not self.state.reach < _FAR * max(self.state.scale, 1.0)
-
-    def _count_limited(self, h):
-        """Add the time that elements are at their limit."""
-        for k in range(self.contacts):
-            i = self.contact_element[k]
-            self.step_limited[i] = self.net.branch[_KINDS * i + _CONTACT]
-            if self.step_limited[i]:
-                self.limited_time[i] += h
 
     def _pass_joint(self):
         """Enter the next segments of signals; the effect of a jump of a road is work of that road."""
@@ -511,13 +507,6 @@ class March:
         knot = self.switches.first_knot(self.state.time, h, _LEAST_KNOT)
         return knot if knot < 1.0 - _LEAST_KNOT else 2.0
 
-    def _factor_for_error(self):
-        """Return the factor of the step that brings the error to the tolerance."""
-        if self.stepper.errors.error <= self.no_error:
-            return 4.0
-        factor = 0.9 * pow(self.stepper.errors.error, -1.0 / self.stepper.errors.order)
-        return min(max(factor, 0.2), 4.0)
-
     def _accept(self, h, t):
         """Make the attempt the last step."""
         for i in range(self.n):
@@ -532,7 +521,7 @@ class March:
             self.motion.j[i] = self.motion.jb[i]
             self.motion.drift[i] = self.motion.drift_end[i]
         self.state.reach = self.motion.reach_at(self.motion.q)
-        self._count_limited(h)
+        self.limited.add_step(h)
         # an element that has just switched still departs while others switch at the same time
         if self.state.entered and self._passes(h):
             self.state.entered = 0
@@ -564,7 +553,7 @@ class March:
         status = self._end_at(step, reads)
         if self.reads_switches and not (reads or self.net.stuck):
             self._keep_attempt(step)
-            reads = step * self.stepper.modes.quickest < _READ_PHASE
+            reads = step * self.stepper.modes.quickest < READ_PHASE
             near = _NEAR_END * step
         self.switches.recedes = False
         best = 1e300
@@ -607,22 +596,11 @@ class March:
     def _switch(self, e, kind, side):
         """Move element e to the neighbouring branch, now, and note the event."""
         self._leave_step()
-        before = self.net.branch[_KINDS * e + kind]
+        before = self.net.branch[BRANCHES * e + kind]
         new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)
-        if self.net.yields[e] and kind < _CONTACT:
+        if self.net.yields[e] and kind < CONTACT:
             before = new - side  # a change of sign of the rate ends the flow of the spring
-        self._note(e, kind, before, new)
-
-    def _note(self, e, kind, before, after):
-        """Note that element e has moved from one branch to another, now."""
-        k = self.event_count
-        if k < _EVENT_CAPACITY:
-            self.event_time[k] = self.state.time
-            self.event_what[4 * k] = e
-            self.event_what[4 * k + 1] = kind
-            self.event_what[4 * k + 2] = before
-            self.event_what[4 * k + 3] = after
-            self.event_count += 1
+        self.noted.note(self.state.time, e, kind, before, new)
 
     def _leave_step(self):
         """Store the branches of the step that ends here before they change."""

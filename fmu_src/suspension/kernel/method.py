@@ -31,9 +31,8 @@ class Method:
         self.limit = self.limit_of(order)
         # damping, as share of the critical one, with which no mode grows up to a phase of 6; 0: none is
         self.least_damping = 0.0
-        self.controls = (
-            False  # whether it finds its error, so that the tolerance can choose its steps
-        )
+        # whether it finds its error, so that the tolerance can choose its steps
+        self.controls = False
         self.most_error = 1.0  # over the one allowed, before a step is repeated
         self.reads_switches = False  # whether states within a step may be read from its septic
         self.exact = False  # whether its motion is accurate even where the ledger is not

@@ -29,9 +29,8 @@ class Modes:
         self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
         self.softest, self.velocity_scale = self.net.state.memory.zeros(n), memory.zeros(n)
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
-        self.stamp = (
-            0  # changes with every branch, to mark what belongs to an earlier one as outdated
-        )
+        # changes with every branch, to mark what belongs to an earlier one as outdated
+        self.stamp = 0
 
     def start(self):
         """Forget all branches so far."""

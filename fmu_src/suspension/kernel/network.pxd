@@ -1,15 +1,14 @@
 cimport cython
 from libc.math cimport fabs, sqrt
 from .arrays cimport Memory
-from .elements cimport Elements
+from .branches cimport Branches
 from .linear cimport decompose, solve
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS, _LAWS, _PIECE, _SEGMENT
 cdef int _NEWTON
-cdef double _HIGH, _CORNER, _SLAVED, _PARTS
+cdef double SLAVED, _HIGH, _CORNER, _PARTS
 
 @cython.final
-cdef class Network(Elements):
+cdef class Network(Branches):
     cdef readonly int loads, size
     cdef bint can_rise
     cdef double *mass, *mass_factor, *flexibility, *load_direction, *zero

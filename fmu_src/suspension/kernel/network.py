@@ -9,8 +9,10 @@ from __future__ import annotations
 import cython
 
 from .arrays import Memory
-from .elements import Elements, element_numbers
+from .branches import Branches
+from .elements import element_numbers
 from .laws import functions_of, pieces_of
+from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
 from .signals import signal_numbers
 
 if not cython.compiled:
@@ -18,15 +20,15 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_SPRING, _DAMPER, _MODULATION, _CONTACT, _KINDS = 0, 1, 2, 3, 5  # as in elements
-_LAWS, _PIECE, _SEGMENT = 3, 12, 10  # as in laws and signals
 _CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
 _HIGH = 10.0  # times the scale of the motion
-_SLAVED = 4.0  # decay within a step from which a damper's force is not read from its rate
-_PARTS, _NEWTON = 20.0, 4  # of the step, and iterations, when its rate is read from the force
+SLAVED = 4.0  # decay within a step from which a damper's force is not read from its rate
+# of the step, and iterations, when a damper's rate is read from its force
+_PARTS = 20.0
+_NEWTON = 4
 
 
-class Network(Elements):
+class Network(Branches):
     """The numbers of one system, its branches, and its forces and tangents in them.
 
     Parameters
@@ -40,7 +42,7 @@ class Network(Elements):
     """
 
     def __init__(self, system, joins=False):
-        Elements.__init__(self, system, joins)
+        Branches.__init__(self, system, joins)
         n, elements = self.n, self.elements
         names = list(system.signals)
         self.loads = len(system.loads)
@@ -152,7 +154,7 @@ class Network(Elements):
         """Make room for these numbers in the state."""
         yielding = sum(1 for e in range(self.elements) if self.yields[e])
         single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
-        self.moving = self.state.memory.zeros(3 * _PIECE * yielding + (_SEGMENT + 1) * single)
+        self.moving = self.state.memory.zeros(3 * PIECE * yielding + (SEGMENT + 1) * single)
 
     def take_moving(self):
         """Copy them into the state."""
@@ -169,12 +171,12 @@ class Network(Elements):
         at = 0
         for e in range(self.elements):
             if self.yields[e]:
-                first = _PIECE * self.first[_LAWS * e]
-                at = self._copy_numbers(self.piece, first, 3 * _PIECE, at, saving)
+                first = PIECE * self.first[LAWS * e]
+                at = self._copy_numbers(self.piece, first, 3 * PIECE, at, saving)
         for s in range(self.signals):
             if self.signal_count[s] == 1:
                 k = self.signal_first[s]
-                at = self._copy_numbers(self.segment, _SEGMENT * k, _SEGMENT, at, saving)
+                at = self._copy_numbers(self.segment, SEGMENT * k, SEGMENT, at, saving)
                 at = self._copy_numbers(self.height, k, 1, at, saving)
 
     def _copy_numbers(self, x, first, count, at, saving):
@@ -200,7 +202,7 @@ class Network(Elements):
         for s in range(self.signals):
             now = self.signal_now[s]
             for k in range(1, self.signal_count[s]):
-                start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
+                start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
                 if start <= t or start >= corner:
                     continue
                 self.signal_now[s] = k - 1
@@ -227,9 +229,9 @@ class Network(Elements):
             r = self.element_row[e]
             if self.row_signal[r] != signal or (jump < 0.0 and self.limit[e] < 1e300):
                 continue
-            law = _LAWS * e + _DAMPER
+            law = LAWS * e + DAMPER
             p = self.first[law] if jump > 0.0 else self.first[law] + self.count[law] - 1
-            self._push(e, self.piece[p * _PIECE + 3] * self._way(e, self.row_d[r], jump))
+            self._push(e, self.piece[p * PIECE + C1] * self._way(e, self.row_d[r], jump))
         self._give_way(v)
 
     def impulse(self, signal, jump, interval, rates, v):
@@ -248,12 +250,12 @@ class Network(Elements):
             if self.row_signal[r] != signal:
                 continue
             d, w = self.row_d[r], self.row_v[r]
-            push = self.law_slope(self.piece_now(e, _DAMPER), w) * self._way(e, d + jump, jump)
+            push = self.law_slope(self.piece_now(e, DAMPER), w) * self._way(e, d + jump, jump)
             if self.limit[e] < 1e300:
                 held = 0.0  # N h
                 if d + jump <= self.opening[e]:
                     middle = d + 0.5 * jump
-                    held = self.law(self.piece_now(e, _SPRING), middle)
+                    held = self.law(self.piece_now(e, SPRING), middle)
                     held = interval * (
                         self.limit[e] - held - self.damper_force_at(e, middle, rates[r])
                     )
@@ -269,7 +271,7 @@ class Network(Elements):
         order; at least, what it has taken in the interval is not taken.
         """
         damping = 0.0
-        if not self.branch[_KINDS * e + _CONTACT]:
+        if not self.branch[BRANCHES * e + CONTACT]:
             damping = self.damper_force_at(e, self.row_d[self.element_row[e]], w)
         return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
 
@@ -298,7 +300,7 @@ class Network(Elements):
 
     def _work_of_factor(self, e, d):
         """Return the integral from 0 to d of the damper modulation of element e."""
-        law = _LAWS * e + _MODULATION
+        law = LAWS * e + MODULATION
         return self.potential(self.first[law] + self.piece_at(law, d), d)
 
     def _give_way(self, v):
@@ -464,7 +466,7 @@ class Network(Elements):
     def _decays_within(self, h):
         """Return whether a damper stops its masses within a small part of h, with `row_c`."""
         for r in range(self.rows):
-            if self.row_c[r] != 0.0 and self.row_c[r] * self.mobility(r) * h > _SLAVED:
+            if self.row_c[r] != 0.0 and self.row_c[r] * self.mobility(r) * h > SLAVED:
                 return 1
         return 0
 

@@ -2,7 +2,7 @@ cimport cython
 from libc.math cimport fabs, isfinite
 from .network cimport Network
 
-cdef int _SPRING, _LAWS, _PIECE, _MOST_TRIALS
+cdef int _MOST_TRIALS
 cdef double _FREE
 
 @cython.final

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import cython
 
+from .layout import LAWS, PIECE, SPRING, START
+
 if not cython.compiled:
     from math import fabs, isfinite
 
-_SPRING, _LAWS, _PIECE = 0, 3, 12  # as in elements and laws
 _MOST_TRIALS = 400
 _FREE = 1e300  # a limit or a shift that is none
 
@@ -106,7 +107,7 @@ class Rest:
         if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
             self.force, self.stiffness = self.net.limit[e], 0.0
             return
-        law = _LAWS * e + _SPRING
+        law = LAWS * e + SPRING
         p = self.net.first[law] + self.net.piece_at(law, d)
         self.force = self.net.law(p, d)
         self.stiffness = self.net.law_slope(p, d)
@@ -115,7 +116,7 @@ class Rest:
         """Return the potential of element e at rest, J."""
         if self.net.limit[e] < _FREE and d >= self.net.free_length[e]:
             return self.net.free_energy[e] + self.net.limit[e] * (d - self.net.free_length[e])
-        law = _LAWS * e + _SPRING
+        law = LAWS * e + SPRING
         k = self.net.piece_at(law, d)
         p = self.net.first[law] + k
         if not self.net.yields[e]:
@@ -124,9 +125,9 @@ class Rest:
         elastic = self.net.first[law] + 1
         end = d
         if k == 0:
-            end = self.net.piece[elastic * _PIECE]
+            end = self.net.piece[elastic * PIECE + START]
         elif k == 2:
-            end = self.net.piece[(elastic + 1) * _PIECE]
+            end = self.net.piece[(elastic + 1) * PIECE + START]
         rate = self.net.law_slope(elastic, end)
         force = self.net.law(elastic, end)
         beyond = d - end

@@ -3,8 +3,7 @@ from .arrays cimport Memory
 from .state cimport KernelState
 from libc.math cimport cos, fabs, sin
 
-cdef int _SEGMENT
-cdef double _ROAD_PHASE
+cdef double ROAD_PHASE
 
 cdef class Signals:
     cdef Memory memory

@@ -7,13 +7,13 @@ from itertools import accumulate
 import cython
 
 from .arrays import Memory
+from .layout import AMPLITUDE, ANGLE, C0, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED, START
 from .state import KernelState
 
 if not cython.compiled:
     from math import cos, fabs, sin
 
-_SEGMENT = 10  # numbers stored for one segment
-_ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
+ROAD_PHASE = 1.5  # phase of a road's sinusoid per macro step
 
 
 class Signals:
@@ -33,7 +33,7 @@ class Signals:
         self.signal_first = memory.integers(accumulate(count, initial=0))
         self.signal_now = self.state.memory.marks(max(self.signals, 1))
         self.segments = sum(count)
-        self.segment = memory.zeros(_SEGMENT * max(sum(count), 1))
+        self.segment = memory.zeros(SEGMENT * max(sum(count), 1))
         self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
         # roads count from the datum, as all displacements do in the kernel
         self.is_road = memory.marks(max(self.signals, 1))
@@ -42,13 +42,13 @@ class Signals:
 
     def enter_signals(self, x, at):
         """Read the segments of all signals from x[at:]; return where they end."""
-        for i in range(_SEGMENT * self.segments):
+        for i in range(SEGMENT * self.segments):
             self.segment[i] = x[at + i]
         self.state.datum = 0.0
         for k in range(self.segments):
-            self.height[k] = self.segment[k * _SEGMENT + 2]
+            self.height[k] = self.segment[k * SEGMENT + C0]
             self.find_level(k)
-        return at + _SEGMENT * self.segments
+        return at + SEGMENT * self.segments
 
     def set_datum(self, datum):
         """Count the heights of all roads from `datum`, m."""
@@ -58,13 +58,13 @@ class Signals:
         for s in range(self.signals):
             if self.is_road[s]:
                 for k in range(self.signal_first[s], self.signal_first[s] + self.signal_count[s]):
-                    self.segment[k * _SEGMENT + 2] = self.height[k] - datum
+                    self.segment[k * SEGMENT + C0] = self.height[k] - datum
 
     def find_level(self, k):
         """Find whether segment k is constant, after its numbers have changed."""
         self.level[k] = 1
-        for i in range(3, 7):
-            if self.segment[k * _SEGMENT + i] != 0.0:
+        for i in range(C1, AMPLITUDE + 1):
+            if self.segment[k * SEGMENT + i] != 0.0:
                 self.level[k] = 0
 
     def enter_segment(self, s, t):
@@ -75,7 +75,7 @@ class Signals:
         rounding = self._rounding(s, t)
         while (
             self.signal_now[s] + 1 < self.signal_count[s]
-            and self.segment[(self.signal_first[s] + self.signal_now[s] + 1) * _SEGMENT] <= t
+            and self.segment[(self.signal_first[s] + self.signal_now[s] + 1) * SEGMENT + START] <= t
         ):
             self.signal_now[s] += 1
         if self.signal_now[s] == now:
@@ -86,55 +86,61 @@ class Signals:
 
     def _rounding(self, s, t):
         """Return what two continuous segments may differ by at t, as times are rounded and sums are."""
-        at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
-        size = fabs(self.road[4 * s]) + fabs(self.segment[at + 2]) + fabs(self.segment[at + 6])
+        at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
+        size = (
+            fabs(self.road[4 * s])
+            + fabs(self.segment[at + C0])
+            + fabs(self.segment[at + AMPLITUDE])
+        )
         return 1e-12 * size + 1e-15 * fabs(t) * fabs(self.road[4 * s + 1])
 
     def replace_signal(self, s, t, coefficients):
         """Make a one-segment signal a cubic in time from t on; return the jump of its value."""
         self.signal(s, t)
         before = self.road[4 * s]
-        at = self.signal_first[s] * _SEGMENT
-        self.segment[at + 1] = t
+        at = self.signal_first[s] * SEGMENT
+        self.segment[at + ORIGIN] = t
         for i in range(4):
-            self.segment[at + 2 + i] = coefficients[i]
+            self.segment[at + C0 + i] = coefficients[i]
         self.height[self.signal_first[s]] = coefficients[0]
         if self.is_road[s]:
-            self.segment[at + 2] -= self.state.datum
+            self.segment[at + C0] -= self.state.datum
         self.find_level(self.signal_first[s])
-        return self.segment[at + 2] - before
+        return self.segment[at + C0] - before
 
     def set_at(self, s):
         """Return since when the numbers of a one-segment signal hold, s."""
-        return self.segment[self.signal_first[s] * _SEGMENT + 1]
+        return self.segment[self.signal_first[s] * SEGMENT + ORIGIN]
 
     def signal(self, s, t):
         """Set `road` to value and three derivatives of signal s in its present segment."""
         k = self.signal_first[s] + self.signal_now[s]
-        at = k * _SEGMENT
+        at = k * SEGMENT
         if self.level[k]:
-            self.road[4 * s] = self.segment[at + 2]
+            self.road[4 * s] = self.segment[at + C0]
             self.road[4 * s + 1] = self.road[4 * s + 2] = self.road[4 * s + 3] = 0.0
             return
-        x = t - self.segment[at + 1]
-        value = self.segment[at + 2] + x * (
-            self.segment[at + 3] + x * (self.segment[at + 4] + x * self.segment[at + 5])
+        x = t - self.segment[at + ORIGIN]
+        value = self.segment[at + C0] + x * (
+            self.segment[at + C1] + x * (self.segment[at + C2] + x * self.segment[at + C3])
         )
-        rate = self.segment[at + 3] + x * (
-            2.0 * self.segment[at + 4] + x * 3.0 * self.segment[at + 5]
+        rate = self.segment[at + C1] + x * (
+            2.0 * self.segment[at + C2] + x * 3.0 * self.segment[at + C3]
         )
-        acceleration = 2.0 * self.segment[at + 4] + 6.0 * self.segment[at + 5] * x
-        jerk = 6.0 * self.segment[at + 5]
-        amplitude = self.segment[at + 6]
+        acceleration = 2.0 * self.segment[at + C2] + 6.0 * self.segment[at + C3] * x
+        jerk = 6.0 * self.segment[at + C3]
+        amplitude = self.segment[at + AMPLITUDE]
         if amplitude != 0.0:
-            angle = self.segment[at + 7] + x * (self.segment[at + 8] + x * self.segment[at + 9])
-            speed = self.segment[at + 8] + 2.0 * self.segment[at + 9] * x
+            angle = self.segment[at + ANGLE] + x * (
+                self.segment[at + SPEED] + x * self.segment[at + CHIRP]
+            )
+            speed = self.segment[at + SPEED] + 2.0 * self.segment[at + CHIRP] * x
             c = amplitude * cos(angle)
             d = amplitude * sin(angle)
             value += c
             rate -= d * speed
-            acceleration -= c * speed * speed + 2.0 * self.segment[at + 9] * d
-            jerk += d * speed * speed * speed - 6.0 * self.segment[at + 9] * speed * c
+            acceleration -= c * speed * speed + 2.0 * self.segment[at + CHIRP] * d
+            jerk += d * speed * speed * speed - 6.0 * self.segment[at + CHIRP] * speed * c
         self.road[4 * s] = value
         self.road[4 * s + 1] = rate
         self.road[4 * s + 2] = acceleration
@@ -148,7 +154,7 @@ class Signals:
         now = self.signal_now[s]
         k = 0
         while k + 1 < self.signal_count[s]:
-            start = self.segment[(self.signal_first[s] + k + 1) * _SEGMENT]
+            start = self.segment[(self.signal_first[s] + k + 1) * SEGMENT + START]
             if start > t or (start == t and not after):
                 break
             k += 1
@@ -178,7 +184,7 @@ class Signals:
         for s in range(self.signals):
             k = self.signal_now[s] + 1
             if k < self.signal_count[s]:
-                start = self.segment[(self.signal_first[s] + k) * _SEGMENT]
+                start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
                 joint = min(joint, start)
         return joint
 
@@ -186,13 +192,14 @@ class Signals:
         """Return the longest macro step that the sinusoids of the present segments allow."""
         limit = 1e300
         for s in range(self.signals):
-            at = (self.signal_first[s] + self.signal_now[s]) * _SEGMENT
-            if self.segment[at + 6] != 0.0:
+            at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
+            if self.segment[at + AMPLITUDE] != 0.0:
                 speed = fabs(
-                    self.segment[at + 8] + 2.0 * self.segment[at + 9] * (t - self.segment[at + 1])
+                    self.segment[at + SPEED]
+                    + 2.0 * self.segment[at + CHIRP] * (t - self.segment[at + ORIGIN])
                 )
-                if speed * limit > _ROAD_PHASE:
-                    limit = _ROAD_PHASE / speed
+                if speed * limit > ROAD_PHASE:
+                    limit = ROAD_PHASE / speed
         return limit
 
 

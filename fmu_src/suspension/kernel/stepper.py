@@ -63,7 +63,7 @@ class Stepper:
 
     def is_plain(self):
         """Return whether all forces of the present branches are straight, and nothing sticks."""
-        return self.balance.bends == 0 and not self.net.stuck
+        return self.balance.bends.count == 0 and not self.net.stuck
 
     def shift_end(self, t, late):
         """Move the end of the attempt slightly, to t, along its Taylor series."""

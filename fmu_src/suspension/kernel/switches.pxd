@@ -4,9 +4,10 @@ from .bernstein cimport Crossing
 from .motion cimport Motion
 from .network cimport Network
 from .stepper cimport Stepper
+from .straight_tyres cimport StraightTyres
 
-cdef int _SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS, _PIECE, _STRETCHES
-cdef double _NEVER, _SLAVED
+cdef int _STRETCHES
+cdef double _NEVER, ROUNDING_OF_RATES
 
 @cython.final
 cdef class Switches:
@@ -14,18 +15,15 @@ cdef class Switches:
     cdef Motion motion
     cdef Network net
     cdef Crossing crossing
+    cdef StraightTyres tyres
     cdef int watched, element, kind, side
     cdef bint roads_known, start_known, own_jerks, recedes, across, only_opens
     cdef double at, miss
     cdef int *watched_element, *watched_kind
     cdef double *low, *high, *row, *road, *point
-    cdef double *contact_f, *contact_k, *contact_c
-    cdef int *contact_straight
 
     @cython.locals(m=int, e=int, kind=int, k=int, low=double, high=double)
     cdef void enter_branches(self) noexcept nogil
-    @cython.locals(ps=int, pd=int, pm=int, factor=double)
-    cdef void _note_contact(self, int e) noexcept nogil
     @cython.locals(r=int, known=bint)
     cdef void _read_attempt(self, double t, double h) noexcept nogil
     @cython.locals(e=int, kind=int, p=int, k=int, m=int, at=int, degree=int, first=double,
@@ -73,6 +71,8 @@ cdef class Switches:
     cdef void _search_touchdown(self, int k, double h) noexcept nogil
     @cython.locals(order=int, degree=int, m=int, i=int, rise=double)
     cdef void _read_points(self, int r, double h, double share) noexcept nogil
+    @cython.locals(i=int, fastest=double, lost=double)
+    cdef double _left_over(self, int e, double acceleration) noexcept nogil
     @cython.locals(e=int, kind=int, at=int, order=int, value=double, rate=double, bound=double,
                    over=double)
     cdef double lateness(self, double t) noexcept nogil

@@ -11,15 +11,16 @@ import cython
 
 from .bernstein import Crossing
 from .elements import KINDS
+from .errors import ROUNDING_OF_RATES
+from .layout import BRANCHES, CONTACT, DAMPER, FRICTION, MODULATION, PIECE, SPRING, START
+from .network import SLAVED
+from .straight_tyres import StraightTyres
 
 if not cython.compiled:
     from math import fabs
 
-_SPRING, _DAMPER, _MODULATION, _CONTACT, _FRICTION, _KINDS = 0, 1, 2, 3, 4, 5  # as in elements
-_PIECE = 12  # as in laws
 _NEVER = 1e299  # larger bounds do not exist
 _STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic
-_SLAVED = 4.0  # decay within a step from which a force follows from the others
 
 
 class Switches:
@@ -42,16 +43,12 @@ class Switches:
         # for each row and each road, four numbers at the start of the attempt and four at its end
         self.row = memory.zeros(8 * max(self.net.rows, 1))
         self.road = memory.zeros(8 * max(self.net.signals, 1))
-        self.point = memory.zeros(
-            4 * (_STRETCHES + 1)
-        )  # a row at the ends of all parts, as in `row`
+        # a row at the ends of all parts, as in `row`
+        self.point = memory.zeros(4 * (_STRETCHES + 1))
         self.roads_known = 0
         self.start_known = 0
         self.own_jerks = False  # whether the attempt read last had jerks of its own
-        elements = self.net.elements
-        self.contact_f, self.contact_k = memory.zeros(elements), memory.zeros(elements)
-        self.contact_c = memory.zeros(elements)
-        self.contact_straight = memory.marks(elements)
+        self.tyres = StraightTyres(self.net)
         self.at = 2.0
         self.element = self.kind = self.side = 0
         self.across = False  # whether the switch found is the end of a gap
@@ -67,10 +64,10 @@ class Switches:
         for m in range(self.net.switchable):
             e = self.net.switch_element[m]
             kind = self.net.switch_kind[m]
-            if kind == _CONTACT:
-                self._note_contact(e)
+            if kind == CONTACT:
+                self.tyres.enter(e)
             # a row that sticks passes no corner, whatever the rounding
-            if kind < _CONTACT and self.net.row_stuck[self.net.element_row[e]]:
+            if kind < CONTACT and self.net.row_stuck[self.net.element_row[e]]:
                 continue
             low = self.net.bound(e, kind, -1)
             high = self.net.bound(e, kind, 1)
@@ -80,20 +77,6 @@ class Switches:
                 self.low[k], self.high[k] = low, high
                 self.watched += 1
 
-    def _note_contact(self, e):
-        """Store force at rest, stiffness and damping of a tyre, if its pieces are straight."""
-        ps, pd = self.net.piece_now(e, _SPRING), self.net.piece_now(e, _DAMPER)
-        self.contact_straight[e] = self.net.straight[ps] and self.net.straight[pd]
-        factor = 1.0
-        if self.net.modulated[e]:
-            pm = self.net.piece_now(e, _MODULATION)
-            factor = self.net.law(pm, 0.0)
-            if not self.net.straight[pm] or self.net.law_slope(pm, 0.0) != 0.0:
-                self.contact_straight[e] = 0
-        self.contact_k[e] = self.net.law_slope(ps, 0.0)
-        self.contact_c[e] = self.net.law_slope(pd, 0.0) * factor
-        self.contact_f[e] = self.net.intercept(ps) + self.net.intercept(pd) * factor
-
     def first(self, t, h):
         """Return the earliest switch from t to t + h as a fraction of h, or 2 if there is none."""
         self.at = 2.0
@@ -101,17 +84,15 @@ class Switches:
             return 2.0
         self._read_attempt(t, h)
         for k in range(self.watched):
-            if self.watched_kind[k] in (_SPRING, _MODULATION):
+            if self.watched_kind[k] in (SPRING, MODULATION):
                 if self._stays_far(k, h):
                     continue
-            elif self.watched_kind[k] == _DAMPER and self._rate_stays_far(k, h):
+            elif self.watched_kind[k] == DAMPER and self._rate_stays_far(k, h):
                 continue
-            if self.watched_kind[k] == _CONTACT and self._is_open(self.watched_element[k]):
+            if self.watched_kind[k] == CONTACT and self._is_open(self.watched_element[k]):
                 self._search_gap(k, h)
                 continue
-            if self.watched_kind[k] == _CONTACT and self._is_bent_in_flight(
-                self.watched_element[k]
-            ):
+            if self.watched_kind[k] == CONTACT and self._is_bent_in_flight(self.watched_element[k]):
                 self._search_touchdown(k, h)
                 continue
             degree = self._polynomial(self.watched_element[k], self.watched_kind[k], h)
@@ -141,16 +122,16 @@ class Switches:
         Passages before the fraction `least` do not count.
         """
         first = 2.0
-        if not self.stepper.balance.bends:
+        if not self.stepper.balance.bends.count:
             return first
         self._read_attempt(t, h)
         for e in range(self.net.elements):
-            for kind in range(_CONTACT):
+            for kind in range(CONTACT):
                 p = self.net.piece_now(e, kind)
                 if self.net.run_first[p] == self.net.run_last[p]:
                     continue
                 at = 8 * self.net.element_row[e]
-                k = self.net.place(p, self.row[at + 1] if kind == _DAMPER else self.row[at])
+                k = self.net.place(p, self.row[at + 1] if kind == DAMPER else self.row[at])
                 degree = self._polynomial(e, kind, h)
                 self.crossing.extent(degree)
                 for m in range(k, self.net.run_first[p], -1):
@@ -167,7 +148,7 @@ class Switches:
 
     def _passes(self, p, side, degree, least):
         """Return where the polynomial passes the start of piece p; 0 if at once, 2 if it does not."""
-        bound = self.net.piece[_PIECE * p]
+        bound = self.net.piece[PIECE * p + START]
         if not (self.crossing.low < bound if side < 0 else self.crossing.high > bound):
             return 2.0
         at = self.crossing.exit(bound, side, degree, False)
@@ -267,10 +248,10 @@ class Switches:
     def _polynomial(self, e, kind, h):
         """Set the polynomial of a watched quantity over the attempt; return its degree."""
         at = 8 * self.net.element_row[e]
-        if kind in (_SPRING, _MODULATION):
+        if kind in (SPRING, MODULATION):
             self.crossing.hermite7(self.row, at, h)
             return 7
-        if kind == _CONTACT:
+        if kind == CONTACT:
             self._contact_force(e, at)
             f0, f1, f2 = self.net.force0, self.net.force1, self.net.force2
             self._contact_force(e, at + 4)
@@ -280,7 +261,7 @@ class Switches:
                 return 3
             self.crossing.hermite5(f0, f1, f2, self.net.force0, self.net.force1, self.net.force2, h)
             return 5
-        if kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
+        if kind == FRICTION and self.net.branch[BRANCHES * e + FRICTION] == 0:
             # the force of sticking
             self.crossing.hermite3(
                 self.motion.multiplier[e], self.motion.multiplier_rate[e],
@@ -295,10 +276,10 @@ class Switches:
 
     def _is_slaved(self, e, h):
         """Return whether a tyre on the road stops its masses within a small part of the attempt."""
-        if not self.stepper.errors.own_jerks or self.net.branch[_KINDS * e + _CONTACT]:
+        if not self.stepper.errors.own_jerks or self.net.branch[BRANCHES * e + CONTACT]:
             return 0
         mobility = self.net.mobility(self.net.element_row[e])
-        return self.contact_c[e] * mobility * h > _SLAVED
+        return self.tyres.c[e] * mobility * h > SLAVED
 
     def _rate_left(self, e, j, jerk):
         """Return by how much the rate of a force is another with the jerks that describe the step.
@@ -317,29 +298,41 @@ class Switches:
             return self.net.force1
         return self.net.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
+    def _left_over(self, e, acceleration):
+        """Return the force that the others leave for a tyre, less its own, which is still to decay.
+
+        It is taken for a little less than it is, by what rounding of rates makes of the force, so that a
+        tyre that has left the road does not meet it at once.
+        """
+        fastest = 0.0
+        for i in range(self.net.n):
+            fastest = max(fastest, fabs(self.motion.vb[i]))
+        lost = ROUNDING_OF_RATES * self.tyres.c[e] * fastest * self.side
+        return acceleration / self.net.mobility(self.net.element_row[e]) - lost
+
     def _contact_force(self, e, at):
         """Find the force as `unlimited_force`, in fewer operations if all pieces are straight."""
-        if not self.contact_straight[e]:
+        if not self.tyres.straight[e]:
             self.net.unlimited_force(e, self.row, at)
             return
-        k, c = self.contact_k[e], self.contact_c[e]
-        self.net.force0 = self.contact_f[e] + k * self.row[at] + c * self.row[at + 1]
+        k, c = self.tyres.k[e], self.tyres.c[e]
+        self.net.force0 = self.tyres.f[e] + k * self.row[at] + c * self.row[at + 1]
         self.net.force1 = k * self.row[at + 1] + c * self.row[at + 2]
         self.net.force2 = k * self.row[at + 2] + c * self.row[at + 3]
 
     def _search(self, k, side, bound, degree, h):
         """Store the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
-        departing = self.net.departing[_KINDS * e + kind] == side or (
+        departing = self.net.departing[BRANCHES * e + kind] == side or (
             # exactly on the bound, as at rest; contact and sticking start inside
             self.crossing.bezier[0] == bound
-            and kind != _CONTACT
-            and (kind != _FRICTION or self.net.branch[_KINDS * e + _FRICTION] != 0)
+            and kind != CONTACT
+            and (kind != FRICTION or self.net.branch[BRANCHES * e + FRICTION] != 0)
         )
         at = self.crossing.exit(bound, side, degree, departing)
         if at < self.at:
             self._keep(k, at, side)
-            if kind == _CONTACT and side < 0:
+            if kind == CONTACT and side < 0:
                 self._look_for_gap(e, at, h)
 
     def _look_for_gap(self, e, at, h):
@@ -357,7 +350,7 @@ class Switches:
     def _is_open(self, e):
         """Return whether there is a gap below a tyre at the start of the attempt."""
         at = 8 * self.net.element_row[e]
-        return self.net.branch[_KINDS * e + _CONTACT] != 0 and self.row[at] > self.net.opening[e]
+        return self.net.branch[BRANCHES * e + CONTACT] != 0 and self.row[at] > self.net.opening[e]
 
     def _search_gap(self, k, h):
         """Store the time at which a gap closes, if it is the earliest."""
@@ -366,7 +359,7 @@ class Switches:
         self.crossing.hermite7(self.row, 8 * self.net.element_row[e], h)
         self.crossing.extent(7)
         if self.crossing.low < bound:
-            departing = self.net.departing[_KINDS * e + _CONTACT] == -1
+            departing = self.net.departing[BRANCHES * e + CONTACT] == -1
             at = self.crossing.exit(bound, -1, 7, departing)
             if at < self.at:
                 self._keep(k, at, -1)
@@ -374,7 +367,7 @@ class Switches:
 
     def _is_bent_in_flight(self, e):
         """Return whether a tyre whose force does not act follows a curved law."""
-        return self.net.branch[_KINDS * e + _CONTACT] != 0 and not self.contact_straight[e]
+        return self.net.branch[BRANCHES * e + CONTACT] != 0 and not self.tyres.straight[e]
 
     def _search_touchdown(self, k, h):
         """Store the time at which a tyre in flight presses again by a curved law, if it is the earliest.
@@ -383,7 +376,7 @@ class Switches:
         followed in parts.
         """
         e = self.watched_element[k]
-        departing = self.net.departing[_KINDS * e + _CONTACT] == -1
+        departing = self.net.departing[BRANCHES * e + CONTACT] == -1
         share = 1.0 / _STRETCHES
         self._read_points(self.net.element_row[e], h, share)
         for m in range(_STRETCHES):
@@ -426,14 +419,16 @@ class Switches:
         bound = self.net.bound(e, kind, self.side)
         if self.across:
             value, rate, bound = self.row[at + 4], self.row[at + 5], self.net.opening[e]
-        elif kind == _CONTACT:
+        elif kind == CONTACT:
             self.net.unlimited_force(e, self.row, at + 4)
             value = self.net.force0
             rate = self._end_rate(e, t - self.stepper.errors.time)
-        elif kind == _FRICTION and self.net.branch[_KINDS * e + _FRICTION] == 0:
+            if self._is_slaved(e, t - self.stepper.errors.time):
+                value += self._left_over(e, self.row[at + 6])
+        elif kind == FRICTION and self.net.branch[BRANCHES * e + FRICTION] == 0:
             value, rate = self.net.multiplier[e], self.net.multiplier_rate[e]
         else:
-            order = 1 if kind in (_DAMPER, _FRICTION) else 0
+            order = 1 if kind in (DAMPER, FRICTION) else 0
             value, rate = self.row[at + 4 + order], self.row[at + 5 + order]
         over = value - bound
         self.miss = fabs(over)

@@ -1,0 +1,29 @@
+cimport cython
+from libc.math cimport fabs
+from .arrays cimport Memory
+from .integrator cimport Integrator
+
+cdef int _FIRST_LOOK
+cdef double _DRIFT, _LEAST_DRIFT
+
+@cython.final
+cdef class Account:
+    cdef Memory memory
+    cdef int signals
+    cdef double kinetic, stored, dissipated
+    cdef public double opening
+    cdef double *supplied, *carried
+    cdef public bint drifts
+    cdef public long long look_at
+
+    cdef void start(self) noexcept nogil
+    @cython.locals(s=int)
+    cpdef void begin(self, Integrator integrator) noexcept nogil
+    @cython.locals(s=int, dissipated=double)
+    cpdef void carry(self, Integrator integrator) noexcept nogil
+    @cython.locals(s=int, since=double)
+    cpdef void find(self, Integrator integrator, double time) noexcept nogil
+    @cython.locals(e=int)
+    cdef void _look(self, Integrator integrator, double time) noexcept nogil
+    @cython.locals(e=int, k=int, turned_over=double, off=double, tolerated=double)
+    cpdef double find_drift(self, Integrator integrator) noexcept nogil

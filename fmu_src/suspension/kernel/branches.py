@@ -1,0 +1,330 @@
+"""How elements change their branches: bounds, sticking, contact, flow, and the branches of a step.
+
+A step keeps the branches that it was made with (`keep_branches`), so that results within it can be found
+after they have changed (`exchange_branches`).
+"""
+
+from __future__ import annotations
+
+import cython
+
+from .elements import ELASTIC, Elements
+from .layout import (
+    BRANCHES,
+    C0,
+    C1,
+    CONTACT,
+    DAMPER,
+    FRICTION,
+    LAWS,
+    MODULATION,
+    ORIGIN,
+    PIECE,
+    SPRING,
+    START,
+)
+
+if not cython.compiled:
+    from math import fabs
+
+_CREEP = 1e-10  # 1/s, times the scale of the motion: the slip that counts as rest
+
+
+class Branches(Elements):
+    """The elements with what their branches end at, and which of them have just changed.
+
+    Parameters
+    ----------
+    system, joins : as of `elements.Elements`
+    """
+
+    def __init__(self, system, joins):
+        Elements.__init__(self, system, joins)
+        memory, elements = self.memory, self.elements
+        kinds = BRANCHES * elements
+        kept = self.state.memory
+        self.opening = memory.zeros(elements)  # deflection beyond which there is a gap
+        self.breakaway = memory.zeros(elements)  # friction up to which it sticks
+        self.initial_set = memory.zeros(elements)
+        self.departing = kept.marks(kinds)
+        self.creep = 0.0  # m/s, up to which slip counts as rest
+        self.stuck = 0
+        self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
+        self.kept_branch = kept.marks(kinds)
+        self.kept_set = kept.zeros(elements)
+        self.kept_signal = kept.marks(max(self.signals, 1))
+        self.switch_element, self.switch_kind = memory.marks(kinds), memory.marks(kinds)
+
+    def set_creep(self, reach):
+        """Take what counts as rest from the scale of the motion, m."""
+        self.creep = _CREEP * reach
+
+    def forget_branches(self):
+        """Reset all branches to the state before any motion."""
+        for s in range(self.signals):
+            self.signal_now[s] = self.kept_signal[s] = 0
+        for e in range(self.elements):
+            self.kept_set[e] = 0.0
+        for k in range(BRANCHES * self.elements):
+            self.branch[k] = self.departing[k] = self.kept_branch[k] = 0
+        self.stuck = 0
+        self.state.exchange = 0.0
+
+    def enter_elements(self, x, at):
+        """Read all elements from x[at:], as given by `element_numbers`; return where they end."""
+        for e in range(self.elements):
+            at = self.enter_element(e, x, at)
+            self.initial_set[e] = x[at]
+            self.opening[e] = x[at + 1]
+            self.breakaway[e] = x[at + 2]
+            at += 3
+        self.list_switchable()
+        return at
+
+    def list_switchable(self):
+        """List the branches that can change, and find whether all forces are straight in every branch."""
+        self.switchable = 0
+        self.always_straight = 1
+        for e in range(self.elements):
+            for kind in range(BRANCHES):
+                if kind == CONTACT:
+                    several = self.limit[e] < 1e300
+                elif kind == FRICTION:
+                    several = self.friction[e] > 0.0
+                else:
+                    # flow ends where the rate changes sign
+                    first = self.first[LAWS * e + kind]
+                    last = first + self.count[LAWS * e + kind] - 1
+                    several = self.run_last[first] < last or (
+                        kind == DAMPER and self.yields[e] != 0
+                    )
+                if several:
+                    self.switch_element[self.switchable] = e
+                    self.switch_kind[self.switchable] = kind
+                    self.switchable += 1
+            for p in range(self.first[LAWS * e], self.first[LAWS * (e + 1)]):
+                if not self.straight[p]:
+                    self.always_straight = 0
+            if self.modulated[e]:
+                self.always_straight = 0
+
+    # -- changes --------------------------------------------------------------------------------------
+
+    def bound(self, e, kind, side):
+        """Return the value at which element e leaves its branch downwards (side -1) or upwards (+1)."""
+        now = self.branch[BRANCHES * e + kind]
+        if kind == CONTACT:
+            if now:
+                return self.limit[e] if side < 0 else 1e300
+            return self.limit[e] if side > 0 else -1e300
+        if kind == FRICTION:
+            if now == 0:
+                return side * self.breakaway[e]
+            return 0.0 if now == -side else side * 1e300
+        if self.yields[e] and kind != MODULATION:
+            spring = self.branch[BRANCHES * e + SPRING]
+            if kind == DAMPER or spring != ELASTIC:
+                # flow upwards ends when the rate falls to zero, flow downwards when it rises to zero
+                if kind == DAMPER and spring == ELASTIC - side:
+                    return 0.0
+                return side * 1e300
+        law = LAWS * e + kind
+        if side < 0:
+            return self.piece[(self.first[law] + now) * PIECE + START] if now > 0 else -1e300
+        above = self.run_last[self.first[law] + now] + 1
+        if above < self.first[law] + self.count[law]:
+            return self.piece[above * PIECE + START]
+        return 1e300
+
+    def enter(self, e, kind, side, t, q, v):
+        """Move element e to its neighbouring branch; return the number of the new branch."""
+        at = BRANCHES * e + kind
+        if self.yields[e] and kind == DAMPER:
+            self.all_signals(t)
+            self.row_states(q, v)
+            self._unload(e, self.row_d[self.element_row[e]])
+            self.departing[at] = 0
+            self.departing[BRANCHES * e + SPRING] = -side
+            return ELASTIC
+        if kind == FRICTION:
+            # slip that comes to rest sticks, even if only for an instant; it does not if a long step has
+            # already let it slip back a little
+            self.all_signals(t)
+            self.row_states(q, v)
+            back = self.row_v[self.element_row[e]] * side > self.creep
+            self.branch[at] = side if self.branch[at] == 0 or back else 0
+            self.list_stuck()
+            self.departing[at] = -side if self.branch[at] != 0 and not back else 0
+            return self.branch[at]
+        if kind == CONTACT:
+            self.branch[at] = 1 if side > 0 else 0
+            self.book_exchange(e, t, q, v)
+        else:
+            first = self.first[LAWS * e + kind]
+            p = first + self.branch[at]
+            p = self.run_last[p] + 1 if side > 0 else self.run_first[p - 1]
+            self.branch[at] = p - first
+        self.departing[at] = -side
+        return self.branch[at]
+
+    def locate_branches(self, t, q, v):
+        """Choose every branch from the present state; at a corner the upper piece, to be confirmed."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for e in range(self.elements):
+            d = self.row_d[self.element_row[e]]
+            w = self.row_v[self.element_row[e]]
+            at = BRANCHES * e
+            if not self.yields[e]:  # the branch of a yielding element depends on its history
+                self.branch[at + SPRING] = self.piece_at(LAWS * e + SPRING, d)
+            self.branch[at + DAMPER] = self.piece_at(LAWS * e + DAMPER, w)
+            self.branch[at + MODULATION] = self.piece_at(LAWS * e + MODULATION, d)
+            if self.limit[e] < 1e300:
+                force = self.law(self.piece_now(e, SPRING), d) + self.damper_force(e)
+                off = 1 if force > self.limit[e] or d > self.opening[e] else 0
+                self.branch[at + CONTACT] = off
+            if self.friction[e] > 0.0:
+                self._follow_slip(e, w)
+        self.list_stuck()
+        self.mark_bounds()
+
+    def follow(self, t, q, v):
+        """Choose the branches for the next step from the state at its start, without landing."""
+        self.locate_branches(t, q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                w = self.row_v[self.element_row[e]]
+                if self.branch[BRANCHES * e + SPRING] != ELASTIC:
+                    if w * (self.branch[BRANCHES * e + SPRING] - ELASTIC) < 0.0:
+                        self._unload(e, d)
+                elif d > self.bound(e, SPRING, 1):
+                    self.branch[BRANCHES * e + SPRING] = ELASTIC + 1
+                elif d < self.bound(e, SPRING, -1):
+                    self.branch[BRANCHES * e + SPRING] = ELASTIC - 1
+
+    def mark_bounds(self):
+        """Mark the variables that are exactly on a bound of their branch, as at rest."""
+        for k in range(self.switchable):
+            e = self.switch_element[k]
+            kind = self.switch_kind[k]
+            r = self.element_row[e]
+            x = 1e300  # contact is never marked: it starts inside
+            if kind in (SPRING, MODULATION):
+                x = self.row_d[r]
+            elif kind == DAMPER or (kind == FRICTION and self.branch[BRANCHES * e + FRICTION] != 0):
+                x = self.row_v[r]
+            mark = 0
+            if x < 1e300 and x == self.bound(e, kind, -1):
+                mark = -1
+            elif x < 1e300 and x == self.bound(e, kind, 1):
+                mark = 1
+            self.departing[BRANCHES * e + kind] = mark
+
+    def clear_marks(self):
+        """Clear all marks of variables on their bounds."""
+        for k in range(self.switchable):
+            self.departing[BRANCHES * self.switch_element[k] + self.switch_kind[k]] = 0
+
+    def book_exchange(self, e, t, q, v):
+        """Book the jump of a tyre's potential when it leaves the road or meets it again.
+
+        A damped tyre does so at a deflection other than its free length; the difference is neither
+        stored nor dissipated, and has its own entry in the balance.
+        """
+        self.all_signals(t)
+        self.row_states(q, v)
+        d = self.row_d[self.element_row[e]]
+        change = self.free_potential(e, d) - self.potential(self.piece_now(e, SPRING), d)
+        self.state.exchange += change if self.branch[BRANCHES * e + CONTACT] else -change
+
+    # -- sticking -------------------------------------------------------------------------------------
+
+    def list_stuck(self):
+        """List the elements that stick, and the rows whose deflection they hold."""
+        self.stuck = 0
+        for r in range(self.rows):
+            self.row_stuck[r] = 0
+        for e in range(self.elements):
+            if self.friction[e] > 0.0 and self.branch[BRANCHES * e + FRICTION] == 0:
+                self.stuck_element[self.stuck] = e
+                self.stuck += 1
+                self.row_stuck[self.element_row[e]] = 1
+
+    def follow_slips(self, t, q, v):
+        """Update sticking and the direction of slip after a jump of a road's rate."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for k in range(self.switchable):
+            if self.switch_kind[k] == FRICTION:
+                e = self.switch_element[k]
+                self._follow_slip(e, self.row_v[self.element_row[e]])
+        self.list_stuck()
+
+    def _follow_slip(self, e, w):
+        at = BRANCHES * e + FRICTION
+        if self.branch[at] != 0 or fabs(w) > self.creep:
+            self.branch[at] = 1 if w > 0.0 else (-1 if w < 0.0 else 0)
+
+    # -- yield ----------------------------------------------------------------------------------------
+
+    def settle(self, t, q, v):
+        """Set the initial permanent sets; an element beyond its yield force has flowed to where it is."""
+        self.all_signals(t)
+        self.row_states(q, v)
+        for e in range(self.elements):
+            if self.yields[e]:
+                d = self.row_d[self.element_row[e]]
+                self.branch[BRANCHES * e + SPRING] = ELASTIC
+                self._set_at(e, self.initial_set[e])
+                for side in range(-1, 2, 2):
+                    if (d - self.bound(e, SPRING, side)) * side > 0.0:
+                        self.branch[BRANCHES * e + SPRING] = ELASTIC + side
+                        self._unload(e, d)
+
+    def _set_at(self, e, permanent_set):
+        """Move the elastic piece: its zero and its ends on the two lines of flow."""
+        at = (self.first[LAWS * e] + ELASTIC) * PIECE
+        above = at + PIECE
+        rate = self.spring_rate[e]
+        flow = self.piece[above + C1]
+        self.piece[at + ORIGIN] = permanent_set
+        self.piece[at + START] = (rate * permanent_set - self.piece[above + C0]) / (rate - flow)
+        self.piece[above + START] = (rate * permanent_set + self.piece[above + C0]) / (rate - flow)
+
+    def _unload(self, e, d):
+        """End the flow at deflection d: the element is elastic again, with its new permanent set."""
+        self._set_at(e, self.permanent_set(e, d))
+        self.branch[BRANCHES * e + SPRING] = ELASTIC
+
+    # -- the branches of the last step ----------------------------------------------------------------
+
+    def keep_branches(self):
+        """Store the present branches before they change at the end of a step."""
+        for s in range(self.signals):
+            self.kept_signal[s] = self.signal_now[s]
+        for k in range(self.switchable):
+            at = BRANCHES * self.switch_element[k] + self.switch_kind[k]
+            self.kept_branch[at] = self.branch[at]
+        for e in range(self.elements):
+            if self.yields[e]:
+                self.kept_set[e] = self.piece[(self.first[LAWS * e] + ELASTIC) * PIECE + ORIGIN]
+
+    def exchange_branches(self):
+        """Exchange the present branches for the stored ones; a second call reverses it."""
+        for s in range(self.signals):
+            now = self.signal_now[s]
+            self.signal_now[s] = self.kept_signal[s]
+            self.kept_signal[s] = now
+        for k in range(self.switchable):
+            at = BRANCHES * self.switch_element[k] + self.switch_kind[k]
+            now = self.branch[at]
+            self.branch[at] = self.kept_branch[at]
+            self.kept_branch[at] = now
+        for e in range(self.elements):
+            if self.yields[e]:
+                p = self.first[LAWS * e] + ELASTIC
+                permanent_set = self.piece[p * PIECE + ORIGIN]
+                self._set_at(e, self.kept_set[e])
+                self.kept_set[e] = permanent_set
+        self.list_stuck()

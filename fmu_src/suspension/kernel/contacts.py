@@ -1,0 +1,101 @@
+"""The contact of every tyre at the present time, and the switches of contact that lie ahead."""
+
+from __future__ import annotations
+
+_WAITING = 1024  # switches that can wait; between two looks at them there are at most half as many
+_NONE = -1
+
+
+class Contacts:
+    """Which tyres are off the road, how often they have left it, and when.
+
+    Parameters
+    ----------
+    memory : where the arrays lie
+    tyres : elements whose contact is followed
+    """
+
+    def __init__(self, memory, tyres):
+        self.memory, self.tyres = memory, len(tyres)
+        self.tyre = self.memory.integers(tyres)
+        self.airborne, self.lift_offs = self.memory.marks(self.tyres), self.memory.marks(self.tyres)
+        self.last_lift_off = self.memory.zeros(self.tyres)
+        self.last_touchdown = self.memory.zeros(self.tyres)
+        self.waiting = 0
+        self.waiting_time = self.memory.zeros(_WAITING)
+        self.waiting_tyre = self.memory.marks(_WAITING)
+        self.waiting_airborne = self.memory.marks(_WAITING)
+
+    def begin(self, integrator):
+        """Start anew: a wheel may be in the air at the start, which does not count as a lift-off."""
+        self.waiting = 0
+        for c in range(self.tyres):
+            self.airborne[c] = integrator.at_limit(self.tyre[c])
+            self.lift_offs[c] = 0
+            self.last_lift_off[c] = self.last_touchdown[c] = -1.0
+
+    def note(self, time, e, airborne):
+        """Let a lift-off or touchdown of element e wait for its time."""
+        for c in range(self.tyres):
+            if self.tyre[c] == e and self.waiting < _WAITING:
+                self.waiting_time[self.waiting] = time
+                self.waiting_tyre[self.waiting] = c
+                self.waiting_airborne[self.waiting] = airborne
+                self.waiting += 1
+
+    def compare(self, integrator, time):
+        """Note contacts that end or begin because a parameter has changed."""
+        for c in range(self.tyres):
+            now = integrator.at_limit(self.tyre[c])
+            if now != self.airborne[c]:
+                self.note(time, self.tyre[c], now)
+
+    def next(self, until):
+        """Count the first waiting switch, if its time is not after `until`.
+
+        Returns
+        -------
+        The number of its tyre, or -1 if none is due.
+        """
+        if self.waiting == 0 or self.waiting_time[0] > until:
+            return _NONE
+        c = self.waiting_tyre[0]
+        self.airborne[c] = self.waiting_airborne[0]
+        if self.airborne[c]:
+            self.lift_offs[c] += 1
+            self.last_lift_off[c] = self.waiting_time[0]
+        else:
+            self.last_touchdown[c] = self.waiting_time[0]
+        self.waiting -= 1
+        for k in range(self.waiting):
+            self.waiting_time[k] = self.waiting_time[k + 1]
+            self.waiting_tyre[k] = self.waiting_tyre[k + 1]
+            self.waiting_airborne[k] = self.waiting_airborne[k + 1]
+        return c
+
+    def forget_waiting(self):
+        """Forget the switches that wait, after a return to the present."""
+        self.waiting = 0
+
+    def seen(self):
+        """Return the contacts of all tyres at the present time, which change in place.
+
+        Returns
+        -------
+        Whether each is off the road, its lift-offs so far, and its last lift-off and touchdown, s.
+        """
+        return (
+            self.memory.seen_marks(self.airborne, self.tyres),
+            self.memory.seen_marks(self.lift_offs, self.tyres),
+            self.memory.seen(self.last_lift_off, self.tyres),
+            self.memory.seen(self.last_touchdown, self.tyres),
+        )
+
+    def parts(self):
+        """Return all arrays of the state, as Python sees them."""
+        return [
+            *self.seen(),
+            self.memory.seen(self.waiting_time, self.waiting),
+            self.memory.seen_marks(self.waiting_tyre, self.waiting),
+            self.memory.seen_marks(self.waiting_airborne, self.waiting),
+        ]

@@ -1,0 +1,23 @@
+"""What the numbers of a system mean by their places: branches of elements, pieces, segments.
+
+`characteristics.Piece` and `signals.Segment` give their numbers in this order.
+"""
+
+# what an element has a branch of: `branch[BRANCHES e + kind]`
+SPRING, DAMPER, MODULATION, CONTACT, FRICTION = 0, 1, 2, 3, 4
+BRANCHES = 5
+# laws of each element: spring, damper, modulation of the damper
+LAWS = 3
+
+# of a piece of a law, and of a segment of a signal: c0 + c1 s + c2 s^2 + c3 s^3 from its start,
+# with s = x - origin
+START, ORIGIN, C0, C1, C2, C3 = 0, 1, 2, 3, 4, 5
+# of a piece: + saturation tanh(s / scale) + power |s|^exponent sgn s; the energy stored at its start;
+# whether there is a function in Python
+SATURATION, SCALE, STORED, POWER, EXPONENT, OWN = 6, 7, 8, 9, 10, 11
+# numbers of a piece
+PIECE = 12
+# of a segment: + amplitude cos(angle + speed s + chirp s^2)
+AMPLITUDE, ANGLE, SPEED, CHIRP = 6, 7, 8, 9
+# numbers of a segment
+SEGMENT = 10

@@ -1,0 +1,36 @@
+"""For how long elements have been at their limit, such as tyres off the road."""
+
+from __future__ import annotations
+
+from .layout import BRANCHES, CONTACT
+
+
+class Limited:
+    """The elements with a limit, and the time that each has spent there.
+
+    Parameters
+    ----------
+    network : of the system
+    elements : that have a limit
+    """
+
+    def __init__(self, network, elements):
+        self.net = network
+        self.element, self.count = self.net.memory.integers(elements), len(elements)
+        kept = self.net.state.memory
+        # of every element: whether it was there in the last step, and the time until then, s
+        self.now, self.time = kept.marks(self.net.elements), kept.zeros(self.net.elements)
+
+    def start(self):
+        """Reset all times."""
+        for e in range(self.net.elements):
+            self.now[e] = 0
+            self.time[e] = 0.0
+
+    def add_step(self, h):
+        """Add a step, in the present branches."""
+        for k in range(self.count):
+            e = self.element[k]
+            self.now[e] = self.net.branch[BRANCHES * e + CONTACT]
+            if self.now[e]:
+                self.time[e] += h

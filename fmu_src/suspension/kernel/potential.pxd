@@ -1,0 +1,16 @@
+cimport cython
+from .network cimport Network
+
+@cython.final
+cdef class Potential:
+    cdef Network net
+    cdef double *e0, *e1, *e2
+    cdef int *by_element
+
+    @cython.locals(r=int, e=int)
+    cdef void enter(self) noexcept nogil
+    @cython.locals(r=int, p=int, k=double)
+    cdef void _add(self, int e) noexcept nogil
+    @cython.locals(n=int, i=int, k=int, r=int, s=int, e=int, twice=double, energy=double, d=double)
+    cdef double energy(self, double *q, double *v) noexcept nogil
+    cdef double _of_curved(self, int e, double d) noexcept nogil

@@ -1,0 +1,71 @@
+"""The energy stored in the present branches: of straight forces a parabola for each row."""
+
+from __future__ import annotations
+
+from .layout import BRANCHES, CONTACT, SPRING
+
+
+class Potential:
+    """The energy of each row, e0 + e1 d + e2 d^2, or whether that is the sum of its elements.
+
+    Parameters
+    ----------
+    network : of the system
+    """
+
+    def __init__(self, network):
+        self.net = network
+        memory, rows = self.net.memory, max(self.net.rows, 1)
+        self.e0, self.e1, self.e2 = memory.zeros(rows), memory.zeros(rows), memory.zeros(rows)
+        self.by_element = memory.marks(rows)
+
+    def enter(self):
+        """Read the present branches."""
+        for r in range(self.net.rows):
+            self.by_element[r] = 0
+            self.e0[r] = self.e1[r] = self.e2[r] = 0.0
+        for e in range(self.net.elements):
+            self._add(e)
+
+    def _add(self, e):
+        """Add the potential of element e to that of its row, if it is a parabola."""
+        r = self.net.element_row[e]
+        if self.net.branch[BRANCHES * e + CONTACT]:
+            self.e0[r] += self.net.free_potential(e, 0.0)
+            self.e1[r] += self.net.limit[e]
+        elif self.net.yields[e] or not self.net.spring_is_straight(e):
+            self.by_element[r] = 1
+        else:
+            p = self.net.piece_now(e, SPRING)
+            k = self.net.law_slope(p, 0.0)
+            self.e0[r] += self.net.potential(p, 0.0)
+            self.e1[r] += self.net.intercept(p)
+            self.e2[r] += 0.5 * k
+
+    def energy(self, q, v):
+        """Return kinetic energy plus the potential of all rows."""
+        n = self.net.n
+        twice = 0.0
+        for i in range(n):
+            for k in range(n):
+                twice += v[i] * self.net.mass[i * n + k] * v[k]
+        energy = 0.5 * twice
+        for r in range(self.net.rows):
+            s = self.net.row_signal[r]
+            d = -self.net.road[4 * s] if s >= 0 else 0.0
+            for i in range(n):
+                d += self.net.row_direction[r * n + i] * q[i]
+            energy += self.e0[r] + d * (self.e1[r] + d * self.e2[r])
+            if self.by_element[r]:
+                for e in range(self.net.elements):
+                    if self.net.element_row[e] == r:
+                        energy += self._of_curved(e, d)
+        return energy
+
+    def _of_curved(self, e, d):
+        """Return the potential of element e at d, unless it is in that of its row."""
+        if self.net.branch[BRANCHES * e + CONTACT]:
+            return 0.0
+        if self.net.yields[e] or not self.net.spring_is_straight(e):
+            return self.net.element_energy(e, d)
+        return 0.0

@@ -1,0 +1,30 @@
+"""A result within the last step: motion, forces and permanent sets at the time last asked for."""
+
+from __future__ import annotations
+
+
+class Reading:
+    """What Python sees as `sample_q` and the like.
+
+    Parameters
+    ----------
+    network : of the system
+    """
+
+    def __init__(self, network):
+        self.net = network
+        memory, n, elements = self.net.memory, self.net.n, self.net.elements
+        self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
+        self.low = memory.zeros(n)  # displacements from the datum
+        self.f, self.set = memory.zeros(elements), memory.zeros(elements)
+
+    def take(self, dense):
+        """Take the motion that the dense output has just read."""
+        for i in range(self.net.n):
+            self.low[i] = dense.q[i]
+            self.q[i] = dense.q[i] + self.net.state.datum
+            self.v[i], self.a[i] = dense.v[i], dense.a[i]
+
+    def find_forces(self, t, h):
+        """Find accelerations and forces at that time t, in the branches of a step of length h."""
+        self.net.read_forces(t, h, self.low, self.v, self.a, self.f, self.set)

@@ -1,0 +1,146 @@
+"""The last step read at the points of a quadrature, and the integrals over it that the works need."""
+
+from __future__ import annotations
+
+from functools import cache
+
+POINTS, ENDS = 4, 8  # of the quadrature; numbers at both ends of a step
+_POINT = (
+    0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240, 0.93056815579702628761,
+)  # fmt: skip
+_WEIGHT = (
+    0.17392742256872692869, 0.32607257743127307131, 0.32607257743127307131, 0.17392742256872692869,
+)  # fmt: skip
+
+
+class StepReadings:
+    """Deflections, rates and signals within the last step.
+
+    Parameters
+    ----------
+    network : of the system
+    dense : dense output of the last step
+    """
+
+    def __init__(self, network, dense):
+        self.net, self.dense = network, dense
+        memory = self.net.memory
+        rows, signals = max(self.net.rows, 1), max(self.net.signals, 1)
+        self.point, self.weight = memory.doubles(_POINT), memory.doubles(_WEIGHT)
+        value, rate = _readings(self.dense.cubic, self.dense.to_end)
+        self.value, self.rate = memory.doubles(value), memory.doubles(rate)
+        # of each row: the integrals of its rate w and of w^2 over the step
+        self.way, self.square = memory.zeros(rows), memory.zeros(rows)
+        # of each row at the points: deflection, rate; of each signal: value, rate
+        self.d, self.w = memory.zeros(POINTS * rows), memory.zeros(POINTS * rows)
+        self.u, self.du = memory.zeros(POINTS * signals), memory.zeros(POINTS * signals)
+        # literal, as this is a C array
+        self.ends = [0.0] * 8
+
+    def read_signals(self, h):
+        """Find values and rates of all signals at the points."""
+        for k in range(POINTS):
+            self.net.all_signals(self.dense.start + self.point[k] * h)
+            for s in range(self.net.signals):
+                self.u[POINTS * s + k] = self.net.road[4 * s]
+                self.du[POINTS * s + k] = self.net.road[4 * s + 1]
+
+    def read_ends(self, direction, at, h):
+        """Set `ends` to displacement and derivatives along a direction at both ends of the step."""
+        n = self.net.n
+        for k in range(ENDS):
+            self.ends[k] = 0.0
+        for i in range(n):
+            b = direction[at + i]
+            if b != 0.0:
+                self.ends[0] += b * self.dense.qa[i]
+                self.ends[1] += b * self.dense.va[i]
+                self.ends[2] += b * self.dense.aa[i]
+                self.ends[3] += b * self.dense.ja[i]
+                self.ends[4] += b * self.dense.qb[i]
+                self.ends[5] += b * self.dense.vb[i]
+                self.ends[6] += b * self.dense.ab[i]
+                self.ends[7] += b * self.dense.jb[i]
+        for k in range(1, 4):
+            for m in range(k, 4):
+                self.ends[m] *= h
+                self.ends[m + 4] *= h
+
+    def read_row(self, r, h, moving):
+        """Find deflection and rate of a row at the points."""
+        self.read_ends(self.net.row_direction, self.net.n * r, h)
+        s = self.net.row_signal[r]
+        way = 0.0
+        square = 0.0
+        for k in range(POINTS):
+            d = 0.0
+            w = 0.0
+            for m in range(ENDS):
+                d += self.value[ENDS * k + m] * self.ends[m]
+                w += self.rate[ENDS * k + m] * self.ends[m]
+            w /= h
+            if s >= 0 and moving:
+                d -= self.u[POINTS * s + k]
+                w -= self.du[POINTS * s + k]
+            elif s >= 0:
+                d -= self.net.road[4 * s]
+            self.d[POINTS * r + k] = d
+            self.w[POINTS * r + k] = w
+            way += self.weight[k] * w
+            square += self.weight[k] * w * w
+        self.way[r], self.square[r] = h * way, h * square
+
+    def sum_row(self, r, h):
+        """Find the integrals of w and w^2 alone, of a row on a road that stands still."""
+        self.read_ends(self.net.row_direction, self.net.n * r, h)
+        self.way[r] = self.ends[4] - self.ends[0]
+        square = 0.0
+        if self.dense.cubic:
+            c1, c2, c3 = self.ends[1], self.ends[2], 0.5 * (self.ends[6] - self.ends[2])
+            if self.dense.to_end:
+                c3 = 3.0 * (self.way[r] - c1 - 0.5 * c2)
+            # of c1 + c2 x + c3 x^2
+            square = c1 * (c1 + c2 + c3 / 1.5) + c2 * (c2 / 3.0 + 0.5 * c3) + 0.2 * c3 * c3
+        else:
+            for k in range(POINTS):
+                w = 0.0
+                for m in range(ENDS):
+                    w += self.rate[ENDS * k + m] * self.ends[m]
+                square += self.weight[k] * w * w
+        self.square[r] = square / h
+
+
+@cache
+def _readings(cubic, to_end):
+    """Return displacement and rate over h at the points for each of the numbers at the ends alone, 1.
+
+    The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the forms.
+    """
+    values, rates = [], []
+    for x in _POINT:
+        for k in range(ENDS):
+            q0, v0, a0, j0, q1, v1, a1, j1 = (float(i == k) for i in range(ENDS))
+            c0, c1, c2, c3 = q0, v0, a0 / 2.0, j0 / 6.0
+            s0 = s1 = s2 = s3 = 0.0
+            if cubic:
+                c3 = q1 - c0 - c1 - c2 if to_end else (a1 - a0) / 6.0
+            else:
+                d0, d1 = q1 - c0 - c1 - c2 - c3, v1 - c1 - 2.0 * c2 - 3.0 * c3
+                d2, d3 = a1 / 2.0 - c2 - 3.0 * c3, j1 / 6.0 - c3
+                s0, s1, s2 = d0, d1 - 4.0 * d0, d2 - 4.0 * d1 + 10.0 * d0
+                s3 = d3 - 4.0 * d2 + 10.0 * d1 - 20.0 * d0
+            value, rate = s3, 0.0
+            for c, node in (
+                (s2, 1.0),
+                (s1, 1.0),
+                (s0, 1.0),
+                (c3, 0.0),
+                (c2, 0.0),
+                (c1, 0.0),
+                (c0, 0.0),
+            ):
+                rate = rate * (x - node) + value
+                value = value * (x - node) + c
+            values.append(value)
+            rates.append(rate)
+    return values, rates

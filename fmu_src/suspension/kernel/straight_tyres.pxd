@@ -1,0 +1,11 @@
+cimport cython
+from .network cimport Network
+
+@cython.final
+cdef class StraightTyres:
+    cdef Network net
+    cdef double *f, *k, *c
+    cdef int *straight
+
+    @cython.locals(ps=int, pd=int, pm=int, factor=double)
+    cdef void enter(self, int e) noexcept nogil

@@ -1,0 +1,20 @@
+cimport cython
+from .arrays cimport Memory
+
+cdef int CAPACITY
+
+@cython.final
+cdef class SwitchLog:
+    cdef Memory memory
+    cdef list listed
+    cdef double *time
+    cdef int *what
+    cdef int count, base, flushed
+
+    cdef void start(self) noexcept nogil
+    cdef void begin_row(self) noexcept nogil
+    cdef bint is_half_full(self) noexcept nogil
+    @cython.locals(k=int)
+    cdef void note(self, double time, int e, int kind, int before, int after) noexcept nogil
+    @cython.locals(k=int, i=int)
+    cdef list all(self)
