@@ -18,7 +18,7 @@ from phaseplane.scenarios.draw.planes import planes_of
 from phaseplane.suspension.variables import checked_parameters
 
 from phaseplane.constructions import RULES, construct_motion
-from phaseplane.recording import record
+from phaseplane.recording import Content, record
 
 REPEATS = 5
 
@@ -36,7 +36,8 @@ def main(steps: int = 10_000) -> None:
                 times.setdefault(f"geometry, {rule.name}", []).append(perf_counter() - started)
             for detail in ("trail", "steps", "stages"):
                 started = perf_counter()
-                record(drawing, Path(folder, f"{detail}.rrd"), detail=detail)
+                shown = Content(drawing.title, drawing, detail=detail)
+                record(shown, Path(folder, f"{detail}.rrd"))
                 times.setdefault(f"recording, {detail}", []).append(perf_counter() - started)
     frames = len(drawing.frames)
     print(f"{frames} frames\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
 # need numpy, or are for those who do, and are not needed in an FMU
 NOT_CARRIED = ("batch.py", "series.py", "slots.py", "trace.py")
+_NOT_IN_KEY = ("native", "__pycache__")
 
 
 def content_key(model: str) -> str:
@@ -31,15 +33,17 @@ def content_key(model: str) -> str:
 
 @cache
 def _content_key(model: str, about: str) -> str:
-    own = Path(__file__).parent
-    files = {
-        f"vehicle_fmus/{path.relative_to(own).as_posix()}": path.read_bytes()
-        for path in sorted(own.rglob("*"))
-        if path.is_file() and path.suffix != ".pyc"
+    package = Path(__file__).parent
+    # native FMUs are not cached
+    folders = [f.name for f in package.iterdir() if f.is_dir() and f.name not in _NOT_IN_KEY]
+    own = _read(package, {"": "", **{f"{name}/": "" for name in folders}})
+    named = {
+        **{f"vehicle_fmus/{path}": content for path, content in own.items()},
+        "picture": picture_file(model).read_bytes(),
+        "model": model.encode(),
+        "about": about.encode(),
     }
-    files["picture"] = picture_file(model).read_bytes()
-    named = {"model": model.encode(), "about": about.encode()}
-    return digest_of({**files, **suspension_sources(), **named})[:24]
+    return digest_of({**named, **suspension_sources()})[:24]
 
 
 def picture_file(model: str) -> Path:
@@ -70,16 +74,29 @@ def suspension_sources() -> dict[str, bytes]:
 
 @cache
 def _sources(package: Path) -> dict[str, bytes]:
-    kernel = package / "kernel"
-    binaries = kernel / kernel_name(kernel)
-    paths = [
-        *(path for path in package.glob("*.py") if path.name not in NOT_CARRIED),
-        *package.glob("models/*.py"),
-        *kernel.glob("*.py"),
-        *kernel.glob("*.pxd"),  # the kernel's name depends on these too
-        *(p for p in binaries.glob("*") if p.suffix in (".so", ".pyd")),
-    ]
-    return {path.relative_to(package).as_posix(): path.read_bytes() for path in sorted(paths)}
+    endings: dict[str, str | tuple[str, ...]] = {
+        "": ".py",
+        "models/": ".py",
+        "kernel/": (".py", ".pxd"),  # the kernel's name depends on these too
+        f"kernel/{kernel_name(package / 'kernel')}/": (".so", ".pyd"),
+    }
+    found = _read(package, endings)
+    return {path: found[path] for path in sorted(found) if path not in NOT_CARRIED}
+
+
+def _read(package: Path, endings: Mapping[str, str | tuple[str, ...]]) -> dict[str, bytes]:
+    """Return the files with some endings in some folders of a package, by their paths in it.
+
+    There are a hundred, of which a run asks at its start: `glob` would take longer than to read them.
+    """
+    found = {}
+    for folder, wanted in endings.items():
+        with suppress(FileNotFoundError), os.scandir(package / folder) as entries:
+            for entry in entries:
+                if entry.name.endswith(wanted) and entry.is_file():
+                    with open(entry.path, "rb") as file:
+                        found[folder + entry.name] = file.read()
+    return found
 
 
 def production() -> dict[str, str]:

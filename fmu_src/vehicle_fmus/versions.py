@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import sys
+from collections.abc import Mapping
+from contextlib import suppress
 from functools import cache
-from pathlib import Path
 
 
 @cache
@@ -15,12 +17,24 @@ def installed(package: str) -> str:
     the same, and with its parsers of mail headers takes longer to import than the mechanics of a run.
     """
     name = package.replace("-", "_")
-    for folder in sys.path:
-        for found in Path(folder).glob(f"{name}-*.dist-info"):
-            return found.name.removesuffix(".dist-info").removeprefix(f"{name}-")
+    if name in _by_folders():
+        return _by_folders()[name]
     from importlib.metadata import PackageNotFoundError, version  # noqa: PLC0415  (rarely needed)
 
     try:
         return version(package)  # in an archive, or in another layout
     except PackageNotFoundError:
         return ""
+
+
+@cache
+def _by_folders() -> Mapping[str, str]:
+    """Return the versions of all packages that have a metadata folder, by name; the first counts."""
+    found: dict[str, str] = {}
+    for folder in sys.path:
+        with suppress(OSError):  # no folder
+            for entry in os.listdir(folder or "."):
+                name, _, version = entry.removesuffix(".dist-info").partition("-")
+                if entry.endswith(".dist-info"):
+                    found.setdefault(name, version)
+    return found

@@ -16,9 +16,10 @@ from phaseplane.suspension.trace import Number, number
 
 from .declarations import NUMBERS
 from .kernel_sources import Sources
+from .statements import constants, in_lines
 from .translate import in_c
 
-_PER_LINE = 8
+_LONGEST = 1000  # numbers of an array within the record's initial value
 
 
 @dataclass(slots=True)
@@ -73,15 +74,28 @@ def image(
         f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
         for at, kind, values in found.arrays.values()
     ]
-    parts += [f"}} {record};", "", f"static const {record} {record.lower()}_as_packed = {{"]
+    parts += [f"}} {record};", ""]
+    long = {}  # apart from the record: compilers would look through it for every field
+    inside = []
+    for at, kind, numbers in found.arrays.values():
+        if not any(numbers):
+            continue
+        texts = [_number(value, kind, "an item") for value in numbers]
+        if len(texts) > _LONGEST:
+            long[at] = constants(f"{at}_as_packed", texts, NUMBERS[kind])
+        else:
+            inside += [f"    .{at} = {{", in_lines(texts, 8), "    },"]
+    parts += [*long.values(), f"static const {record} {record.lower()}_as_packed = {{"]
     for at, values in found.values.items():
         parts += [f"    .{at} = {{", *(f"        {value}," for value in values), "    },"]
-    for at, kind, numbers in found.arrays.values():
-        if any(numbers):
-            parts += [f"    .{at} = {{", *_numbers(list(numbers), kind), "    },"]
-    parts += ["};", "", "/* Let the pointers of a copy point into that copy. */"]
+    parts += [*inside, "};", "", "/* Let the pointers of a copy point into that copy. */"]
     parts += [f"static void {record.lower()}_wire({record} *of) {{"]
     parts += [f"    {pointer};" for pointer in found.pointers]
+    parts += ["}", "", "/* Make one as packed. */"]
+    parts += [f"static void {record.lower()}_make({record} *of) {{"]
+    parts += [f"    *of = {record.lower()}_as_packed;"]
+    parts += [f"    memcpy(of->{at}, {at}_as_packed, sizeof {at}_as_packed);" for at in long]
+    parts += [f"    {record.lower()}_wire(of);"]
     names = {key: at for key, (at, _, _) in found.arrays.items()}
     return Image("\n".join([*parts, "}", ""]), found.noted, names)
 
@@ -137,12 +151,3 @@ def _number(value: Any, kind: str, where: str) -> str:
     if int(value) != value:
         raise TypeError(f"{where} = {value!r} is declared as {kind}")
     return str(int(value))
-
-
-def _numbers(values: list[Any], kind: str) -> list[str]:
-    while values and not values[-1]:
-        values.pop()
-    texts = [_number(value, kind, "an item") for value in values]
-    return [
-        f"        {', '.join(texts[k : k + _PER_LINE])}," for k in range(0, len(texts), _PER_LINE)
-    ]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import inf
@@ -22,7 +24,7 @@ from phaseplane.suspension.outputs import (
 from phaseplane.suspension.session import driven, initial_names
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, System
-from phaseplane.suspension.trace import Node, Number, Tape, number
+from phaseplane.suspension.trace import Guard, Node, Number, Tape, number
 from phaseplane.suspension.variable import number as number_in
 from phaseplane.suspension.variables import (
     SOLVER_PARAMETERS,
@@ -35,6 +37,7 @@ from phaseplane.suspension.variables import (
 
 from .image import image
 from .kernel_sources import plain_integrator, plain_module, sources, values_of_constants
+from .statements import Statement, constants, written
 from .translate import needed, translated
 
 _ROOTS = [
@@ -43,13 +46,15 @@ _ROOTS = [
         "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
     )),
     *(("Run", name) for name in (
-        "begin", "set_input", "sets_in", "hand_over", "begin_contacts", "note_contact",
-        "compare_contacts", "next_contact", "forget_waiting", "find_rest", "hand_on",
-        "begin_account", "carry_account", "find_energies", "find_drift",
+        "begin", "set_input", "sets_in", "hand_over", "find_rest", "hand_on",
     )),
+    *(("Contacts", name) for name in ("begin", "note", "compare", "next", "forget_waiting")),
+    *(("Account", name) for name in ("begin", "carry", "find", "find_drift")),
     *(("Network", name) for name in ("signal_at", "next_corner", "set_datum")),
 ]  # fmt: skip
 _Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name
+_REFUSING = {True: "if (!({value})) return {at};", False: "if ({value}) return {at};"}
+_MOST_ALIKE = 8  # guards that are said one by one
 _KIND = {float: "REAL", int: "INTEGER", bool: "BOOLEAN", str: "STRING"}
 
 
@@ -95,11 +100,12 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     tape = Tape()
     parameters = checked_parameters(model, given)
     declared = variables(model)
+    references = _references(declared)
     noted: dict[str, Any] = {
-        v.name: tape.given(f"p[{k}]", number_in(parameters, v.name), v.name)
+        v.name: tape.given(f"p[{name}]", number_in(parameters, v.name), v.name)
         if isinstance(v.start, float)
         else parameters[v.name]
-        for k, v in enumerate(declared)
+        for v, name in zip(declared, references, strict=True)
         if v.causality == "parameter"
     }
     system, packed = _system(model, noted), _system(model, parameters)
@@ -135,24 +141,39 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     row = plain.row(system, rest, rest)
     laws = len(row) - len(plain_module("network").laws_of(packed))
-    setting = _set_up(tape, row, laws, starts, (read, rates), fields)
+    setting = _set_up(tape, row, laws, starts, (read, rates), fields, references)
     continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
         machine.text,
         conduct.text,
-        _tables(declared, parameters, inputs, system, tape),
+        _tables(declared, references, parameters, inputs, system),
         setting,
         "/* Which outputs change between switches, too. */",
-        _choice("is_continuous", [k for k in read if declared[k].name in continuous]),
+        _choice("is_continuous", [references[k] for k in read if declared[k].name in continuous]),
     ]
-    pinned = [g.condition.of for g in tape.guards.values() if g.condition.text == "==" and g.holds]
     fixed = {
         v.name for v in declared if v.causality == "parameter" and not isinstance(v.start, float)
     }
-    fixed |= {name for names in pinned if len(names) == 1 for name in names}
+    fixed |= _pinned(tape.guards.values(), {v.name for v in declared if v.minimum == 0.0})
     prefixes = tuple(axle.prefix for axle in tyres)
     return Translation("\n".join(parts), frozenset(fixed), continuous, prefixes)
+
+
+def _pinned(guards: Iterable[Guard], not_negative: Collection[str]) -> set[str]:
+    """Return the parameters that guards allow one value only, as that of an element that is not there."""
+    found = set()
+    for guard in guards:
+        left, right = guard.condition.operands
+        is_equal = (guard.condition.text, guard.holds) in (("==", True), ("!=", False))
+        stays_zero = (guard.condition.text, guard.holds, right.value) == (">", False, 0.0)
+        if (
+            not left.operands
+            and not right.of
+            and (is_equal or (stays_zero and left.said in not_negative))
+        ):
+            found.add(left.said)
+    return found
 
 
 def _system(model: str, p: Mapping[str, Any]) -> System:
@@ -195,27 +216,36 @@ def _text(text: str) -> str:
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
+def _references(declared: Sequence[Variable]) -> list[str]:
+    """Return what value references are called in C, such as `V_SPRUNG_MASS`."""
+    names = [f"V_{re.sub(r'[^A-Z0-9]', '_', v.name.upper())}" for v in declared]
+    several = Counter(names)
+    return [name if several[name] == 1 else f"{name}_{k}" for k, name in enumerate(names)]
+
+
 def _tables(
     declared: Sequence[Variable],
+    references: Sequence[str],
     parameters: Mapping[str, Value],
     inputs: Sequence[str],
     system: System,
-    tape: Tape,
 ) -> str:
-    names = [v.name for v in declared]
     lines = [
-        f"#define VARIABLES {len(declared)}",
+        "/* The variables by value reference. */",
+        "enum {",
+        *(f"    {name}," for name in references),
+        "    VARIABLES",
+        "};",
+        "",
         f"#define ELEMENTS {len(system.elements)}",
         f"#define COORDINATES {len(system.coordinates)}",
         f"#define SIGNALS {len(system.signals)}",
         f"#define TYRES {sum(1 for axle in system.axles if axle.tyre)}",
         *(
-            f"#define {v.name.upper().replace('.', '_')} {k}\n"
             f"#define DEFAULT_TOLERANCE {number(float(v.start))}"
-            for k, v in enumerate(declared)
+            for v in declared
             if v.name == "solver.tolerance"
         ),
-        f"#define OK {names.index('ok')}",
         "",
         "static const Variable variables[VARIABLES] = {",
     ]
@@ -248,17 +278,28 @@ def _tables(
     for status in range(max(FAILURES) + 1):
         cause, _, remedy = FAILURES.get(status, "").partition("; ")
         lines.append(f"    {{{_text(cause)}, {_text(remedy)}}},")
-    lines += ["};", "", "static const char *const guards[] = {"]
-    for guard in tape.guards.values():
-        which = ", ".join(sorted(guard.condition.of)) or "the parameters"
-        words = guard.in_words()
-        lines.append(
-            f"    {_text(f'{which}: the structure with which this FMU was packed does not allow this')}"
-        )
+    return "\n".join([*lines, "};", ""])
+
+
+def _refusals(guards: Sequence[Guard]) -> list[tuple[str, str]]:
+    """Return for each guard what is said if it does not hold, in two lines.
+
+    Guards that come in numbers, as along a table, are not said one by one.
+    """
+    alike = Counter((guard.condition.of, guard.condition.text) for guard in guards)
+    found = []
+    for guard in guards:
+        names = sorted(guard.condition.of)
+        several = alike[guard.condition.of, guard.condition.text] > _MOST_ALIKE
+        words = "" if several else guard.in_words()
+        which = ", ".join(names) or "the parameters"
         how = f" ({words} must hold)" if words else ""
-        sets = " ".join(f"--set {name}=..." for name in sorted(guard.condition.of))
-        lines.append(f"        {_text(f'{how}; pack another with {sets}')},")
-    return "\n".join([*lines, "    0", "};", ""])
+        sets = " ".join(f"--set {name}=..." for name in names)
+        found.append((
+            f"{which}: the structure with which this FMU was packed does not allow this",
+            f"{how}; pack another with {sets}",
+        ))  # fmt: skip
+    return found
 
 
 def _set_up(
@@ -268,39 +309,68 @@ def _set_up(
     starts: Sequence[Any],
     read: tuple[_Expressions, _Expressions],
     fields: Mapping[str, Number],
+    references: Sequence[str],
 ) -> str:
     """Return what turns parameters into the numbers of a system, and what finds outputs and rates."""
     derived = [tape.node(x) for x in starts]
     for reader, _ in chain.from_iterable(of.values() for of in read):
         if isinstance(reader, Number):
             derived += [n for n in _of_parameters(reader.node) if n not in derived]
-    rows = [tape.node(x) for x in row]
     set_fields = {name: tape.node(value) for name, value in fields.items()}
-    names: dict[int, str] = {}
     guards = list(tape.guards.values())
-    wanted = [*(g.condition for g in guards), *rows, *derived, *set_fields.values()]
+    refusals = _refusals(guards)
+    numbers = {refusal: k for k, refusal in enumerate(dict.fromkeys(refusals), 1)}
+    rows = [tape.node(x) for x in row]
+    plain = [node.text if not node.of else "0.0" for node in rows]
+    statements = [
+        Statement(guard.condition, _REFUSING[guard.holds], numbers[refusal])
+        for guard, refusal in zip(guards, refusals, strict=True)
+    ]
+    for array, nodes in {"row": rows, "derived": derived, "fields": set_fields.values()}.items():
+        statements += (
+            Statement(node, f"{array}[{{at}}] = {{value}};", k)
+            for k, node in enumerate(nodes)
+            if node.of or array != "row"
+        )
+    setting = written(tape.nodes.values(), statements)
     lines = [
         f"#define ROW {len(row)}",
         f"#define LAWS {laws} /* where those of the elements begin, up to the end of the row */",
         f"#define FIELDS {max(len(set_fields), 1)}",
         f"#define DERIVED {len(derived)}",
         "",
+        "/* What is said if a guard of the set-up does not hold. */",
+        "static const char *const guards[] = {",
+        *(f"    {_text(first)}\n        {_text(then)}," for first, then in numbers),
+        "    0",
+        "};",
+        "",
+        "/* The numbers of the system as packed; what depends on parameters is zero.",
+        " *",
+        " * One after the other: scale of displacements; displacements and velocities at the start;",
+        " * masses; directions of loads; of each segment of each signal its start, origin, four",
+        " * coefficients, amplitude and three of the phase; the laws of each element.",
+        " */",
+        constants("row_as_packed", plain),
+        "",
+        *(table + "\n" for table in setting.tables),
+        "/* Where the set-up computes. */",
+        "typedef struct Work {",
+        *(f"    {array}" for array in setting.arrays or ["char none;"]),
+        "} Work;",
+        "",
         "/* Find the numbers of the system, as recorded from the set-up in Python.",
         " *",
         " * Return 0, or the number of the guard that does not hold, counted from 1.",
         " */",
-        "static int set_up(const double *p, double *row, double *fields, double *derived) {",
-        *(f"    {line}" for line in tape.lines(wanted, names)),
+        "static int set_up(const double *p, double *row, double *fields, double *derived, Work *work) {",
+        "    memcpy(row, row_as_packed, sizeof row_as_packed);",
+        "    (void) fields, (void) work;",
+        *(f"    {line}" for line in setting.lines),
+        "    return 0;",
+        "}",
+        "",
     ]
-    for k, guard in enumerate(guards, 1):
-        text = guard.condition.written(names)[0]
-        lines.append(f"    if ({f'!({text})' if guard.holds else text}) return {k};")
-    lines += [f"    row[{k}] = {node.written(names)[0]};" for k, node in enumerate(rows)]
-    lines += [f"    derived[{k}] = {node.written(names)[0]};" for k, node in enumerate(derived)]
-    lines += [
-        f"    fields[{k}] = {n.written(names)[0]};" for k, n in enumerate(set_fields.values())
-    ]
-    lines += ["    (void) fields;", "    return 0;", "}", ""]
     lines += [
         "/* Set the fields that depend on parameters, and that no row has. */",
         "static void enter_fields(const double *fields, Machine *of) {",
@@ -313,12 +383,15 @@ def _set_up(
     outputs, rates = read
     parts = [
         "/* Which outputs need the forces at the present time, which the roads, which the energies. */",
-        *(_choice(name, which) for name, which in _needs(outputs, known).items()),
+        *(
+            _choice(name, [references[k] for k in which])
+            for name, which in _needs(outputs, known).items()
+        ),
         "/* Return an output at the present time. */",
-        _finder("find_output", outputs, known),
+        _finder("find_output", outputs, known, references),
         "/* Which outputs have derivatives that other motions are, and these derivatives. */",
-        _choice("has_own_rate", list(rates)),
-        _finder("find_own_rate", rates, known),
+        _choice("has_own_rate", [references[k] for k in rates]),
+        _finder("find_own_rate", rates, known, references),
     ]
     return "\n".join([*lines, *parts])
 
@@ -342,8 +415,8 @@ def _written(value: Any, known: dict[int, str]) -> str:
 def _needs(read: _Expressions, known: dict[int, str]) -> dict[str, list[int]]:
     """Return which outputs need the forces, which the roads, and which the energies."""
     texts = {k: _written(value, known) for k, (value, _) in read.items()}
-    sampled = tuple(f"->read_{x}[" for x in ("a", "f", "set"))
-    entries = ("run->kinetic", "run->stored", "run->dissipated", "run->supplied[")
+    sampled = tuple(f"->reading->{x}[" for x in ("a", "f", "set"))
+    entries = ("account->kinetic", "account->stored", "account->dissipated", "account->supplied[")
     marks = {"needs_forces": sampled, "needs_roads": ("roads[",), "needs_energies": entries}
     return {
         name: [k for k, text in texts.items() if any(mark in text for mark in of)]
@@ -351,14 +424,14 @@ def _needs(read: _Expressions, known: dict[int, str]) -> dict[str, list[int]]:
     }
 
 
-def _finder(name: str, of: _Expressions, known: dict[int, str]) -> str:
+def _finder(name: str, of: _Expressions, known: dict[int, str], references: Sequence[str]) -> str:
     return "\n".join([
         f"static double {name}(Integrator *of, Run *run, const double *derived,",
         "        double (*roads)[4], unsigned k) {",
         "    (void) of, (void) run, (void) derived, (void) roads;",
         "    switch (k) {",
-        *(f"        case {k}: return {_written(value, known)}; /* {name} */"
-          for k, (value, name) in of.items()),
+        *(f"        case {references[k]}: return {_written(value, known)};"
+          for k, (value, _) in of.items()),
         "        default: return 0.0;",
         "    }",
         "}",
@@ -366,7 +439,7 @@ def _finder(name: str, of: _Expressions, known: dict[int, str]) -> str:
     ])  # fmt: skip
 
 
-def _choice(name: str, which: Sequence[int]) -> str:
+def _choice(name: str, which: Sequence[str]) -> str:
     lines = [f"static int {name}(unsigned k) {{", "    switch (k) {"]
     lines += [f"        case {k}:" for k in which]
     lines += ["            return 1;"] if which else []
@@ -378,9 +451,9 @@ class _TracedState(reading.State):
 
     def __init__(self, system: System, tape: Tape) -> None:
         n, elements = len(system.coordinates), len(system.elements)
-        self.q, self.v = (_array(tape, f"of->read_{x}", n) for x in "qv")
-        self._a = _array(tape, "of->read_a", n)
-        self._f, self._set = (_array(tape, f"of->read_{x}", elements) for x in ("f", "set"))
+        self.q, self.v = (_array(tape, f"of->reading->{x}", n) for x in "qv")
+        self._a = _array(tape, "of->reading->a", n)
+        self._f, self._set = (_array(tape, f"of->reading->{x}", elements) for x in ("f", "set"))
         self._roads = {
             name: tuple(_array(tape, f"roads[{s}]", 4)) for s, name in enumerate(system.signals)
         }
@@ -415,12 +488,14 @@ def _read(model: str, system: System, tape: Tape) -> dict[int, tuple[Any, str]]:
         yielding=lambda e: _Flag(f"Integrator_yielding(of, {e})"),
     )
     tyres = sum(1 for axle in system.axles if axle.tyre)
-    of_contacts: list[Any] = [[_Flag(f"run->airborne[{c}]") for c in range(tyres)]]
+    of_contacts: list[Any] = [[_Flag(f"run->contacts->airborne[{c}]") for c in range(tyres)]]
     for what in ("lift_offs", "last_lift_off", "last_touchdown"):
-        of_contacts.append([number_of(f"run->{what}[{c}]") for c in range(tyres)])
+        of_contacts.append([number_of(f"run->contacts->{what}[{c}]") for c in range(tyres)])
     contacts = reading.Contacts(*of_contacts)
-    entries: list[Any] = [number_of(f"run->{what}") for what in ("kinetic", "stored", "dissipated")]
-    entries.append(tuple(number_of(f"run->supplied[{s}]") for s in range(len(system.signals))))
+    account = "run->account->"
+    entries: list[Any] = [number_of(account + x) for x in ("kinetic", "stored", "dissipated")]
+    supplied = [number_of(f"{account}supplied[{s}]") for s in range(len(system.signals))]
+    entries.append(tuple(supplied))
     energies = reading.Energies(*entries)
     run = SimpleNamespace(
         clock=SimpleNamespace(time=0.0),

@@ -24,10 +24,17 @@ Packer = Callable[..., Path]
 
 
 @pytest.fixture(scope="session")
-def native_fmu(tmp_path_factory: pytest.TempPathFactory) -> Packer:
-    """The function that packs a model, with settings as (name, value); less optimised, so sooner done."""
-    if shutil.which("cc") is None:
+def compiler() -> str:
+    """The path of the C compiler."""
+    found = shutil.which("cc")
+    if found is None:
         pytest.skip("no C compiler")
+    return found
+
+
+@pytest.fixture(scope="session")
+def native_fmu(tmp_path_factory: pytest.TempPathFactory, compiler: str) -> Packer:
+    """The function that packs a model, with settings as (name, value); less optimised, so sooner done."""
 
     @cache
     def packed(model: str, *settings: tuple[str, object], text: str = "", fmi: int = 2) -> Path:

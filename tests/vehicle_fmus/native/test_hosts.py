@@ -244,4 +244,6 @@ def test_the_c_is_named_like_its_source(native_fmu: Packer) -> None:
     assert len(functions) == len(set(functions)) > 150
     assert {"Network_jerk", "Columns_iterate", "Integrator_sample"} & set(functions)
     names = [v.name for v in variables("QuarterCar") if v.causality == "output"]
-    assert sum(f"/* {name} */" in text for name in names) > 20
+    cases = [f"case V_{name.replace('.', '_').upper()}:" for name in names]
+    assert all(case in text for case in cases)
+    assert len(cases) > 20

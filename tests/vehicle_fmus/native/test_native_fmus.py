@@ -239,10 +239,35 @@ def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
     assert wanted in said
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-4, 0.1, 0.5, 2.0, -1.0, float("nan")])
+def test_a_host_may_give_any_tolerance(
+    fmi: int, tolerance: float, native_fmu: Packer, capfd: Any
+) -> None:
+    """One that needs another order or is out of range is ignored, with a warning that says why."""
+    fmu, names = str(native_fmu("QuarterCar", fmi=fmi)), ["body_acceleration", "contact_force"]
+    run = simulate_fmu(
+        fmu, stop_time=0.3, output_interval=0.01, output=names, relative_tolerance=tolerance,
+        debug_logging=True,
+    )  # fmt: skip
+    said = [line for line in capfd.readouterr().out.splitlines() if "the host's tolerance" in line]
+    is_used = tolerance == 1e-5
+    session = Session("QuarterCar", {}, tolerance=tolerance if is_used else None)
+    session.advance(0.3)
+    assert [run[name][-1] for name in names] == [session.value(name) for name in names]
+    assert len(said) == (0 if is_used else 1)
+    if not is_used:
+        assert f"tolerance of {tolerance:g} is not used: solver.tolerance" in said[0]
+        assert "WARNING" in said[0]
+
+
 def test_what_is_fixed_is_declared_so(native_fmu: Packer) -> None:
     fmu = native_fmu("QuarterCar", ("friction", 50.0))
     found = {v.name: v for v in read_model_description(str(fmu)).modelVariables}
     assert found["friction"].start == "50.0"
+    for without in ("bump_stop.stiffness", "damper.rebound_limit"):
+        assert found[without].variability == "fixed"
+        assert "chosen when the FMU was packed" in found[without].description
     assert found["friction"].variability == "tunable"
     assert found["spring.table"].variability == "fixed"
     assert found["tyre.stiffness"].variability == "tunable"

@@ -55,13 +55,3 @@ def test_a_number_is_not_taken_for_a_plain_one() -> None:
     assert hash(number) != hash(1.0)
     with pytest.raises(TypeError):
         number + "text"
-
-
-def test_what_is_used_twice_is_computed_once() -> None:
-    tape = Tape()
-    a, b = tape.given("a", 1.0), tape.given("b", 2.0)
-    total = a + b
-    names: dict[int, str] = {}
-    lines = tape.lines([(total * total).node, (a + b).node], names)
-    assert lines == ["const double t0 = a + b;"]
-    assert (total * total).node.written(names)[0] == "t0 * t0"

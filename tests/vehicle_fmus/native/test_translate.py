@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import math
 import random
-import shutil
 import subprocess
 from array import array
 from pathlib import Path
@@ -117,12 +116,9 @@ def written(folder: Path, functions: dict[str, tuple[str, str]]) -> tuple[Path, 
     return folder, names
 
 
-def in_c(folder: Path, target: Path) -> ctypes.CDLL:
+def in_c(folder: Path, target: Path, compiler: str) -> ctypes.CDLL:
     code = translated(sources(folder), {"_FACTOR": 0.7, "_COUNT": 3})
     target.with_suffix(".c").write_text(code.replace("static double", "double"))
-    compiler = shutil.which("cc")
-    if compiler is None:
-        pytest.skip("no C compiler")
     flags = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror",
              "-Wno-unused", "-Wno-missing-prototypes", "-shared", "-fPIC"]  # fmt: skip
     subprocess.run(
@@ -132,11 +128,13 @@ def in_c(folder: Path, target: Path) -> ctypes.CDLL:
 
 
 @pytest.fixture(scope="module")
-def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], ctypes.CDLL]:
+def both(
+    tmp_path_factory: pytest.TempPathFactory, compiler: str
+) -> tuple[dict[str, Any], ctypes.CDLL]:
     folder = tmp_path_factory.mktemp("language")
     functions = {f"f{k}": what for k, what in enumerate(CONSTRUCTS.values())}
     folder, names = written(folder, functions)
-    return names, in_c(folder, folder / "module.so")
+    return names, in_c(folder, folder / "module.so", compiler)
 
 
 @pytest.mark.parametrize("what", CONSTRUCTS)

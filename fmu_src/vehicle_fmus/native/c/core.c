@@ -8,6 +8,7 @@
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
 #define PLACES 5 /* of a function whose derivative is that of the polynomial through them */
 #define APART 1e-3 /* distance of these places, of the size of what is varied */
+enum { FINE, WARNING, REFUSED = 3 }; /* what a message is, as in both versions of FMI */
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct State {
@@ -38,20 +39,22 @@ typedef struct Instance {
     char refusal[512]; /* why the next step cannot be made */
     int quiet, forces_known, roads_known, energies_known;
     double roads[SIGNALS + 1][4];
+    double row[ROW], fields[FIELDS]; /* as found last; those in use are in the state */
+    Work work;
     void *host;
 } Instance;
 
 /* Given by the layer of an FMI version: tell the host something. */
-static void tell(Instance *one, int is_error, const char *category, const char *text);
+static void tell(Instance *one, int status, const char *category, const char *text);
 
-static void say(Instance *one, const char *category, const char *format, ...) {
+static void say(Instance *one, int status, const char *format, ...) {
     char text[1024];
     va_list values;
     if (one->quiet) return;
     va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
-    tell(one, 0, category, text);
+    tell(one, status, status == FINE ? "logEvents" : "logAll", text);
 }
 
 /* Note why a call fails; return 1. */
@@ -84,8 +87,8 @@ static void reset_instance(Instance *one) {
     now->ok = 1;
     one->reason[0] = one->refusal[0] = 0;
     one->quiet = 0;
-    now->conduct = conduct_as_packed;
-    now->machine = machine_as_packed;
+    conduct_make(&now->conduct);
+    machine_make(&now->machine);
     wire(one);
 }
 
@@ -108,30 +111,54 @@ static int check_parameters(Instance *one, const double *p) {
     return 0;
 }
 
-/* Find the numbers of the system with the present parameters. */
-static int find_numbers(Instance *one, double *row, double *fields) {
+/* Find the numbers of the system with the present parameters; the host's tolerance replaces the default. */
+static int find_numbers(Instance *one) {
     State *now = &one->now;
     double p[VARIABLES];
     int guard;
     memcpy(p, now->parameters, sizeof p);
-    if (check_parameters(one, p)) return 1;
-#ifdef SOLVER_TOLERANCE
-    if (now->tolerance > 0.0 && p[SOLVER_TOLERANCE] == DEFAULT_TOLERANCE) {
-        p[SOLVER_TOLERANCE] = now->tolerance;
-        if (check_parameters(one, p)) return 1;
+#ifdef DEFAULT_TOLERANCE
+    if (now->tolerance != 0.0 && p[V_SOLVER_TOLERANCE] == DEFAULT_TOLERANCE) {
+        p[V_SOLVER_TOLERANCE] = now->tolerance;
     }
 #endif
-    guard = set_up(p, row, fields, now->derived);
+    if (check_parameters(one, p)) return 1;
+    guard = set_up(p, one->row, one->fields, now->derived, &one->work);
     if (guard) return fail(one, "%s", guards[guard - 1]);
     memcpy(now->used, now->parameters, sizeof now->used);
     return 0;
 }
 
+/* Find the numbers at the start.
+ *
+ * A host may give any tolerance: one that this FMU cannot use is ignored, with a warning.
+ */
+static int find_first_numbers(Instance *one) {
+    State *now = &one->now;
+    const double given = now->tolerance;
+    char why[sizeof one->reason];
+    if (find_numbers(one) == 0) return 0;
+    if (given == 0.0) return 1;
+    memcpy(why, one->reason, sizeof why);
+    now->tolerance = 0.0;
+    if (find_numbers(one)) {
+        now->tolerance = given;
+        return 1;
+    }
+    say(one, WARNING, "the host's tolerance of %g is not used: %s", given, why);
+    return 0;
+}
+
+/* Use the numbers found from now on. */
+static void use_numbers(Instance *one) {
+    memcpy(one->now.row, one->row, sizeof one->row);
+    memcpy(one->now.fields, one->fields, sizeof one->fields);
+}
+
 /* Make a machine of the numbers found, at a time; on failure it is as good as none. */
 static int make_machine(Instance *one, Machine *machine, double time) {
     State *now = &one->now;
-    *machine = machine_as_packed;
-    machine_wire(machine);
+    machine_make(machine);
     enter_fields(now->fields, machine);
     if (Integrator_begin_row(&machine->integrator, now->row, 0, time) != 0) {
         return fail(one, "the mass matrix must be symmetric and positive definite; check masses and "
@@ -146,11 +173,11 @@ static int make_machine(Instance *one, Machine *machine, double time) {
 static void count_contacts(Instance *one, double until) {
     Run *run = &one->now.conduct.run;
     int c;
-    while ((c = Run_next_contact(run, until)) >= 0) {
-        const int airborne = run->airborne[c];
+    while ((c = Contacts_next(run->contacts, until)) >= 0) {
+        const int airborne = run->contacts->airborne[c];
         one->now.ticks[2 * c + !airborne] = 1;
-        say(one, "logEvents", "%s%s at %.9g s", wheels[c], airborne ? "lift-off" : "touchdown",
-            airborne ? run->last_lift_off[c] : run->last_touchdown[c]);
+        say(one, FINE, "%s%s at %.9g s", wheels[c], airborne ? "lift-off" : "touchdown",
+            airborne ? run->contacts->last_lift_off[c] : run->contacts->last_touchdown[c]);
     }
 }
 
@@ -181,23 +208,23 @@ static int take_due(Instance *one, double until, double *time) {
 static void note_switches(Instance *one, double until) {
     Integrator *integrator = &one->now.machine.integrator;
     Run *run = &one->now.conduct.run;
-    for (int k = 0; k < integrator->event_count; k++) {
-        const double time = integrator->event_time[k];
-        const int *what = integrator->event_what + 4 * k;
+    for (int k = 0; k < integrator->noted->count; k++) {
+        const double time = integrator->noted->time[k];
+        const int *what = integrator->noted->what + 4 * k;
         const int e = what[0], before = what[2], after = what[3];
         if (what[1] == CONTACT && elements[e].is_tyre) {
-            Run_note_contact(run, time, e, after);
+            Contacts_note(run->contacts, time, e, after);
             enter_due(one, time);
             if (time <= until && !one->event_mode) count_contacts(one, time);
         } else if (elements[e].stop) {
             const int met = (after < before) == (elements[e].stop == 1);
             enter_due(one, time);
-            say(one, "logEvents", "%s %s at %.9g s", elements[e].name, met ? "met" : "left", time);
+            say(one, FINE, "%s %s at %.9g s", elements[e].name, met ? "met" : "left", time);
         } else if (elements[e].yields && what[1] == SPRING) {
             enter_due(one, time);
         }
     }
-    integrator->event_count = integrator->event_base = 0;
+    integrator->noted->count = integrator->noted->base = 0;
 }
 
 /* Step up to a time or beyond it, or to where the integrator halts for the host. */
@@ -220,18 +247,18 @@ static int step(Instance *one, double until, int stop) {
     }
     if (integrator->state->beyond_since != -1e300 && !now->warned) {
         now->warned = 1;
-        say(one, "logAll", "solver.step = %g s is not stable from %.6g s on: it is divided into parts "
+        say(one, WARNING, "solver.step = %g s is not stable from %.6g s on: it is divided into parts "
             "of at most %.3g s", integrator->fixed_step, integrator->state->beyond_since,
             integrator->state->beyond_step);
     }
     if (integrator->state->overruns && !now->passed_over) {
         now->passed_over = 1;
-        say(one, "logAll", "switches follow one another without time between them, the first by "
+        say(one, WARNING, "switches follow one another without time between them, the first by "
             "%.6g s: passed over, results may be less exact there", integrator->state->time);
     }
-    drift = Run_find_drift(&now->conduct.run);
+    drift = Account_find_drift(now->conduct.run.account, now->conduct.run.integrator);
     if (drift > 0.0) {
-        say(one, "logAll", "errors add up: by %.6g s the energy balance is off by %.2g of all energy; "
+        say(one, WARNING, "errors add up: by %.6g s the energy balance is off by %.2g of all energy; "
             "reduce solver.tolerance, or a fixed solver.step, for a long run", integrator->state->time, drift);
     }
     if (status == 0) return 0;
@@ -258,7 +285,7 @@ static int stop_here(Instance *one) {
     look_at_pace(one);
     status = step(one, now->conduct.run.time, 1);
     one->quiet = 0;
-    Run_forget_waiting(&now->conduct.run);
+    Contacts_forget_waiting(now->conduct.run.contacts);
     now->dues = 0;
     return status;
 }
@@ -282,26 +309,24 @@ static int replace_machine(Instance *one) {
 static int take_parameters(Instance *one) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
-    double row[ROW], fields[FIELDS] = {0.0};
     int same;
     now->tuned = 0;
     if (memcmp(now->parameters, now->used, sizeof now->used) == 0) return 0;
     if (stop_here(one)) return 1;
-    Run_find_energies(run);
-    if (find_numbers(one, row, fields)) return 1;
-    same = memcmp(row, now->row, LAWS * sizeof *row) == 0 &&
-        memcmp(fields, now->fields, sizeof fields) == 0;
-    memcpy(now->row, row, sizeof row);
-    memcpy(now->fields, fields, sizeof fields);
+    Account_find(run->account, run->integrator, run->time);
+    if (find_numbers(one)) return 1;
+    same = memcmp(one->row, now->row, LAWS * sizeof *one->row) == 0 &&
+        memcmp(one->fields, now->fields, sizeof one->fields) == 0;
+    use_numbers(one);
     if (same) {
-        Integrator_take_laws(&now->machine.integrator, row, LAWS);
+        Integrator_take_laws(&now->machine.integrator, now->row, LAWS);
     } else if (replace_machine(one)) {
         return 1;
     }
     now->kept = 0;
-    Run_compare_contacts(run);
-    Run_carry_account(run);
-    if (run->waiting > 0) enter_due(one, run->time);
+    Contacts_compare(run->contacts, run->integrator, run->time);
+    Account_carry(run->account, run->integrator);
+    if (run->contacts->waiting > 0) enter_due(one, run->time);
     return 0;
 }
 
@@ -321,15 +346,15 @@ static int start_moving(Instance *one) {
     }
     Integrator_sample(integrator, now->conduct.run.time);
     for (int i = 0; i < COORDINATES; i++) {
-        same = same && state[i] == integrator->read_q[i] &&
-            state[COORDINATES + i] == integrator->read_v[i];
+        same = same && state[i] == integrator->reading->q[i] &&
+            state[COORDINATES + i] == integrator->reading->v[i];
     }
     if (!same) {
         Integrator__enter_state(integrator, state, 0);
         now->behind = now->machine;
     }
-    Run_begin_contacts(&now->conduct.run);
-    Run_begin_account(&now->conduct.run);
+    Contacts_begin(now->conduct.run.contacts, now->conduct.run.integrator);
+    Account_begin(now->conduct.run.account, now->conduct.run.integrator);
     return 0;
 }
 
@@ -400,13 +425,13 @@ static int advance(Instance *one, double until) {
     if (until != now->handed) now->kept = 0;
     if (until != now->handed && Run_hand_over(run, until) && run->time == run->start) {
         if (start_moving(one)) return 1;
-        now->machine.integrator.event_count = now->machine.integrator.event_base = 0;
+        now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
     }
     now->handed = until;
     if (run->time > run->start) note_switches(one, -INFINITY);
     if (run->time == run->start && run->start < until) {
-        for (int c = 0; c < run->tyres; c++) {
-            if (run->airborne[c]) say(one, "logEvents", "%swheel in the air at the start", wheels[c]);
+        for (int c = 0; c < run->contacts->tyres; c++) {
+            if (run->contacts->airborne[c]) say(one, FINE, "%swheel in the air at the start", wheels[c]);
         }
     }
     return go_on(one, until);
@@ -421,14 +446,15 @@ static int begin(Instance *one) {
     now->handed = -INFINITY;
     now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
     memset(now->ticks, 0, sizeof now->ticks);
-    if (find_numbers(one, now->row, now->fields)) return 1;
+    if (find_first_numbers(one)) return 1;
+    use_numbers(one);
     if (make_machine(one, &now->machine, now->start)) return 1;
     now->behind = now->machine;
-    now->conduct = conduct_as_packed;
+    conduct_make(&now->conduct);
     wire(one);
     Run_begin(run, now->start);
     if (start_moving(one)) return 1;
-    now->machine.integrator.event_count = now->machine.integrator.event_base = 0;
+    now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
     sample(one);
     for (int k = 0; k < VARIABLES; k++) {
         if (now->is_set[k]) Run_set_input(run, variables[k].index, now->inputs[k]);
@@ -446,7 +472,7 @@ static void refuse(Instance *one, const char *format, ...) {
     va_start(values, format);
     vsnprintf(one->refusal, sizeof one->refusal, format, values);
     va_end(values);
-    tell(one, 1, "logStatusError", one->refusal);
+    tell(one, REFUSED, "logStatusError", one->refusal);
 }
 
 static void set_value(Instance *one, unsigned k, double value) {
@@ -513,7 +539,8 @@ static void find_roads(Instance *one) {
 
 static void find_energies(Instance *one) {
     if (!one->energies_known) {
-        Run_find_energies(&one->now.conduct.run);
+        Run *run = &one->now.conduct.run;
+        Account_find(run->account, run->integrator, run->time);
         one->energies_known = 1;
     }
 }
@@ -523,11 +550,11 @@ static double get_value(Instance *one, unsigned k) {
     const Variable *v = &variables[k];
     if (v->causality == PARAMETER) return now->parameters[k];
     if (v->causality == INPUT) {
-        return now->initialised ? now->conduct.run.value[v->index]
+        return now->initialised ? now->conduct.run.inputs->value[v->index]
                                 : now->is_set[k] ? now->inputs[k] : v->start;
     }
     if (!now->ready && !now->initialised) begin(one); /* reported at the end of initialisation */
-    if ((int) k == OK) return now->ready && now->ok;
+    if (k == V_OK) return now->ready && now->ok;
     if (!now->ready || !now->ok) return v->kind == REAL ? NAN : 0.0;
     if (needs_forces(k)) find_forces(one);
     if (needs_roads(k)) find_roads(one);
@@ -647,6 +674,7 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
     }
     if (one->now.initialised || h == INFINITY) return 0;
     if (copy_state(one, &start)) return 1;
+    one->quiet = 1;
     for (size_t side = 0; side < sizeof firsts / sizeof firsts[0]; side++) {
         const int first = firsts[side];
         for (size_t k = 0; k < unknowns; k++) sensitivity[k] = 0.0;
@@ -666,6 +694,7 @@ static int find_sensitivity(Instance *one, const unsigned unknown[], size_t unkn
         if (status == 0) break;
     }
     restore(one, start);
+    one->quiet = 0;
     free(start);
     return status;
 }

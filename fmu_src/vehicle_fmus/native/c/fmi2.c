@@ -9,11 +9,11 @@ typedef struct Host {
     int logging;
 } Host;
 
-static void tell(Instance *one, int is_error, const char *category, const char *text) {
+static void tell(Instance *one, int status, const char *category, const char *text) {
     Host *host = one->host;
     if (host->logging && host->callbacks && host->callbacks->logger) {
         host->callbacks->logger(host->callbacks->componentEnvironment, host->name,
-                is_error ? fmi2Error : fmi2OK, category, "%s", text);
+                (fmi2Status) status, category, "%s", text);
     }
 }
 

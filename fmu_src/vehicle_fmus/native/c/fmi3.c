@@ -19,10 +19,10 @@ typedef struct Host {
     int logging;
 } Host;
 
-static void tell(Instance *one, int is_error, const char *category, const char *text) {
+static void tell(Instance *one, int status, const char *category, const char *text) {
     Host *host = one->host;
     if (host->logging && host->log) {
-        host->log(host->environment, is_error ? fmi3Error : fmi3OK, category, text);
+        host->log(host->environment, (fmi3Status) status, category, text);
     }
 }
 
