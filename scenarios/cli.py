@@ -26,7 +26,7 @@ COMMANDS = {
         "exercise.exercise", "Write an exercise: construct the first steps of SCENE by hand."
     ),
     "list": Entry(
-        "listing.list_cases", "List the scenes and sweeps in the package, or parameters of FMU."
+        "listing.list_cases", "List the package's scenes and sweeps, or the parameters of FMU."
     ),
     "new": Entry("new.new", "Write a commented scene to start from."),
     "schema": Entry("schema.schema", "Explain the keys of a scene, or the variables of MODEL."),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -83,7 +83,7 @@ def build(
     if native:
         if ssp:
             raise InputError(
-                "--ssp: a system is packed of FMUs that run Python; leave out --native"
+                "--ssp: a system is packed from FMUs that run Python; leave out --native"
             )
         wanted = tuple(filter(None, (platforms or "").split(",")))
         paths = build_native(models, output, wanted, settings, int(fmi or 2))
@@ -107,16 +107,7 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
     InputError : if there is no such model, or the folder cannot be written to.
     RunError : if an FMU could not be packed.
     """
-    known = (*FILES, *case_names())
-    for name in models:
-        if name not in known and Path(name).suffix not in SCENE_FILES:
-            raise InputError(
-                one_line(
-                    f"no model or scene {shown(name)}{nearest(name, known)}; models are "
-                    f"{', '.join(FILES)}; or give the path of a .toml or .py file"
-                )
-            )
-    scenes = [load_scene(name, expect=False) for name in dict.fromkeys(models) if name not in FILES]
+    scenes = _scenes_among(models)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         chosen = [name for name in dict.fromkeys(models) if name in FILES]
@@ -130,6 +121,20 @@ def build_models(models: Sequence[str], folder: Path, ssp: bool = False) -> list
         return files
     except (ValueError, OSError, RuntimeError) as error:
         raise _told(error, folder) from error
+
+
+def _scenes_among(names: Iterable[str]) -> list[Scene]:
+    """Return the scenes among models and scenes."""
+    known = (*FILES, *case_names())
+    for name in names:
+        if name not in known and Path(name).suffix not in SCENE_FILES:
+            raise InputError(
+                one_line(
+                    f"no model or scene {shown(name)}{nearest(name, known)}; models are "
+                    f"{', '.join(FILES)}; or give the path of a .toml or .py file"
+                )
+            )
+    return [load_scene(name, expect=False) for name in dict.fromkeys(names) if name not in FILES]
 
 
 def _of_scene(scene: Scene, folder: Path, ssp: bool) -> list[Path]:
@@ -153,7 +158,7 @@ def _own_system(scene: Scene) -> dict[str, Path]:
     fmu = scene.fmu
     if not fmu.is_ours or fmu.path is not None:
         raise InputError(
-            f"{scene.name}: an FMU is made of models of this package, not of {fmu.model}"
+            f"{scene.name}: an FMU is packed from models of this package, not from {fmu.model}"
         )
     return {} if fmu.system is None else {fmu.model: fmu.system}
 
@@ -187,7 +192,7 @@ def build_native(
     RunError : if a compiler failed.
     """
     names = list(dict.fromkeys(models)) or list(FILES)
-    scenes = [load_scene(name, expect=False) for name in names if name not in FILES]
+    scenes = _scenes_among(names)
     try:
         folder.mkdir(parents=True, exist_ok=True)
         chosen = [name for name in names if name in FILES]

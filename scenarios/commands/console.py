@@ -132,6 +132,9 @@ class Commands(click.Group):
             with _cleaning_up_when_terminated():
                 status = run()
         except click.ClickException as error:
+            if isinstance(error, click.NoSuchOption):
+                alike = _alike(error.option_name, error.possibilities or ())
+                error = click.NoSuchOption(error.option_name, possibilities=list(alike))
             complain(error.format_message())
             status = BAD_INPUT
         except InputError as error:
@@ -156,6 +159,15 @@ class Commands(click.Group):
                 os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise _PipeClosedError from None
         return status
+
+
+def _alike(option: str, options: Iterable[str]) -> Iterator[str]:
+    """Yield the options whose names are close to one; click counts the dashes, which all have."""
+    from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)
+
+    for other in options:
+        if get_close_matches(option.lstrip("-"), [other.lstrip("-")]):
+            yield other
 
 
 @contextmanager

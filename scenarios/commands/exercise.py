@@ -56,9 +56,10 @@ def exercise(
 ) -> int:
     """Write an exercise: construct the first steps of SCENE by hand.
 
-    The folder holds a sheet in true scale, a marking sheet, a table for the readings, a page on which the
-    points can be clicked instead, the protocol and a GeoGebra file. --mark judges readings: each point
-    from the student's own previous one. With --mark the exit status is 1 unless all points are right.
+    The folder holds a sheet at true scale, a marking sheet, a table for the readings, a page on which the
+    points can be clicked instead, the protocol and a GeoGebra file. With --mark,
+    each point read is judged from the student's own previous one; the exit status is 1 unless all points
+    are right.
     """
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)
@@ -71,7 +72,7 @@ def exercise(
                 exercises.write_marked_sheet(made, summary, draft / "marked.pdf")
                 write_summary({**summary, "origin": place.origin}, draft)
         click.echo(as_json(summary) if as_data else exercises.format_marks(summary))
-        return DONE if summary["right"] == summary["points"] else FAILED
+        return DONE if summary["right"] == made.steps else FAILED
     folder = output or OUTPUT / "exercises" / loaded.name
     place = Place(folder, "exercise", loaded.file, named=output is not None)
     check_replaceable(place)
@@ -82,7 +83,7 @@ def exercise(
     if as_data:
         click.echo(as_json({"scene": loaded.name, "steps": made.steps, "files": names}))
     else:
-        click.echo(f"{loaded.title or loaded.name}: {made.steps} steps on {paper}")
+        click.echo(f"{loaded.title or loaded.name}: {made.extent} on {paper}")
         click.echo("\n".join(f"file  {name}" for name in names))
     return DONE
 

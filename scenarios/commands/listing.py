@@ -16,7 +16,7 @@ from .console import json_option
 @click.argument("fmu", required=False)
 @json_option
 def list_cases(fmu: str | None, as_data: bool) -> None:
-    """List the scenes and sweeps in the package, or parameters of FMU.
+    """List the package's scenes and sweeps, or the parameters of FMU.
 
     FMU is a file or a model. Parameters are listed by when they can be set: never, if a native FMU was
     packed with them, before a run, or during it.

@@ -71,7 +71,7 @@ def ladder(
     "--period",
     type=FiniteRange(min=0.0, min_open=True),
     metavar="TIME",
-    help="Forcing period of an equation, s, for its Poincare section. [default: from the equation]",
+    help="Forcing period of an equation, s, for its Poincaré section. [default: from the equation]",
 )
 @click.option(
     "--frozen",
@@ -95,7 +95,7 @@ def portrait(
 ) -> None:
     """Draw the phase portrait of SCENE.
 
-    List its equilibria and limit cycles, or draw the Poincare section of a forced system.
+    List its equilibria and limit cycles, or draw the Poincaré section of a forced system.
     """
     summary = make(
         scene, overrides, figure,

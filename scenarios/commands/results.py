@@ -47,7 +47,7 @@ def show(
 ) -> None:
     """Summarise RESULTS: a run's folder or a table.
 
-    A table may be a CSV file of any program: units below the heading, a decimal comma and comments are
+    A table may be a CSV file from any program: units below the heading, a decimal comma and comments are
     read. With several RESULTS, all of them are drawn, and the first is summarised. The others may also be
     TOML files with a table [measured], as for `compare`.
     """

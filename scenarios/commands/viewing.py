@@ -41,10 +41,10 @@ _LOOK = (
     click.option("--dark", is_flag=True, help="Use a dark background."),
     click.option(
         "--no-title", "headed", is_flag=True, flag_value=False, default=True,
-        help="Leave the heading to the caption; it becomes the title of the file.",
+        help="Draw no heading, for a caption of your own; it becomes the title of the file.",
     ),
     click.option("--width", metavar="WIDTH", help="Width of the figure, e.g. 85mm."),
-    click.option("--font", default="", metavar="FAMILY", help="Type, e.g. serif or STIXGeneral."),
+    click.option("--font", default="", metavar="FAMILY", help="Typeface, e.g. serif or STIXGeneral."),
     click.option("--mono", is_flag=True, help="Draw all lines in black, distinguished by dashes."),
 )  # fmt: skip
 

@@ -19,7 +19,7 @@ from .space import Points, Runs, Space, journaled, read_search
 KEYS = ("scene", "title", "vary", "measured", "search")
 _SEARCH = {"starts": (16, 1), "seed": (1, 0)}  # default and least value of each
 _LEVEL = 0.95
-_STEPS = 60
+_STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
 _ALIKE = 0.95  # correlation from which two parameters are hardly told apart
 
 
@@ -123,17 +123,13 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
     weight = np.concatenate([
         np.full(len(x), 1.0 / (np.sqrt(np.mean(np.square(x))) or 1.0)) for x in task.signals.values()
     ])  # fmt: skip
-    expected = task.search["starts"] + 10 * (1 + 2 * count)
-
-    def report_progress(runs: int) -> None:
-        if progress is not None:
-            progress(min(1.0, runs / expected))
+    stages = (1 + task.search["starts"], _USUAL_STEPS * (1 + 2 * count))
 
     def make(plan: Plan) -> Iterator[Sequence[float | None]]:
         return _signals_of(plan, task)
 
     said = (tuple(task.signals), task.time.tobytes(), target.tobytes())
-    with journaled(space, make, journal, said, report_progress) as runs:
+    with journaled(space, make, journal, said, stages, progress) as runs:
         before = space.given()
         sampler = qmc.Sobol(count, rng=task.search["seed"])
         power = int(np.ceil(np.log2(task.search["starts"])))
@@ -141,6 +137,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
         apart = np.sum(np.square(weight * (runs.at(starts) - target)), axis=1)
         if not np.isfinite(apart).any():
             raise RunError(f"{space.plan.file}: no run succeeds")
+        runs.end_stage()
         start = np.clip(starts[int(np.nanargmin(apart))], 1e-6, 1.0 - 1e-6)
         found = least_squares(
             lambda x: _residuals(runs, x, target, weight), start,
@@ -148,6 +145,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
             bounds=(0.0, 1.0), max_nfev=_STEPS, xtol=1e-10, ftol=1e-12,
         )  # fmt: skip
         left = _residuals(runs, found.x, target, weight)
+        runs.end_stage()
         covariance = _covariance(found.jac, left, len(task.signals))
         freedom = max(len(left) - count, 1)
         deviations = np.sqrt(np.diag(covariance))

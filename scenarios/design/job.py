@@ -301,8 +301,8 @@ def _draw_fit(found: Fit, draft: Path) -> None:
     for name, signal in task.signals.items():
         columns |= {f"{name}.measured": signal, f"{name}.fitted": found.columns[name]}
     write_table(columns, {}, draft / TABLE)
-    picture = figures.comparison(
-        {name: (signal, found.columns[name]) for name, signal in task.signals.items()},
-        (time, time), units, labels=("measured", "fitted"),
-    )  # fmt: skip
-    figures.save(picture, draft / PICTURE)
+    each = {
+        name: {"measured": (time, signal), "fitted": (time, found.columns[name])}
+        for name, signal in task.signals.items()
+    }
+    figures.save(figures.runs(each, units), draft / PICTURE)

@@ -22,7 +22,7 @@ KEYS = ("scene", "title", "minimise", "maximise", "against", "vary", "constrain"
 _SEARCH = {"population": (8, 1), "generations": (25, 0), "seed": (1, 0), "trade_offs": (9, 0)}
 _WORST = 1e30  # for a run that failed
 _CLOSE = 1e-6  # relative violation of a bound that counts as none
-_STEPS = 12  # of the local search
+_STEPS, _USUAL_STEPS = 12, 4  # of a local search, at most and as a rule
 _TOLERANCE = 1e-4  # relative to the objective
 
 
@@ -162,13 +162,12 @@ def solve(
     """
     search, space = problem.search, problem.space
     count = len(space.plan.keys)
-    expected = search["population"] * count * (search["generations"] + 1) + _STEPS * count
-
-    def report_progress(runs: int) -> None:
-        if progress is not None:
-            progress(min(1.0, runs / expected))
-
-    with journaled(space, _measures_of, journal, problem.measures, report_progress) as runs:
+    local = 2 + (max(search["trade_offs"], 2) - 1 if problem.against else 0)
+    stages = (
+        search["population"] * count * (search["generations"] + 1),
+        *[_USUAL_STEPS * (1 + 2 * count)] * local,
+    )
+    with journaled(space, _measures_of, journal, problem.measures, stages, progress) as runs:
         before = space.given()
         at_start = runs.at(before)
         evolved = _evolved(problem, runs)
@@ -213,6 +212,7 @@ def _evolved(problem: Problem, runs: Runs) -> Points:
         maxiter=problem.search["generations"], rng=problem.search["seed"], polish=False,
         constraints=constraints, tol=1e-4,
     )  # fmt: skip
+    runs.end_stage()
     best: Points = found.x
     return best
 
@@ -247,6 +247,7 @@ def _refined(
         cost, start, jac=slope, bounds=[(0.0, 1.0)] * len(start), method="SLSQP",
         constraints=constraints, options={"maxiter": _STEPS, "ftol": _TOLERANCE},
     )  # fmt: skip
+    runs.end_stage()
     refined: Points = np.clip(found.x, 0.0, 1.0)
     return refined
 

@@ -46,8 +46,8 @@ def read_search(
         if type(value) is not int or value < known[key][1]:
             raise InputError(
                 one_line(
-                    f"{path}: search.{key} = {shown(value)}: must be a whole number from "
-                    f"{known[key][1]} on"
+                    f"{path}: search.{key} = {shown(value)}: must be a whole number, at least "
+                    f"{known[key][1]}"
                 )
             )
     return {key: given.get(key, default) for key, (default, _) in known.items()}
@@ -102,7 +102,7 @@ class Space:
             if isinstance(low, bool | str) or isinstance(high, bool | str) or not low < high:
                 raise InputError(
                     one_line(
-                        f"{path}: vary.{key}: from {shown(low)} to {shown(high)} does not rise"
+                        f"{path}: vary.{key}: from = {shown(low)} must be below to = {shown(high)}"
                     )
                 )
         return cls(plan)
@@ -151,13 +151,17 @@ class Runs:
     space : the parameters
     make : makes the runs of a plan, and yields the numbers of each
     keep : stores a run in the journal
-    progress : called with the number of runs so far
+    stages : runs that each stage of the search is expected to take
+    progress : called with the fraction done; stages that took fewer or more runs count as expected
     """
 
     space: Space
     make: Make
     keep: Callable[[Sequence[float], Sequence[float | None]], None]
-    progress: Callable[[int], None] | None = None
+    stages: Sequence[int]
+    progress: Callable[[float], None] | None = None
+    stage: int = 0
+    of_stage: set[bytes] = field(default_factory=set)
     known: dict[bytes, tuple[float | None, ...]] = field(default_factory=dict)
     points: list[tuple[float, ...]] = field(default_factory=list)
     made: int = 0
@@ -166,16 +170,30 @@ class Runs:
         """Return the numbers of each point, (points, numbers); not a number where a run failed."""
         rows = np.atleast_2d(np.asarray(shares, float))
         new = list({row.tobytes(): row for row in rows if row.tobytes() not in self.known}.values())
+        self.of_stage |= {row.tobytes() for row in rows} & self.known.keys()
         found = iter(self.make(self.space.runs(np.array(new)))) if new else iter(())
         for row, numbers in zip(new, found, strict=True):
             self.add(row, numbers)
             self.keep(row.tolist(), numbers)
             self.made += 1
-            if self.progress is not None:
-                self.progress(len(self.points))
+            self.of_stage.add(row.tobytes())
+            self._report()
         if not len(rows):
             return np.empty((0, len(next(iter(self.known.values()), ()))))
         return np.array([self.known[row.tobytes()] for row in rows], float)
+
+    def end_stage(self) -> None:
+        """Go on to the next stage of the search."""
+        self.stage += 1
+        self.of_stage.clear()
+        self._report()
+
+    def _report(self) -> None:
+        if self.progress is not None:
+            done = sum(self.stages[: self.stage])
+            if self.stage < len(self.stages):  # a stage is complete at its end only
+                done += min(len(self.of_stage), self.stages[self.stage] - 1)
+            self.progress(done / sum(self.stages))
 
     def add(self, row: Points, numbers: Sequence[float | None]) -> None:
         """Add a run that has been made."""
@@ -203,7 +221,8 @@ def journaled(
     make: Make,
     journal: Path,
     said: object,
-    progress: Callable[[int], None] | None = None,
+    stages: Sequence[int],
+    progress: Callable[[float], None] | None = None,
 ) -> Iterator[Runs]:
     """Yield the runs of a study, with those that were made before it was interrupted.
 
@@ -211,7 +230,7 @@ def journaled(
     ----------
     journal : file of the runs so far; it stays if the study is interrupted
     said : everything else that decides what the runs give
-    progress : called with the number of runs so far
+    stages, progress : of the runs
 
     Raises
     ------
@@ -224,7 +243,7 @@ def journaled(
     with journal.open("a" if before is not None else "w", encoding="utf-8") as file:
         if before is None:
             _write(file, {"study": key})
-        runs = Runs(space, make, lambda *run: _write(file, run), progress)
+        runs = Runs(space, make, lambda *run: _write(file, run), stages, progress)
         for point, numbers in before or ():
             runs.add(np.array(point), numbers)
         try:

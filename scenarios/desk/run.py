@@ -85,7 +85,7 @@ class Run(Table):
         InputError : if the run is one of an equation or of another FMU.
         """
         if not self.scene.fmu.is_ours:
-            raise InputError(f"{self.scene.fmu.model} tells no events")
+            raise InputError(f"{self.scene.fmu.model} reports no events")
         session = Session(self.scene.fmu.model, self.scene.start_values)
         with suppress(SimulationError):  # the events until then
             session.advance(self.scene.duration)

@@ -126,10 +126,8 @@ class Table(Mapping[str, "npt.NDArray[Any]"]):
         """
         self._need_time()
         names = names or tuple(name for name in self if name != self.index)
-        drawn = {name: self[name] for name in names}
-        return Picture(
-            figures.columns(drawn, self[self.index], self.units, title=self.title, dark=dark)
-        )
+        drawn = {name: {"": (self[self.index], self[name])} for name in names}
+        return Picture(figures.runs(drawn, self.units, title=self.title, dark=dark))
 
     def plane(self, x: str, y: str, *, dark: bool = False) -> Picture:
         """Draw a column over another, such as a rate over its displacement: a phase plane.

@@ -63,15 +63,16 @@ def described(name: str) -> dict[str, Any]:
     tables = read_layers(find_scene(name)).tables()
     drawn = {**_DEFAULTS, **tables.get("construction", {})}
     parameters = tables.get("parameters", {})
-    duration = drawn.get("duration") or tables["duration"]
+    step = _seconds(drawn["step"], "step")
+    duration = _seconds(drawn.get("duration") or tables["duration"], "duration")
     return {
         "equation": str(parameters.get("equation", "")),
         "settings": "\n".join(
             f"{key} = {_toml(value)}" for key, value in parameters.items() if key != "equation"
         ),
         "rule": drawn["rule"],
-        "step": f"{_seconds(drawn['step'], 'step'):g}",
-        "duration": f"{_seconds(duration, 'duration'):g}",
+        "step": f"{step:g}",
+        "duration": f"{min(duration, _MOST_STEPS * step):g}",
     }
 
 

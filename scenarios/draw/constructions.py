@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import ceil, inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from phaseplane.suspension.variables import Value
 
@@ -26,15 +26,28 @@ if TYPE_CHECKING:
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
 
 
+class Begin(NamedTuple):
+    """A start of a construction later than time 0.
+
+    Parameters
+    ----------
+    time : s
+    states : y and y' / Omega of each plane, m
+    """
+
+    time: float
+    states: tuple[tuple[float, float], ...]
+
+
 def draw_construction(
     model: str, parameters: Mapping[str, Value], settings: Mapping[str, Any], duration: float
 ) -> Drawing:
-    """Return the graphical construction, stepped from its initial state.
+    """Return the graphical construction, stepped from its initial state or from a later one.
 
     Parameters
     ----------
     parameters : all parameters of the model, SI
-    settings : rule, step (s), plane_distance (m), plane_scales, shortcut
+    settings : rule, step (s), plane_distance (m), plane_scales, shortcut, begin
     duration : time to construct, s
 
     Raises
@@ -65,10 +78,26 @@ def _marched(planes: Construction, settings: Mapping[str, Any], duration: float)
     rule, step = constructions.rule_named(settings["rule"]), settings["step"]
     starts = settings.get("starts") or ()
     if not starts:
-        return constructions.construct_motion(planes, rule, step=step, duration=duration)
+        start = _start(planes, settings.get("begin"))
+        return constructions.construct_motion(
+            planes, rule, step=step, duration=duration, start=start
+        )
     if not isinstance(planes, constructions.EquationPlane):
         raise ValueError("starts are for equations only")
     return constructions.family(planes, starts, rule, step=step, duration=duration)
+
+
+def _start(planes: Construction, begin: Begin | None) -> constructions.Start | None:
+    """Return a later start on a sheet, which is that of the motion if none is given."""
+    if begin is None:
+        return None
+    found = (
+        plane.displacement.at(y)
+        + plane.scaled_velocity.direction * plane.scaled_velocity.scale * y_bar
+        for plane, (y, y_bar) in zip(planes.planes, begin.states, strict=True)
+    )
+    states = planes.remembered(tuple(found), None)
+    return constructions.Start(begin.time, planes.mode_at(states, begin.time), states)
 
 
 def overlay_run(

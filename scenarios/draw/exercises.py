@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
@@ -10,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
-from phaseplane.constructions.switched import SwitchedPlane
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import RIGHT
 from phaseplane.exercises.protocol import display
 
 from ..errors import DrawingError, InputError, one_line
 from ..scene.equation import EQUATION, formula_of
-from .constructions import draw_construction
+from .constructions import Begin, draw_construction
 from .planes import planes_of
 
 if TYPE_CHECKING:
+    from phaseplane.constructions.construction import Construction
     from phaseplane.constructions.primitives import Drawing, Plane
     from phaseplane.constructions.storage import Frame
 
@@ -31,6 +32,9 @@ _APART = (1.0, 0.8, 0.6, 0.5, 0.4, 0.3, 0.2)  # distances of two planes, in part
 _MOST = 20.0  # times a plane's own scale
 _CLEAR = 1.0  # cm between two planes
 _MOST_STEPS = 40
+_VISIBLE = 0.02  # m of paper: a state point that goes so far is worth constructing
+_NEGLIGIBLE = 0.05  # of that way: not worth it
+_MOST_SEARCHED = 4000  # steps in which such a motion is looked for
 _LEAST = 1e-3  # of a plane's own scale
 
 
@@ -56,13 +60,22 @@ class Exercise:
         """The number of steps."""
         return len(self.drawing.frames)
 
+    @property
+    def extent(self) -> str:
+        """The number of steps, and their start if that is later than the scene's."""
+        begin = self.drawing.frames[0].time
+        return f"{self.steps} steps" + (f" from t = {begin:.4g} s" if begin else "")
+
 
 def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     """Return the exercise of a scene, on the largest round scale that fits on the paper.
 
+    It begins with the motion: later than the scene if that rests at first, or hardly moves.
+
     Raises
     ------
-    InputError : if there is no construction, or it has too many steps or none of its scales fits.
+    InputError : if there is no construction, nothing moves, or it has too many steps or none of its
+        scales fits.
     """
     if not 1 <= steps <= _MOST_STEPS:
         raise InputError(f"--steps {steps}: must be from 1 to {_MOST_STEPS}")
@@ -71,6 +84,10 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     planes = planes_of(scene.fmu.model, scene.all_parameters, settings)
     own = [plane.displacement.scale for plane in planes.planes]
     several = len(own) > 1
+    begin = _begin(scene, planes, steps, _VISIBLE / (_MOST if several else 1.0 / _LEAST))
+    if begin is not None:
+        settings["begin"] = begin
+        duration = min(duration, scene.construction_time - begin.time)
     for factor in _FACTORS:
         if (
             not _LEAST
@@ -86,7 +103,67 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
             drawing = _drawn(scene, changed, duration)
             if _fits(drawing, paper):
                 return Exercise(scene, changed, drawing, paper)
-    raise InputError(f"the construction does not fit on {paper} in any scale; take fewer --steps")
+    raise InputError(
+        f"the construction does not fit on {paper} at any scale; take fewer --steps"
+        + (" or --paper A3" if paper == "A4" else "")
+    )
+
+
+def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin | None:
+    """Return where the first steps begin in which every state point goes as far as can be seen.
+
+    Parameters
+    ----------
+    planes : the construction in its own scales
+    seen : least way, m of paper in these scales
+
+    Returns
+    -------
+    None for the start of the scene.
+    """
+    step = scene.construction.step
+    duration = min(_MOST_SEARCHED * step, scene.construction_time)
+    rule = constructions.rule_named(scene.construction.rule)
+    shown: deque[Frame] = deque(maxlen=steps)
+    most = 0.0
+    best: tuple[Frame, ...] = ()
+    try:
+        for frame in constructions.frames(planes, rule, step=step, duration=duration):
+            shown.append(frame)
+            if (not best or len(shown) == steps) and (
+                excursion := _excursion(planes, shown)
+            ) > most:
+                most, best = excursion, tuple(shown)
+            if len(shown) == steps and most >= seen:
+                break
+    except (ValueError, ArithmeticError) as error:
+        raise InputError(f"construction: {one_line(str(error))}") from None
+    if most < _NEGLIGIBLE * seen:
+        raise InputError(
+            f"nothing to construct: within {duration:.4g} s no {steps} steps move every state point by "
+            "1 mm of paper; take a longer construction.step, more --steps or another start"
+        )
+    if best[0].step == 0 or len(planes.initial) > len(planes.planes):
+        return None
+    states = [plane.state for plane in planes.planes]
+    *_, last = (
+        frame
+        for frame in best
+        if all(abs(frame.points[p] - best[0].points[p]) <= _NEGLIGIBLE * most for p in states)
+    )
+    values = (
+        (p.displacement.read(last.points[p.state]), p.scaled_velocity.read(last.points[p.state]))
+        for p in planes.planes
+    )
+    return Begin(last.time, tuple(values))
+
+
+def _excursion(planes: Construction, shown: Sequence[Frame]) -> float:
+    """Return how far the state point that moves least is from its last place at most, m of paper."""
+    return min(
+        max(abs(at.points[plane.state] - shown[-1].points[plane.state + "'"]) for at in shown)
+        for plane in planes.planes
+    )
 
 
 def _drawn(scene: Scene, settings: Mapping[str, Any], duration: float) -> Drawing:
@@ -172,6 +249,7 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
         "rule": rule.name,
         "tolerance_mm": 1e3 * tolerance,
         "points": len(found.marks),
+        "missing": made.steps - len(found.marks),
         "right": found.right,
         "final_mm": found.final,
         "marks": [
@@ -201,6 +279,12 @@ def format_marks(summary: Mapping[str, Any]) -> str:
         said = f"  {one['said']}" if one["said"] else ""
         lines.append(
             f"point {one['point']:3d}  {one['verdict']:<16} {one['distance_mm']:7.2f} mm{said}"
+        )
+    if summary["missing"]:
+        first = summary["points"] + 1
+        last = summary["points"] + summary["missing"]
+        lines.append(
+            f"point {first:3d}  missing" + (f", and all up to {last}" if last > first else "")
         )
     lines += [
         "",
@@ -281,7 +365,7 @@ def _sheet(
         title=("Marking sheet: " if solved else "") + (made.scene.title or made.scene.name),
         lines=[
             lettered(drawing.title),
-            f"{made.steps} steps; scale {scale}; " + ", ".join(
+            f"{made.extent}; scale {scale}; " + ", ".join(
                 f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
             ),
         ],
@@ -300,14 +384,11 @@ def _law(made: Exercise) -> Any:
     if made.scene.fmu.model != EQUATION:
         return None
     formula = formula_of(made.scene.all_parameters)
-    planes = planes_of(EQUATION, made.scene.all_parameters, made.settings)
-    assert isinstance(planes, SwitchedPlane)
 
     def law(frame: Frame, v: str, x: str) -> str:
-        mode = planes.mode_at((frame.points["P"],), frame.time)
-        if planes.scheme_of(mode) != CONTACT:
+        if frame.scheme != CONTACT:
             return ""  # on a switch A is where the motion is held
-        signs = [] if mode == CONTACT else [1.0 if s == "+" else -1.0 for s in mode]
+        signs = [] if frame.mode == CONTACT else [1.0 if s == "+" else -1.0 for s in frame.mode]
         return formula.spelled(v, x, signs)
 
     return law

@@ -32,7 +32,7 @@ def modes(
         check_picture(figure)
     scene = load_scene(reference, overrides, expect=False)
     if scene.fmu.model not in MODELS:
-        raise InputError(f"modes of {scene.name}: {scene.fmu.model} is no model of this package")
+        raise InputError(f"modes of {scene.name}: {scene.fmu.model} is not a model of this package")
     parameters = scene.all_parameters
     level = {"road.shape": "flat"} if "road.shape" in parameters else {}
     try:

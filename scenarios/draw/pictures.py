@@ -122,7 +122,12 @@ def figure_of(
     if name == "time_histories":
         assert results is not None
         if "front_suspension_deflection" in results.columns:
-            axles = {axle: histories(results, f"{axle}_") for axle in ("front", "rear")}
+            centre = {
+                name.replace("body", "body_centre"): column
+                for name, column in results.columns.items()
+                if name.startswith("body_")
+            }
+            axles = {axle: centre | histories(results, f"{axle}_") for axle in ("front", "rear")}
             return figures.axle_histories(axles, title=title, look=printed)
         columns = histories(results)
         if not figures.has_histories(columns):  # an FMU of others, or an equation

@@ -87,7 +87,8 @@ def of_system(
     breaking = [e.name for e in system.elements if e.holding > e.friction]
     if breaking:
         raise ValueError(
-            f"{breaking[0]}: there is no construction of friction that breaks away later than it slips"
+            f"{breaking[0]}: there is no construction of friction whose breakaway force is above its "
+            "sliding force"
         )
     tyres = sum(bool(axle.tyre) for axle in system.axles)
     make = {

@@ -44,8 +44,9 @@ class _Subject:
     system : the system, with its periodic forcing if there is one
     words, units : of the axes
     reach : least half-width of the window, in the coordinate's unit
-    start : initial displacement and rate of the Poincare section
+    start : initial displacement and rate of the Poincaré section
     held : names of the coordinates that rest while one moves
+    loaded : whether forces act that the portrait, one of free motion, leaves out
     """
 
     system: PhaseSystem
@@ -54,6 +55,7 @@ class _Subject:
     reach: float
     start: tuple[float, float] = (0.0, 0.0)
     held: tuple[str, ...] = ()
+    loaded: bool = False
 
     @property
     def labels(self) -> tuple[str, str]:
@@ -118,6 +120,8 @@ def portrait(
         title = f"{title}: {formula_of(scene.all_parameters).words}"
     elif subject.held:
         title = f"{title}; {', '.join(subject.held)} held at rest"
+    if subject.loaded:
+        title = f"{title}; without loads"
     if made.frozen is not None and system.driven:
         title = f"{title}, frozen at t = {made.frozen:g} s"
     elif made.section is not None:
@@ -238,7 +242,7 @@ def _of_model(
     name = (coordinate or names[0]).removesuffix("_displacement")
     if name not in names:
         raise ValueError(
-            f"coordinate {coordinate!r} is not known{nearest(name, names)}; there are "
+            f"coordinate {coordinate!r} is not known{nearest(name, names)}; coordinates are "
             f"{', '.join(names)}"
         )
     section = computed.of_coordinate(system, names.index(name))
@@ -250,7 +254,8 @@ def _of_model(
     if len(names) == 1 and system.axles:
         what, rate = "deflection", "deflection rate"
     held = tuple(other.replace("_", " ") for other in names if other != name)
-    return _Subject(section, (what, rate), (unit, f"{unit}/s"), _PART, held=held)
+    loaded = any(system.signals[load.signal].scale for load in system.loads)
+    return _Subject(section, (what, rate), (unit, f"{unit}/s"), _PART, held=held, loaded=loaded)
 
 
 def _on_waves(still: PhaseSystem, wave: Segment) -> PhaseSystem:

@@ -83,7 +83,7 @@ def modal_planes(system: Linearised) -> ModalPlanes:
     """
     squares, shapes = eigh(system.stiffness, system.mass)
     if squares[0] <= 1e-12 * squares[-1]:
-        raise ValueError("a mode has no stiffness against it, and so no phase plane")
+        raise ValueError("a mode without stiffness has no phase plane")
     return ModalPlanes(
         system.coordinates, np.sqrt(squares), shapes, shapes.T @ system.damping @ shapes
     )

@@ -135,7 +135,10 @@ def compared(ours: Columns, other: Columns, names: Iterable[str] | None = None) 
     if wanted is not None:
         shared = [name for name in wanted if name in shared]
     if not shared:
-        raise ValueError("no column in common")
+        raise ValueError(
+            "no column in common; a TOML file with a table [measured] tells which columns of a "
+            "measurement are which"
+        )
     time, then = ours["time"].astype(float), other["time"].astype(float)
     for instants in (time, then):
         check_ascending(instants)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -46,7 +46,7 @@ class FinishedFolder:
             yield draft / name
             self._check()
             os.replace(draft / name, self.folder / name)
-        self.tell()
+            self._tell({}, draft)
 
     def tell(self, **more: Any) -> None:
         """Write the summary again, with the files now in the folder and with the entries given.
@@ -56,13 +56,17 @@ class FinishedFolder:
         RunError : if the folder contains other results by now.
         """
         self._check()
+        with draft_beside(self.folder) as draft:
+            self._tell(more, draft)
+
+    def _tell(self, more: Mapping[str, Any], draft: Path) -> None:
+        """Write the summary again by way of a draft's folder."""
         summary = json.loads(self._text) | more
         summary["files"] = sorted(path.name for path in self.folder.iterdir())
         summary["undrawn"] = [name for name in summary["undrawn"] if name not in summary["files"]]
         text = as_json(summary) + "\n"
-        with draft_beside(self.folder) as draft:
-            (draft / SUMMARY).write_text(text, encoding="utf-8")
-            os.replace(draft / SUMMARY, self._summary)
+        (draft / SUMMARY).write_text(text, encoding="utf-8")
+        os.replace(draft / SUMMARY, self._summary)
         self._text = text
 
     def _check(self) -> None:

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ..errors import FolderError, one_line
 from .plain import as_json
@@ -36,8 +36,7 @@ _LAYOUT = 1
 _PACKAGE = Path(__file__).parents[1]  # contains the cases and sweeps of the package
 
 
-@dataclass(frozen=True, slots=True)
-class Place:
+class Place(NamedTuple):
     """The folder to write results to, and the origin of the results.
 
     Parameters

@@ -188,13 +188,14 @@ def difference(
     }
     if figure is not None:
         worst = [d.name for d in found.differences[:_MOST_COMPARED]]
-        picture = figures.comparison(
-            {name: (first.columns[name], second.columns[name]) for name in worst},
-            (first.columns["time"], second.columns["time"]),
-            first.summary.get("units", {}),
-            labels=(str(ours), str(other)),
-        )
-        figures.save(picture, figure)
+        each = {
+            name: {
+                str(path): (results.columns["time"], results.columns[name])
+                for path, results in ((ours, first), (other, second))
+            }
+            for name in worst
+        }
+        figures.save(figures.runs(each, first.summary.get("units", {})), figure)
         data["files"] = [str(figure)]
     return data
 
@@ -259,7 +260,9 @@ def _plain(difference: Difference) -> dict[str, Any]:
 
 def _time(results: Results, path: Path) -> Any:
     if "time" not in results.columns:
-        raise InputError(one_line(f"{path}: no column time"))
+        raise InputError(
+            one_line(f"{path}: no column time; --plane X,Y draws a column over another")
+        )
     time = results.columns["time"]
     try:
         check_ascending(time.astype(float))

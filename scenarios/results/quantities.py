@@ -39,7 +39,7 @@ def quantity(value: object, unit: str) -> str:
     """Return a value, or a list of values, with the unit shown for an SI unit."""
     shown, factor = shown_in(unit)
     if value is None:
-        return "nothing"
+        return "none"
     if isinstance(value, list | tuple):
         return ", ".join(quantity(one, unit) for one in value) or "none"
     if not isinstance(value, float) or (unit == "count" and value.is_integer()):
@@ -47,13 +47,16 @@ def quantity(value: object, unit: str) -> str:
     return f"{number(factor * value)} {shown}".rstrip()
 
 
-def reading(measured: Mapping[str, Any], width: int = 0) -> str:
-    """Return a measure of a summary: its value right-aligned in `width`, its unit and its time."""
+def reading(measured: Mapping[str, Any], width: int = 0, units: int = 0) -> str:
+    """Return a measure of a summary: its value right-aligned in `width`, its unit and its time.
+
+    The times are aligned where `units` is the width of the longest unit.
+    """
     number, _, unit = quantity(measured["value"], measured["unit"]).partition(" ")
     if isinstance(measured["value"], list | tuple):
         return f"{number} {unit}".rstrip()
     instant = measured["time"]
-    when = "" if instant is None else f"{unit:<5} at {_instant(instant)}"
+    when = "" if instant is None else f"{unit:<{units}} at {_instant(instant)}"
     return f"{number:>{width}} {when or unit}".rstrip()
 
 

@@ -10,15 +10,22 @@ from typing import Any
 from phaseplane.suspension.profiles import fade_length
 
 from .. import results
-from .quantities import reading
+from .quantities import reading, shown_in
 
-_WIDTH = 17
-_NAME, _NUMBER = 26, 10  # least widths of the columns of a measure
+# least widths: of the names before words, of the names, numbers and units of measures
+_WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
+Line = str | tuple[str, str]
+"""A line, or a name with the words that stand beside it."""
 
 
 def report(summary: Mapping[str, Any], folder: Path) -> str:
     """Return the report of a run, in aligned lines."""
-    return "\n".join(_lines(summary, folder))
+    lines = list(_lines(summary, folder))
+    width = max(_WORDS, *(len(line[0]) for line in lines if not isinstance(line, str)))
+    return "\n".join(
+        line if isinstance(line, str) else f"{line[0]:<{width}} {line[1]}".rstrip()
+        for line in lines
+    )
 
 
 def failures(summary: Mapping[str, Any]) -> list[str]:
@@ -42,12 +49,12 @@ def _unmet(expectation: Mapping[str, Any]) -> str:
     return f"{expectation['measure']} = {_number(expectation['value'])}, expected {_bounds(expectation)}"
 
 
-def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
+def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[Line]:
     measures = summary["measures"]
     yield from (line for line in (summary["title"] or summary["scene"], summary["source"]) if line)
     yield ""
     packed = summary["build_time"]
-    yield _line(
+    yield (
         "model",
         f"{summary['model']}, {f'packed in {packed:.2f} s' if packed else 'packed before'}"
         if packed is not None
@@ -57,31 +64,31 @@ def _lines(summary: Mapping[str, Any], folder: Path) -> Iterator[str]:
     )
     road, solver = format_road(summary["parameters"]), _format_solver(summary)
     if road:
-        yield _line("road", road)
+        yield "road", road
     if solver:
-        yield _line("solver", solver)
+        yield "solver", solver
     for i, remark in enumerate(summary.get("remarks", ())):
-        yield _line("" if i else "note", remark)
-    yield _line(
+        yield "" if i else "note", remark
+    yield (
         "duration",
         f"{summary['duration']:g} s, {_counted(summary['rows'], 'row')}, one every "
         f"{1e3 * summary['output_interval']:g} ms",
     )
     yield ""
     yield from _measured(measures)
-    yield _line("run", f"{_steps(measures)}{summary['run_time']:.3f} s {_by(summary)}")
+    yield "run", f"{_steps(measures)}{summary['run_time']:.3f} s {_by(summary)}"
     yield from _drawn(summary["drawn"])
     yield from _expected(summary)
     for i, failure in enumerate(failures(summary)):
-        yield _line("" if i else "FAILED", failure)
+        yield "" if i else "FAILED", failure
     yield ""
     for i, name in enumerate(summary.get("files", ())):  # a single table has none
-        yield _line("" if i else "files", _path(folder / name))
+        yield "" if i else "files", _path(folder / name)
     if summary.get("saved"):
-        yield _line("recording", summary["saved"])
+        yield "recording", summary["saved"]
 
 
-def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
+def _measured(measures: Mapping[str, Any]) -> Iterator[Line]:
     """Yield the peaks, then contact axle by axle, then all other measures."""
     shown = {"step_count"}
     peaks = [name for name in measures if name.startswith("peak.")]
@@ -95,19 +102,20 @@ def _measured(measures: Mapping[str, Any]) -> Iterator[str]:
             yield from _contact(prefix, measures)
     if "energy_residual" in measures and measures["energy_residual"]["value"] is not None:
         shown.add("energy_residual")
-        yield _line("energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most")
+        yield "energy", f"{abs(measures['energy_residual']['value']):.2g} J residual at most"
     if measures.get("magnification", {}).get("value") is not None:
         shown.add("magnification")
         by = measures["magnification"]["value"]
-        yield _line("sensitivity", f"this motion magnifies small differences by {by:.2g}")
+        yield "sensitivity", f"this motion magnifies small differences by {by:.2g}"
     yield from _table({n: m for n, m in measures.items() if n not in shown and n not in peaks})
 
 
 def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
     """Yield one line for each measure, and an empty line after them."""
     width = max((_NAME, *(len(name) + 1 for name in measures)))
+    units = max((_UNIT, *(len(shown_in(m["unit"])[0]) for m in measures.values())))
     for name, measured in measures.items():
-        yield f"{name.replace('_', ' '):<{width}}{reading(measured, _NUMBER)}"
+        yield f"{name.replace('_', ' '):<{width}}{reading(measured, _NUMBER, units)}"
     if measures:
         yield ""
 
@@ -131,39 +139,39 @@ def _by(summary: Mapping[str, Any]) -> str:
 _CONTACT = ("lift_off_count", "lift_offs", "touchdowns", "airborne_time", "smallest_contact_force")
 
 
-def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[str]:
+def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[Line]:
     """Yield the lift-offs, touchdowns and contact force of one wheel."""
     axle = prefix.replace("_", " ")
     values = {what: measures.get(f"{prefix}{what}", {}).get("value") for what in _CONTACT}
     count = values["lift_off_count"]
     if count == 0:
-        yield _line(f"{axle}lift-off", "none")
+        yield f"{axle}lift-off", "none"
     elif values["lift_offs"] is None:
-        yield _line(f"{axle}lift-off", f"{count} times")
+        yield f"{axle}lift-off", f"{count} times"
     for what in ("lift-off", "touchdown"):
         instants = values[f"{what.replace('-', '_')}s"]
         if instants:
             more = f" and {len(instants) - 8} more" if len(instants) > 8 else ""
             listed = ", ".join(f"{1e3 * t:.3f}" for t in instants[:8])
-            yield _line(f"{axle}{what}", f"{listed} ms{more}")
+            yield f"{axle}{what}", f"{listed} ms{more}"
     if values["lift_offs"] is not None and count > len(values["lift_offs"]):
-        yield _line("", f"{count} lift-offs in all; the others are between two rows")
+        yield "", f"{count} lift-offs in all; the others are between two rows"
     if values["airborne_time"]:  # also of a wheel that starts in flight and never lifts off
-        yield _line(f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms")
+        yield f"{axle}airborne", f"{1e3 * values['airborne_time']:.3f} ms"
     if values["smallest_contact_force"] is not None:
         smallest = reading(measures[f"{prefix}smallest_contact_force"])
-        yield _line(f"{axle}contact", f"smallest force {' '.join(smallest.split())}")
+        yield f"{axle}contact", f"smallest force {' '.join(smallest.split())}"
 
 
-def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[str]:
+def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[Line]:
     """Yield the graphical construction, and its control by a second path (AP57 section 4)."""
     if drawn is None:
         return
-    yield _line("construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s")
+    yield "construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s"
     for i, words in enumerate(_lengths(drawn, "control")):
-        yield _line("" if i else "control", f"differs by at most {words} (AP57 eqs. 24, 25)")
+        yield "" if i else "control", f"differs by at most {words} (AP57 eqs. 24, 25)"
     for i, words in enumerate(_lengths(drawn, "drift")):
-        yield _line("" if i else "drift", f"from the run by at most {words}")
+        yield "" if i else "drift", f"from the run by at most {words}"
 
 
 def format_drift(drawn: Mapping[str, Any]) -> str:
@@ -181,20 +189,20 @@ def _lengths(drawn: Mapping[str, Any], which: str) -> list[str]:
     ]
 
 
-def _expected(summary: Mapping[str, Any]) -> Iterator[str]:
+def _expected(summary: Mapping[str, Any]) -> Iterator[Line]:
     expectations = summary["expectations"]
     if expectations:
         hold = sum(e["holds"] for e in expectations)
-        yield _line("expected", f"{hold} of {len(expectations)} hold")
+        yield "expected", f"{hold} of {len(expectations)} hold"
         for expectation in expectations:
             if "compared" in expectation:
                 name = expectation["measure"].rpartition(" from ")[2]
-                yield _line(
+                yield (
                     "compared",
                     f"with {name}: {results.comparison.format_extent(expectation['compared'])}",
                 )
     elif summary["unchecked"]:
-        yield _line("expected", f"not checked: {', '.join(summary['unchecked'])}")
+        yield "expected", f"not checked: {', '.join(summary['unchecked'])}"
 
 
 def format_road(parameters: Mapping[str, Any]) -> str:
@@ -243,13 +251,9 @@ def _format_solver(summary: Mapping[str, Any]) -> str:
     return f"{parameters['solver.method']}, {how}{slow}"
 
 
-def _line(name: str, words: str) -> str:
-    return f"{name:<{_WIDTH - 1}} {words}".rstrip()
-
-
 def _number(value: object) -> str:
     if value is None:
-        return "nothing"
+        return "none"
     if isinstance(value, list | tuple):
         return ", ".join(map(_number, value)) or "none"
     return f"{value:.8g}" if isinstance(value, float) else str(value)

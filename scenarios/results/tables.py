@@ -123,8 +123,9 @@ def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
             raise ValueError(f"{names.count(name)} columns are called {name!r}")
     try:
         values = np.loadtxt(rows, delimiter=",", ndmin=2)
-    except ValueError as error:  # drop numpy's hint at its arguments
-        raise ValueError(str(error).partition("; use `usecols`")[0]) from None
+    except ValueError:
+        read_table_of_units(lines)  # tells the line
+        raise
     if values.shape[1] != len(names):
         raise ValueError(f"{len(names)} names in the header, but {values.shape[1]} columns")
     return dict(zip(names, values.T.copy(), strict=True)), ""

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, Field, dataclass
+from dataclasses import MISSING, Field
 from inspect import getdoc
 from math import inf, isfinite
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from phaseplane.suspension.units import nearest, to_si
 
@@ -43,8 +43,7 @@ class RefusedError(ValueError):
         return cls(key, f"{key} = {given}: {why}" if key else why, f" {given}: {why}")
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
+class Kind(NamedTuple):
     """A type of value.
 
     Parameters

@@ -286,7 +286,7 @@ def _variable(scalar: ScalarVariable) -> Variable:
     except ValueError:
         start_text = shown(scalar.start)
         raise InputError(
-            f"{scalar.name}: the start value {start_text} is no {scalar.type}"
+            f"{scalar.name}: the start value {start_text} is not a {scalar.type}"
         ) from None
     return Variable(
         scalar.name,

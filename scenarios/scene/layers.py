@@ -11,13 +11,14 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from phaseplane.suspension.system_module import scene_in
 from phaseplane.suspension.units import nearest
-from phaseplane.suspension.variable import ParameterError
+from phaseplane.suspension.variables import MODELS, ParameterError
 
 from ..errors import SceneError, one_line, shown
+from .equation import equation_variables
 from .fmus import default_duration
 from .names import CASES, SCENE_FILES, case_names, meant
 
@@ -32,8 +33,7 @@ REFERENCE = "reference"  # a table within [expect]
 _LARGEST_FILE = 10_000_000
 
 
-@dataclass(frozen=True, slots=True)
-class Setting:
+class Setting(NamedTuple):
     """A key of a scene that is set by an option.
 
     Parameters
@@ -285,10 +285,11 @@ def _chain_from(
         for key in layer:
             top, dot, _ = key.partition(".")
             if top not in KEYS or (dot and top not in SECTIONS):
+                hint = "; parameters belong in the table [parameters]"
                 raise SceneError(
                     one_line(
                         f"{name}: unknown key {shown(key)}; allowed: {', '.join(KEYS)}"
-                        + nearest(key, KEYS)
+                        + (hint if _is_parameter(key) else nearest(key, KEYS))
                     )
                 )
         base = layer.pop("extends", None)
@@ -312,6 +313,15 @@ def _chain_from(
             )
         name, folder = _called(path), path.parent
         layer = _read(path, name)
+
+
+def _is_parameter(key: str) -> bool:
+    """Return whether some model has a parameter of this name, or a group of them."""
+    return any(
+        v.causality == "parameter" and f"{v.name}.".startswith(f"{key}.")
+        for declared in (*MODELS.values(), equation_variables())
+        for v in declared
+    )
 
 
 def _parents(key: str) -> list[str]:

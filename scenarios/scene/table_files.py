@@ -56,7 +56,7 @@ def with_files(
         if key not in declared and name in declared and last in KEYS and not _is_table(name):
             tables = [each for each in declared if _is_table(each)]
             raise InputError(
-                f"{name}: is no table, and takes no {last}; tables are {', '.join(tables)}"
+                f"{name}: is not a table and has no {last}; tables are {', '.join(tables)}"
                 + nearest(f"{name.rpartition('.')[0]}.table", tables)
             )
         if key not in declared and name in declared and _is_table(name):
@@ -145,8 +145,12 @@ def _both(path: Path, delimiter: str) -> list[str]:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from None
     except ValueError as error:
         raise InputError(one_line(error, 300)) from None
+    if not found:
+        raise InputError(one_line(f"{path.name} is empty"))
     if len(found) != 2:
+        other = next((mark for mark in ";\t" if len(found) == 1 and mark in found[0]), "")
         raise InputError(
             f"columns is missing; give the names of two columns of {', '.join(map(shown, found))}"
+            f"{f', or delimiter = {other!r}' if other else ''}"
         )
     return list(found)

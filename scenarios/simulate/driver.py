@@ -135,6 +135,7 @@ class OpenFmu:
         self,
         scene: Scene,
         outputs: Sequence[str],
+        at_end: Sequence[str] = (),
         *,
         interrupted: Callable[[], int],
         progress: Progress | None = None,
@@ -143,13 +144,16 @@ class OpenFmu:
     ) -> Drive:
         """Run the FMU through a scene and keep all rows up to where it stops.
 
+        Outputs `at_end` are read at the end only, as each call of an FMU costs as much as a step. They
+        are not known of a run that failed.
+
         Raises
         ------
         RunError : if the FMU could not be instantiated or initialised.
         """
         instance = self._ready()
         duration, interval = scene.duration, scene.communication_step
-        rows = Rows(instance, self._description, outputs, most_rows(duration, interval))
+        rows = Rows(instance, self._description, outputs, most_rows(duration, interval), at_end)
         failure, usable = "", True
         started = perf_counter()
 
@@ -259,11 +263,12 @@ def _columns(columns: Columns, complaint: str) -> Columns:
     RunError : if there is no such row.
     """
     well = columns.get("ok", np.ones(len(columns["time"]), bool)).astype(bool)
-    for column in columns.values():
+    over_time = {name: column for name, column in columns.items() if len(column) == len(well)}
+    for column in over_time.values():
         well &= np.isfinite(column)
     rows = len(well) if well.all() else int(well.argmin())
     if rows == 0:
         unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
         why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
         raise RunError(f"no run: {why}")
-    return {name: column[:rows] for name, column in columns.items()}
+    return columns | {name: column[:rows] for name, column in over_time.items()}

@@ -80,7 +80,11 @@ def run(
 def run_with(fmu: OpenFmu, scene: Scene, build_time: float | None = None, **how: Any) -> Results:
     """Run a scene as `run`, with an FMU that is already open."""
     with deferred_interrupt() as interrupted:
-        drive = fmu.drive(scene, _read_in(scene), interrupted=interrupted, **how)
+        outputs, at_end = _read_in(scene)
+        drive = fmu.drive(scene, outputs, at_end, interrupted=interrupted, **how)
+        if drive.complaint and at_end and not interrupted():
+            # after a failure it tells nothing more; this time they are read with every row
+            drive = fmu.drive(scene, [*outputs, *at_end], interrupted=interrupted)
     results = _results(scene, drive, build_time)
     if interrupted():
         raise Interrupted(results, interrupted())
@@ -193,11 +197,20 @@ def _solved(scene: Scene, progress: Progress | None = None) -> Results:
     return results
 
 
-def _read_in(scene: Scene) -> list[str]:
-    """Return the outputs to read at every step: those shown, those for the measures, and `ok`."""
-    measured = outputs_needed(catalogue(scene.fmu.outputs()), scene.measures)
-    wanted = {*scene.columns, *measured, *scene.outputs_expected, "ok"}
-    return [name for name in scene.fmu.outputs() if name in wanted]
+def _read_in(scene: Scene) -> tuple[list[str], list[str]]:
+    """Return the outputs to read at every step, and those of which the measures need the last value.
+
+    At every step those shown, those for the other measures, and `ok` are read; of an FMU of others all.
+    """
+    declared = scene.fmu.outputs()
+    known, ours = catalogue(declared), scene.fmu.is_ours
+    over_time = [name for name in scene.measures if not (known[name].at_end and ours)]
+    wanted = {*scene.columns, *outputs_needed(known, over_time), *scene.outputs_expected, "ok"}
+    measured = outputs_needed(known, scene.measures)
+    return (
+        [name for name in declared if name in wanted],
+        [name for name in declared if name in measured - wanted],
+    )
 
 
 def _summary(
@@ -261,7 +274,7 @@ def _in_this_process(scene: Scene) -> str:
     why = (
         "a controller sets its inputs" if scene.controller is not None else "it is a system's file"
     )
-    return f"run in this process, with the bits of an FMU: {why}"
+    return f"run in this process, with the same bits as through an FMU: {why}"
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

@@ -6,7 +6,7 @@ events, which are handled before they go on. Models for model exchange are integ
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from ctypes import (
     byref,
     c_bool,
@@ -24,6 +24,7 @@ from ctypes import (
     c_void_p,
 )
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, isclose
 from typing import TYPE_CHECKING, Any
 
@@ -54,6 +55,7 @@ if TYPE_CHECKING:
 
 Instance = Any  # of FMPy: FMU2Slave, FMU3Slave, FMU2Model or FMU3Model
 GoingOn = Callable[[float], bool]
+_Call = tuple[Callable[..., int], tuple[Any, ...]]  # FMI's function and its arguments
 
 # FMI's type -> the getter, the C type and the type of a column
 _TYPES: Mapping[str, tuple[str, Any, Any]] = {
@@ -95,6 +97,10 @@ class _Outputs:
     values: Any
     column_type: type
 
+    def into(self, values: Any, component: Any) -> _Call:
+        """Return the function with all its arguments, for values to be written there."""
+        return self.get, (component, *self.before, byref(values), *self.after)
+
 
 class Rows:
     """The rows read from an instance so far: `time` and outputs. Another thread may read them.
@@ -105,6 +111,7 @@ class Rows:
     description : its model description
     outputs : names of the outputs to read
     most : most rows that there can be
+    at_end : names of the outputs to read at the end only
     """
 
     def __init__(
@@ -113,6 +120,7 @@ class Rows:
         description: ModelDescription,
         outputs: Collection[str],
         most: int,
+        at_end: Collection[str] = (),
     ) -> None:
         self._outputs = list(_outputs(instance, description, outputs))
         self.names = ["time", *(name for one in self._outputs for name in one.names)]
@@ -123,21 +131,16 @@ class Rows:
         # the FMU writes into this row, which is copied as bytes: several times faster than by types
         row = np.zeros(1, layout)
         self._row, self._time = row.view(np.uint8).data, row["time"]
+        component = c_void_p.from_param(instance.component)
         self._calls = [
-            (
-                one.get,
-                (
-                    c_void_p.from_param(instance.component),
-                    *one.before,
-                    byref(one.values.from_buffer(row[str(k)])),
-                    *one.after,
-                ),
-            )
+            one.into(one.values.from_buffer(row[str(k)]), component)
             for k, one in enumerate(self._outputs)
         ]
         self._table = np.empty(most, layout)
         self._bytes = self._table.view(np.uint8).data
         self._count = 0
+        self._at_end = [(one, one.values()) for one in _outputs(instance, description, at_end)]
+        self._calls_at_end = [one.into(values, component) for one, values in self._at_end]
 
     def __len__(self) -> int:
         return self._count
@@ -155,13 +158,14 @@ class Rows:
     def read(self, time: float) -> None:
         """Read the outputs into the next row."""
         self._time[0] = time
-        for get, arguments in self._calls:
-            status = get(*arguments)
-            if status > fmi2Warning:
-                raise FMICallException(function=get.__name__, status=status)
+        _make(self._calls)
         at = self._count * len(self._row)
         self._bytes[at : at + len(self._row)] = self._row
         self._count += 1
+
+    def read_at_end(self) -> None:
+        """Read the outputs of the end."""
+        _make(self._calls_at_end)
 
     def take(self, row: Mapping[str, Any]) -> None:
         """Let values by name be the next row."""
@@ -172,10 +176,21 @@ class Rows:
         self._count += 1
 
     def columns(self) -> dict[str, npt.NDArray[Any]]:
-        """Return the columns, each of its own type."""
+        """Return the columns, each of its own type; of outputs of the end the last value."""
         kinds = [np.float64, *(one.column_type for one in self._outputs for _ in one.names)]
         columns = zip(self.names, self._fields(slice(None)), kinds, strict=True)
-        return {name: column.astype(kind) for name, column, kind in columns}
+        last: dict[str, npt.NDArray[Any]] = {
+            name: np.array([value], one.column_type)
+            for one, values in self._at_end
+            for name, value in zip(one.names, values, strict=True)
+        }
+        return {name: column.astype(kind) for name, column, kind in columns} | last
+
+
+def _make(calls: Sequence[_Call]) -> None:
+    for function, arguments in calls:
+        if (status := function(*arguments)) > fmi2Warning:
+            raise FMICallException(function=function.__name__, status=status)
 
 
 def is_fmi3(description: ModelDescription) -> bool:
@@ -245,7 +260,7 @@ def step_through(
 
     Parameters
     ----------
-    rows : where the outputs go
+    rows : where the outputs go; those of the end are read unless the slave ends the run itself
     description : of the slave
     duration, interval : of the run, and of a step, s
     going_on : called after each step with the time reached; whether to go on
@@ -255,39 +270,46 @@ def step_through(
     FMICallException : if a call fails, in FMI 2.0 with a status other than fmi2Discard.
     RunError : a slave that returns early for ever.
     """
-    step = _step_with_events if is_fmi3(description) else _step
+    step = partial(_step_with_events, slave, rows) if is_fmi3(description) else _steps(slave, rows)
     time, count = 0.0, 0
     rows.read(time)
     while not (time > duration or isclose(time, duration)):
         end = (count + 1) * interval
         if end > duration and not isclose(end, duration):
             if not description.coSimulation.canHandleVariableCommunicationStepSize:
-                return
+                break
             end = duration
-        if not step(slave, rows, time, end):
+        if not step(time, end):
             return
         time, count = end, count + 1
         rows.read(time)
         if not going_on(time):
-            return
+            break
+    rows.read_at_end()
 
 
-def _step(slave: Instance, rows: Rows, time: float, end: float) -> bool:
-    """Make one step in FMI 2.0; return whether the run goes on.
+def _steps(slave: Instance, rows: Rows) -> Callable[[float, float], bool]:
+    """Return the function that makes one step in FMI 2.0 and says whether the run goes on.
 
     A slave that ends the run within a step has its last row read.
     """
     # as in `_outputs`, not by FMPy's method
-    status = slave.dll.fmi2DoStep(slave.component, time, end - time, fmi2True)
-    if status <= fmi2Warning:
-        return True
-    if status != fmi2Discard:
-        raise FMICallException(function="fmi2DoStep", status=status)
-    if slave.getBooleanStatus(fmi2Terminated):
-        reached = slave.getRealStatus(fmi2LastSuccessfulTime)
-        if reached > time:
-            rows.read(reached)
-    return False
+    do_step, start, size = slave.dll["fmi2DoStep"], fmi2Real(), fmi2Real()
+    arguments = c_void_p.from_param(slave.component), start, size, fmi2Boolean(fmi2True)
+
+    def step(time: float, end: float) -> bool:
+        start.value, size.value = time, end - time
+        if (status := do_step(*arguments)) <= fmi2Warning:
+            return True
+        if status != fmi2Discard:
+            raise FMICallException(function="fmi2DoStep", status=status)
+        if slave.getBooleanStatus(fmi2Terminated):
+            reached = slave.getRealStatus(fmi2LastSuccessfulTime)
+            if reached > time:
+                rows.read(reached)
+        return False
+
+    return step
 
 
 def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> bool:
@@ -306,7 +328,7 @@ def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> b
             return True
         returns = 0 if reached > time else returns + 1
         if returns > _MOST_RETURNS:
-            raise RunError(f"the FMU returns from its steps at {time:.9g} s and does not go on")
+            raise RunError(f"the FMU keeps returning from its steps at {time:.9g} s")
         time = reached
 
 

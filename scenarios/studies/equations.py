@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from phaseplane.suspension.characteristics import Characteristic
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.systems import Element, System
@@ -24,7 +25,6 @@ from phaseplane.suspension.systems import Element, System
 from .expressions import Course, Law, degrees_of, sum_of
 
 if TYPE_CHECKING:
-    import numpy as np
     import numpy.typing as npt
 
     Vector = npt.NDArray[np.float64]
@@ -65,7 +65,7 @@ class Equations:
         self.system = system
         self.n = len(system.mass)
         self.size = 0  # of p
-        self.inverse = _inverse(system.mass)
+        self.inverse = np.linalg.inv(np.array(system.mass)).tolist()
         self.names = list(system.signals)
         self.courses = [self._course(signal) for signal in system.signals.values()]
         self.springs = [self._law(e.spring, yields=e.yield_force < inf) for e in system.elements]
@@ -253,17 +253,3 @@ class Equations:
 
 def _function(head: str, lines: Sequence[str]) -> str:
     return "\n".join([f"def {head}:", *(f"    {line}" for line in lines)])
-
-
-def _inverse(mass: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Return M^-1 by Gauss-Jordan elimination, which keeps the exact zeros of M."""
-    n = len(mass)
-    rows = [[*map(float, row), *(float(i == k) for k in range(n))] for i, row in enumerate(mass)]
-    for i in range(n):
-        pivot = rows[i][i]
-        rows[i] = [x / pivot for x in rows[i]]
-        for k in range(n):
-            if k != i and rows[k][i] != 0.0:
-                factor = rows[k][i]
-                rows[k] = [x - factor * z for x, z in zip(rows[k], rows[i], strict=True)]
-    return [row[n:] for row in rows]

@@ -95,6 +95,12 @@ CASES = (
         0.1,
     ),
     Extreme("a tyre with 10 000 times its damping", {"tyre.damping": 1e4 * 980.665}),
+    Extreme("a tyre with a million times its damping", {"tyre.damping": 1e6 * 980.665}, 0.3),
+    Extreme(
+        "a damper of 1e7 N s/m up to 100 N",
+        {f"damper.{side}_rate": 1e7 for side in ("rebound", "bump")}
+        | {f"damper.{side}_limit": 100.0 for side in ("rebound", "bump")},
+    ),
     Extreme("no damping at all", _UNDAMPED),
     Extreme("zero mass", {"unsprung_mass": 0.0}, refused=True),
     Extreme("negative spring rate", {"spring.rate": -1.0}, refused=True),

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import inf, pi, sqrt, tanh
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -44,6 +45,7 @@ class Problem:
     intervals : number of equal intervals between output times
     displacements, velocities : initial values, m and m/s; empty for rest
     model, parameters : the FMU of the same system and its parameters, if there is one
+    file : a native FMU of that model; otherwise one that runs Python is packed
     """
 
     name: str
@@ -56,6 +58,7 @@ class Problem:
     velocities: tuple[float, ...] = ()
     model: str = ""
     parameters: Mapping[str, Value] = field(default_factory=dict)
+    file: Path | None = None
 
     @cached_property
     def times(self) -> Vector:
@@ -313,7 +316,7 @@ def find_problem(name: str) -> Problem:
             )
         )
     scene = load_scene(name)
-    if scene.fmu.path is not None or not scene.fmu.is_ours:
+    if not scene.fmu.is_ours:
         raise InputError(
             one_line(
                 f"{name}: fmu = {str(scene.fmu.path or scene.fmu.model)!r}: only models of this "
@@ -326,10 +329,11 @@ def find_problem(name: str) -> Problem:
         scene.title or scene.name,
         "non-smooth",
         scene.fmu.model,
-        scene.parameters,
+        scene.all_parameters if scene.fmu.path else scene.parameters,
         scene.duration,
         intervals,
     )
+    problem = replace(problem, file=scene.fmu.path)
     if any(
         piece.power
         for element in problem.system.elements

@@ -8,6 +8,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import ZipFile
 
 import numpy as np
 from phaseplane.suspension.engine import Integrator
@@ -59,11 +60,15 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
 
 
 @cache
-def _unpacked(model: str) -> Path:
-    """Return the folder of a model's unpacked FMU."""
+def _unpacked(model: str, file: Path | None) -> Path:
+    """Return the folder of an unpacked FMU: of a file, or of a model."""
     spare = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, spare, ignore_errors=True)
-    return cached_fmu(model, spare)[0]
+    if file is None:
+        return cached_fmu(model, spare)[0]
+    with ZipFile(file) as archive:
+        archive.extractall(spare)
+    return spare
 
 
 def through_fmu(bench: Workbench, tolerance: float) -> Run:
@@ -74,7 +79,7 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
     problem = bench.problem
     if problem.model not in FILES:
         raise UnableError("there is no FMU of this system")
-    folder = str(_unpacked(problem.model))
+    folder = str(_unpacked(problem.model, problem.file))
     description = read_model_description(folder, validate=False)
     instance = instantiate_fmu(folder, description, "CoSimulation")
     names = [f"{name}_displacement".removeprefix("_") for name in problem.system.coordinates]

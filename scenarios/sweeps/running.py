@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
     BrokenExecutor,
@@ -27,6 +28,7 @@ from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from threading import Event, Thread
 from time import perf_counter
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from .. import simulate as simulating
@@ -127,7 +129,8 @@ def sweep(
                 progress(len(rows) / len(plan.points))
 
         try:
-            with deferred_interrupt() as came:  # so that no chunk is submitted unnoticed
+            # so that no chunk is submitted unnoticed, and a process starts without the caller's script
+            with deferred_interrupt() as came, _without_main():
                 for chunk in chunks:
                     waiting.add(executor.submit(run_chunk, plan, chunk, through))
             if came():
@@ -261,6 +264,17 @@ def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
 
 
 # -- workers and journal ---------------------------------------------------------------------------
+
+
+@contextmanager
+def _without_main() -> Iterator[None]:
+    """Hide the main module: a process that is spawned would run it again, up to this very sweep."""
+    main = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""One FMU for all tests of the scenes: packing takes longer than running."""
+"""Every test in an empty folder of its own; one FMU for all, as packing takes longer than running."""
 
 from __future__ import annotations
 
@@ -22,3 +22,8 @@ def _kept_here(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(FOLDER_VARIABLE, str(tmp_path_factory.mktemp("kept")))
         yield
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)

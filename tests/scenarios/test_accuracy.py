@@ -22,11 +22,6 @@ from phaseplane.figures import work_precision
 from phaseplane.figures.work_precision import Curve
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.fixture(scope="module")
 def frame() -> Problem:
     return of_model("frame", "a frame", "non-smooth", "Elastoplastic", {}, 0.5, 10)

@@ -16,6 +16,7 @@ from phaseplane.scenarios.errors import InputError
         (["QuarterCar"], [], ["friction"], "must be name=value"),
         (["QuarterCar"], [], ["friction=-1"], "friction = -1: must be at least 0"),
         (["QuarterCar"], [], ["lift_off=perhaps"], "must be true or false"),
+        (["Quartercar"], [], [], "did you mean 'QuarterCar'"),
         (["QuarterCar"], ["win"], [], "platform 'win' is unknown"),
     ],
 )

@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import threading
+from base64 import b64decode
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -37,7 +38,7 @@ def test_every_scene_of_the_page_can_be_drawn_and_run() -> None:
     told = asked("catalogue")
     assert {OWN, "ap57", "van_der_pol", "h83_example23"} <= told["scenes"].keys()
     assert "leaf_spring" in told["scenes"]  # sticks in two planes
-    for name in (OWN, "ap57", "h83_example25", "h83_example28", "h83_example40"):
+    for name in (OWN, "ap57", "h83_example25", "h83_example28", "h83_example40", "kerb"):
         fields = asked("scene", name)
         assert fields["rule"] in told["rules"]
         sheet = asked("sheet", name, **fields)
@@ -66,6 +67,10 @@ def test_the_page_draws_what_the_command_draws(name: str) -> None:
     ("change", "message"),
     [
         ({"equation": "x + kk*v"}, "'kk' is not known"),
+        ({"equation": "2v + x"}, "not a formula; did you mean '2*v + x'?"),
+        ({"equation": "x(v - 1)"}, "did you mean 'x*(v - 1)'?"),
+        ({"equation": "2(x + 1)"}, "did you mean '2*(x + 1)'?"),
+        ({"equation": "3 sin(x) + x^"}, "write one such as '(x^2 - 1)*v + x'"),
         ({"settings": "displacement_start = 'a'"}, "is not a number"),
         ({"settings": "nonsense"}, "write key=value"),
         ({"settings": "mu = 3"}, "Equation has no parameter 'mu'"),
@@ -217,6 +222,15 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     assert "Step 2" in find(".now").text
     assert "stage 2 of" in find(".now").text
     assert find("tr.here")
+
+    def pages() -> int:
+        printed = browser.execute_cdp_cmd("Page.printToPDF", {})["data"]
+        return b64decode(printed).count(b"/Type /Page\n")
+
+    body.send_keys(Keys.END)
+    assert pages() <= 4  # the sheet and its points
+    browser.execute_script("document.querySelector('table').classList.add('whole')")
+    assert pages() > 10  # the protocol, on demand
     find("#solve").click()
     wait.until(lambda _: browser.find_elements(By.CSS_SELECTOR, "#run polyline"))
     equation = find("input[name=equation]")

@@ -28,13 +28,6 @@ ROOT = Path(__file__).parents[2]
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def phaseplane(*arguments: str) -> Result:
     """Run in this process; whatever goes wrong is one line on stderr."""
     result = CliRunner().invoke(main, arguments)
@@ -253,7 +246,8 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["run", "ap75"], "did you mean 'ap57'?"),
         (["run", "gone.toml"], "no scene file gone.toml"),
         (["run", "bad.toml"], "not TOML"),
-        (["run", "ap57", "--sett", "x=1"], "No such option"),
+        (["run", "ap57", "--sett", "x=1"], "No such option '--sett'. Did you mean '--set'?"),
+        (["run", "ap57", "--quiet"], "No such option '--quiet'.\n"),
         (["run", "ap57", "--set", "sprung_mass=-3"], "sprung_mass = -3: must be greater than 0"),
         (["run", "ap57", "--set", "speed=3 kg"], "'kg' does not fit"),
         (["run", "ap57", "--set", "spead=3"], "did you mean 'speed'?"),
@@ -294,10 +288,10 @@ def test_a_picture_that_fails_costs_only_itself(fmu: Path, monkeypatch: pytest.M
         (["replay", "gone.csv", "--save", "x.rrd"], "replay SCENE --over gone.csv"),
     ],
 )
-def test_bad_input(arguments: list[str], words: str, elsewhere: Path) -> None:
-    (elsewhere / "bad.toml").write_text("fmu = QuarterCar\n")
-    (elsewhere / "full").mkdir()
-    (elsewhere / "full" / "diary.txt").touch()
+def test_bad_input(arguments: list[str], words: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text("fmu = QuarterCar\n")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "diary.txt").touch()
     result = phaseplane(*arguments)
     assert result.exit_code == 2
     assert words.lower() in result.stderr.lower()
@@ -329,9 +323,8 @@ def test_an_interrupted_run_keeps_what_it_has_computed(
         return drive(self, scene, *args, **{**how, "progress": progress})
 
     monkeypatch.setattr(OpenFmu, "drive", interrupted_at_half)
-    result = CliRunner().invoke(
-        main, ["run", "ap57"]
-    )  # with the pictures and the recording of the scene
+    # with the pictures and the recording of the scene
+    result = CliRunner().invoke(main, ["run", "ap57"])
     assert result.exit_code == status
     said = "phaseplane: interrupted at 0.5 s of 1 s; the results until then are in out/ap57\n"
     assert result.stderr.lstrip() == (said if number == signal.SIGINT else "")

@@ -51,11 +51,6 @@ ROADS = (
 )
 
 
-@pytest.fixture(autouse=True)
-def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 def parameters_of(model: str, road: dict) -> dict:
     from phaseplane.suspension.variables import checked_parameters  # noqa: PLC0415
 
@@ -424,7 +419,7 @@ def test_friction_that_breaks_away_has_no_construction():
     system = build("OneDof", {})
     leaf = Element("leaf", (1.0,), friction=50.0, breakaway=80.0)
     with pytest.raises(
-        ValueError, match="leaf: there is no construction of friction that breaks away"
+        ValueError, match="leaf: there is no construction of friction whose breakaway"
     ):
         of_system(dataclasses.replace(system, elements=(*system.elements, leaf)), {})
 

@@ -71,8 +71,7 @@ def test_events_wake_a_controller():
     assert apart == pytest.approx(2000.0 / mass, rel=0.05)
 
 
-def test_a_sweep_varies_a_gain(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_sweep_varies_a_gain(tmp_path):
     (tmp_path / "gain.toml").write_text(
         'scene = "skyhook"\nmeasures = ["suspension_travel"]\n[vary]\n'
         '"controller.constants.skyhook" = [0, 3000]\nduration = [0.2]\n'

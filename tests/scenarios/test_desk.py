@@ -1,6 +1,7 @@
 """The public names, and a run as one object."""
 
 import doctest
+import re
 import subprocess
 import sys
 from math import pi, sqrt
@@ -180,6 +181,18 @@ def test_the_report_names_what_ran(bump):
     assert "lift-off" in bump._repr_html_()
 
 
+def test_the_columns_of_a_report_are_aligned():
+    """Beside long names of wheels and long units, too."""
+    report = phaseplane.run("full_car").report()
+    (model,) = re.findall("^model +", report, re.MULTILINE)
+    lift_offs = re.findall("^.* lift-off +(?=\\d|none)", report, re.MULTILINE)
+    assert {len(name) for name in lift_offs} == {len(model)}
+    measures = ["peak.body_acceleration", "peak.pitch_acceleration", "peak.body_displacement"]
+    pitching = phaseplane.run("half_car_pitch", measures=measures, expect=False).report()
+    assert len({len(peak) for peak in re.findall("^.* +at(?= )", pitching, re.MULTILINE)}) == 1
+    assert "rad/s2 at" in pitching
+
+
 def test_examples():
     assert doctest.testmod(module).failed == 0
 
@@ -206,8 +219,25 @@ def test_tables_are_read_with_their_units(bump, tmp_path):
     assert (rig.units, rig["a"][0]) == ({"t": "s", "a": "m/s2"}, 0.5 * 9.80665)
 
 
-def test_a_sweep_is_a_table(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_script_can_sweep_in_several_processes(tmp_path):
+    """Its main module has no guard, so the processes must not run it again."""
+    (tmp_path / "speeds.toml").write_text(
+        'scene = "ap57"\nmeasures = ["smallest_contact_force"]\n[vary]\nspeed = [2, 3]\n'
+    )
+    (tmp_path / "script.py").write_text(
+        'import phaseplane\nprint(phaseplane.sweep("speeds.toml", workers=2)["speed"].tolist())\n'
+    )
+    done = subprocess.run(
+        [sys.executable, "-P", "script.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("[2, 3]\n", "")
+
+
+def test_a_sweep_is_a_table(tmp_path):
     (tmp_path / "speeds.toml").write_text(
         'scene = "ap57"\nmeasures = ["peak.body_acceleration"]\n[vary]\nspeed = [15, 25]\n'
     )

@@ -180,10 +180,8 @@ def test_the_portrait_has_the_curves_of_the_starts(
     monkeypatch.setattr(portraits.figures, "portrait", lambda made, **_: drawn.append(made))
     monkeypatch.setattr(portraits.figures, "save", lambda *_: None)
     portraits.portrait(pendulum, (), tmp_path / "one.png")
-    begins = [tuple(np.round(curve[0], 9)) for curve in drawn[0].orbits]
-    assert (round(2.0 * pi / 3.0, 9), 0.0) in begins
-    assert (1.0, 6.0) in begins
-    assert (-2.0, 0.0) in begins
+    passes = {tuple(state) for curve in drawn[0].orbits for state in np.round(curve, 9)}
+    assert {(round(2.0 * pi / 3.0, 9), 0.0), (1.0, 6.0), (-2.0, 0.0)} <= passes
 
 
 def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:

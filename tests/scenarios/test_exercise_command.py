@@ -130,6 +130,45 @@ def test_two_planes_are_drawn_as_large_as_the_sheet_allows() -> None:
     assert lowest - highest >= 0.01
 
 
+def faultless(made: exercises.Exercise) -> list[str]:
+    """The lines of readings without an error."""
+    planes = made.drawing.planes
+    lines = [",".join(exercises.exercises.columns(planes)[: 1 + 2 * len(planes)])]
+    for frame in made.drawing.instants:
+        pairs = exercises._values(made, [frame.points[plane.state] for plane in planes])
+        lines.append(",".join([str(frame.step), *(f"{v:.9g}" for pair in pairs for v in pair)]))
+    return lines
+
+
+@pytest.mark.parametrize("scene", ["leaf_spring", "kerb", "stiff_stop", "passenger_car"])
+def test_a_sheet_begins_with_the_motion_of_a_scene_that_rests_at_first(scene: str) -> None:
+    """A spring that sticks and breaks loose, a jump of the road, a road that fades in."""
+    made = exercises.exercise(load_scene(scene), 10, "A4")
+    instants = made.drawing.instants
+    assert instants[0].time > 0.05
+    for plane in made.drawing.planes:
+        places = [frame.points[plane.state] for frame in instants]
+        assert max(abs(place - places[0]) for place in places) > 0.004  # m of paper
+    told = exercises.marked(made, "\n".join(faultless(made)), 1e-4)
+    assert (told["right"], told["missing"]) == (made.steps, 0)
+
+
+def test_a_scene_in_which_nothing_moves_has_no_exercise() -> None:
+    refused = called("van_der_pol", "--set", "displacement_start=0")
+    assert refused.exit_code == 2
+    assert "nothing to construct: within 20 s no 10 steps move" in refused.stderr
+
+
+def test_points_that_are_missing_are_said(tmp_path: Path) -> None:
+    made = exercises.exercise(load_scene("van_der_pol", ["construction.step=0.2"]), 10, "A4")
+    path = tmp_path / "readings.csv"
+    path.write_text("\n".join(faultless(made)[:5]))
+    told = called("van_der_pol", "--set", "construction.step=0.2", "--mark", path)
+    assert told.exit_code == 1
+    assert "3 of 3 points right" in told.output
+    assert "point   4  missing, and all up to 10" in told.output
+
+
 def test_labels_of_a_sheet_keep_off_its_lines() -> None:
     made = exercises.exercise(load_scene("van_der_pol"), 8, "A4")
     axes = exercises._sheet(made, solved=False).axes[0]

@@ -24,13 +24,6 @@ RESULTS = ["results.csv", "summary.json"]
 FOLDER = Path("out", "ap57")
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty current folder."""
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 @pytest.fixture
 def run(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Result]:
     """`phaseplane run ap57` with two figures, each drawn by the function given."""

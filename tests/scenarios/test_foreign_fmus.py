@@ -72,9 +72,9 @@ def test_its_units_and_rates_are_read(foreign: Path) -> None:
 
 
 def test_its_recording_has_every_output_and_the_plane(
-    foreign: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    foreign: Path,
+    tmp_path: Path,
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     command = ["run", str(foreign), "--save", "rig.rrd", "--set", "duration=0.2 s", "--json"]
     result = CliRunner().invoke(main, command)
     assert result.exit_code == 0, result.stderr

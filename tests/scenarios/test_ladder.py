@@ -123,10 +123,7 @@ def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
         (["skyhook"], "skyhook has a controller, without which the ladder would run"),
     ],
 )
-def test_what_cannot_be_on_a_ladder_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_what_cannot_be_on_a_ladder_is_refused(arguments: list[str], words: str) -> None:
     Path("own.toml").write_text(system("Own", (30e3, 30e3)))
     result = CliRunner().invoke(main, ["ladder", *arguments])
     assert (result.exit_code, len(result.stderr.splitlines())) == (2, 1)

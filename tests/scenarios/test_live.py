@@ -46,11 +46,6 @@ def entities(path: Path) -> set[str]:
 QUIET = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 
 
-@pytest.fixture(autouse=True)
-def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 @pytest.mark.slow
 def test_a_run_is_the_same_whether_it_is_watched_or_not() -> None:
     with serving() as server:

@@ -12,10 +12,7 @@ from phaseplane.scenarios.draw.pictures import RULES_SHOWN
 from phaseplane.scenarios.scene.sections import CONSTRUCTION_FIGURES, RULES
 
 
-def test_a_replay_takes_the_rule_that_the_figure_shows(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_a_replay_takes_the_rule_that_the_figure_shows() -> None:
     arguments = ["replay", "ap57_figure13", "--figure", "a.svg", "--kind", "figure4b", "--json"]
     told = json.loads(CliRunner().invoke(main, arguments).stdout)
     assert "rule osculating circle, step 2.5 ms" in told["title"]

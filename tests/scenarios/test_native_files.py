@@ -5,10 +5,15 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.scene.fmus import find_fmu
+from phaseplane.scenarios.studies.problems import find_problem
+from phaseplane.scenarios.studies.project_solvers import through_fmu
+from phaseplane.scenarios.studies.reference import truth
+from phaseplane.scenarios.studies.workbench import Workbench
 from phaseplane.vehicle_fmus.native import compilers, pack
 
 
@@ -34,7 +39,7 @@ def invoked(*arguments: str) -> tuple[int, str, str]:
 def test_it_is_known_as_a_model_of_the_package(car: Path) -> None:
     found = find_fmu(str(car))
     assert found.is_ours
-    assert {"road.shape", "lift_off", "spring.table"} <= found.fixed
+    assert {"road.shape", "lift_off", "spring.table", "damper.rebound_limit"} <= found.fixed
     assert not {"sprung_mass", "friction"} & found.fixed
     assert found.parameters()["friction"].start == 30.0
 
@@ -63,3 +68,14 @@ def test_a_scene_runs_it_and_measures_between_its_rows(car: Path, tmp_path: Path
     status, text, why = invoked("run", str(car), "--set", "duration=0.3 s", "-o", folder)
     assert status == 0, why
     assert "lift-off" in text
+
+
+def test_its_accuracy_is_measured(car: Path, tmp_path: Path) -> None:
+    """The file itself is stepped, with the parameters that it was packed with."""
+    scene = tmp_path / "kerb.toml"
+    scene.write_text(f"fmu = '{car}'\nduration = 0.2\nparameters.sprung_mass = 320\n")
+    problem = find_problem(str(scene))
+    assert (problem.file, problem.parameters["friction"]) == (car, 30.0)
+    bench = Workbench(problem, truth(problem))
+    run = through_fmu(bench, 1e-8)
+    assert np.abs(run() - bench.true).max() < 1e-7 * np.abs(bench.true).max()

@@ -11,8 +11,7 @@ NOTEBOOK = Path(__file__).parents[2] / "docs" / "desk" / "own_car.ipynb"
 
 
 @pytest.mark.slow
-def test_the_notebook_runs_from_top_to_bottom(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_notebook_runs_from_top_to_bottom():
     scope: dict[str, Any] = {}
     shown: list[object] = []
     for cell in json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]:

@@ -122,6 +122,25 @@ def test_what_has_no_portrait(arguments: tuple[str, ...], said: str) -> None:
     assert "Traceback" not in done.stderr
 
 
+def test_loads_that_are_left_out_are_said(tmp_path: Path) -> None:
+    scene = tmp_path / "rig.toml"
+    rig = """duration = 1.0
+        [system]
+        name = "Rig"
+        [system.coordinates]
+        bounce = { mass = 80 }
+        [system.elements.strut]
+        direction = { bounce = 1 }
+        spring = { rate = 30e3 }
+        damper = { rate = 900 }
+        """
+    load = "direction = { bounce = 1 }\nsine = { amplitude = 300, frequency = 4 }\n"
+    for text, loaded in ((rig, False), (f"{rig}\n[system.loads.shaker]\n{load}", True)):
+        scene.write_text(text)
+        title, *_ = phaseplane("portrait", str(scene)).stdout.splitlines()
+        assert title.endswith("; without loads") is loaded
+
+
 def test_axes_of_an_angle_are_in_radians() -> None:
     subject = _of_scene(load_scene("double_pendulum", ()), "upper", 0.0)
     assert subject.labels == ("upper displacement [rad]", "upper velocity [rad/s]")

@@ -24,7 +24,7 @@ def test_four_digits_and_three_decimals_at_least(value: float, text: str) -> Non
     [
         (0.090179652, "m", "90.180 mm"), (2.3310365, "m/s2", "2.331 m/s2"), (3, "count", "3"),
         (2.0, "count", "2"), (0.0349, "s", "34.900 ms"), (0.155, "1", "0.1550"),
-        (None, "m", "nothing"), ((1.5, 12.0), "Hz", "1.500 Hz, 12.000 Hz"), ((), "s", "none"),
+        (None, "m", "none"), ((1.5, 12.0), "Hz", "1.500 Hz, 12.000 Hz"), ((), "s", "none"),
     ],
 )  # fmt: skip
 def test_a_value_has_its_unit(value: object, unit: str, text: str) -> None:
@@ -33,6 +33,6 @@ def test_a_value_has_its_unit(value: object, unit: str, text: str) -> None:
 
 def test_a_reading_has_its_instant() -> None:
     peak = {"value": -0.02158, "unit": "m", "time": 0.03}
-    assert reading(peak) == "-21.580 mm    at    30.00 ms"
-    assert reading(peak, 10) == "   -21.580 mm    at    30.00 ms"
+    assert reading(peak) == "-21.580 mm at    30.00 ms"
+    assert reading(peak, 10, 5) == "   -21.580 mm    at    30.00 ms"
     assert reading({**peak, "time": None}) == "-21.580 mm"

@@ -148,11 +148,10 @@ def test_a_file_appearing_during_the_run_is_not_deleted(tmp_path: Path) -> None:
     assert (folder / "diary.txt").exists()
 
 
-def test_no_folder_to_replace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_folder_to_replace(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(FolderError, match="is a file"):
         check_replaceable(Place(tmp_path / "file"))
-    monkeypatch.chdir(tmp_path)
     for above in (Path(), tmp_path.parent):
         with pytest.raises(FolderError, match="current folder or a parent"):
             check_replaceable(Place(above))

@@ -9,13 +9,15 @@ import signal
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from fmpy.fmi2 import FMU2Slave
 from phaseplane.scenarios.errors import InputError, RunError
 from phaseplane.scenarios.scene.loading import load_scene
-from phaseplane.scenarios.simulate.driver import opened
+from phaseplane.scenarios.scene.schema import Scene
+from phaseplane.scenarios.simulate.driver import Drive, OpenFmu, opened
 from phaseplane.scenarios.simulate.runner import Interrupted, run, run_with
 from phaseplane.suspension.session import simulate
 
@@ -103,10 +105,10 @@ def test_expectations_are_judged(fmu: Path) -> None:
     assert never.summary["expectations"][0]["holds"] is False
 
 
-def test_a_diverging_run_keeps_what_it_had(fmu: Path) -> None:
+def test_a_diverging_run_keeps_what_it_had() -> None:
     """A softening spring pulls the car apart on a 30 cm bump."""
-    overrides = ("spring.cubic=-1e9", "road.height=0.3")
-    scene = scene_of(fmu, *overrides)
+    overrides = ("spring.cubic=-1e9", "road.height=0.3", "show.measures=['step_count']")
+    scene = load_scene("ap57", [*BARE, *overrides], expect=False)
     results = run(scene)
     assert results.stopped is not None
     times = results.columns["time"]
@@ -116,6 +118,27 @@ def test_a_diverging_run_keeps_what_it_had(fmu: Path) -> None:
     assert all(np.isfinite(column).all() for column in results.columns.values())
     own = simulate("QuarterCar", scene.parameters, times.tolist(), ["wheel_displacement"])
     assert own["wheel_displacement"] == results.columns["wheel_displacement"].tolist()
+    assert results.summary["measures"]["step_count"]["value"] > 10
+
+
+def test_what_only_the_end_tells_is_read_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each call of an FMU costs as much as a step."""
+    rows: list[list[str]] = []
+    drive = OpenFmu.drive
+
+    def noted(
+        self: OpenFmu, scene: Scene, outputs: list[str], at_end: list[str], **how: Any
+    ) -> Drive:
+        rows.append(outputs)
+        return drive(self, scene, outputs, at_end, **how)
+
+    monkeypatch.setattr(OpenFmu, "drive", noted)
+    counted = run(load_scene("ap57", [*BARE, "duration=0.1 s", "show.outputs='all'"]))
+    assert {"lift_off_count", "step_count"} <= {*rows[-1]}
+    again = run(load_scene("ap57", [*BARE, "duration=0.1 s"]))
+    assert not {"lift_off_count", "step_count", "airborne_time"} & {*rows[-1]}
+    for name in ("lift_off_count", "step_count", "airborne_time"):
+        assert again.summary["measures"][name]["value"] == counted.columns[name][-1] > 0, name
 
 
 def test_progress_goes_from_nothing_to_all(fmu: Path) -> None:

@@ -341,6 +341,12 @@ def test_unknown_key_at_the_top(tmp_path: Path) -> None:
     assert all(word in message for word in (path, "'durration'", "did you mean 'duration'?"))
 
 
+@pytest.mark.parametrize("line", ["sprung_mass = 300", "road.height = 1", 'equation = "x"'])
+def test_a_parameter_at_the_top_is_recognised(tmp_path: Path, line: str) -> None:
+    message = refusal(scene_file(tmp_path, MINIMAL + f"{line}\n"))
+    assert message.endswith("; parameters belong in the table [parameters]")
+
+
 def test_settings_of_a_construction_again() -> None:
     kept = asdict(Construction())
     assert construction_settings(kept, ["construction.rule=tangent"])["rule"] == "tangent"

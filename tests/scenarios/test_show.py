@@ -16,8 +16,7 @@ from phaseplane import figures
 
 
 @pytest.fixture
-def folders(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folders():
     desk.run("ap57", duration=0.2).write("a")
     desk.run("ap57", duration=0.2, speed=25).write("b")
 
@@ -61,7 +60,7 @@ def test_what_is_no_table_is_refused_with_its_line(tmp_path, text, words):
 def test_all_columns_are_drawn(folders):
     columns, _ = read_table(Path("a/results.csv"))
     time = columns.pop("time")
-    figure = figures.columns(columns, time, {})
+    figure = figures.runs({name: {"": (time, column)} for name, column in columns.items()}, {})
     drawn = {
         axes.get_ylabel().replace("\n", "_").replace(" ", "_"): axes.lines[0].get_ydata()
         for axes in figure.axes
@@ -112,12 +111,14 @@ def test_histories_of_a_half_car_show_both_axles():
             lines["wheel_displacement"], 100 * run[f"{axle}_wheel_displacement"]
         )
         np.testing.assert_allclose(lines["road_elevation"], 100 * run[f"{axle}_ground_elevation"])
+        np.testing.assert_allclose(
+            lines["body_centre_displacement"], 100 * run["body_displacement"]
+        )
         assert axes.get_title("right") == axle
         assert [patch.get_gid() for patch in axes.patches] == ["airborne"]
 
 
-def test_a_measured_reference_has_names_units_and_times_of_its_own(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_measured_reference_has_names_units_and_times_of_its_own():
     run = desk.run("ap57", duration=0.2)
     lines = ["t;acc", "[ms];[g]"]
     for time, a in zip(run.time, run["body_acceleration"], strict=True):
@@ -141,7 +142,7 @@ def test_a_measured_reference_has_names_units_and_times_of_its_own(tmp_path, mon
                   "expect": {"reference": {**said, "columns": {"body_accel": "acc"}}}})  # fmt: skip
 
 
-def test_histories_of_other_models_show_all_columns(tmp_path):
+def test_histories_of_other_models_show_all_columns():
     run = desk.run("van_der_pol", duration=1.0)
     figure = figure_of("time_histories", None, run.results)
     assert len(figure.axes) == len(run) - 1

@@ -167,10 +167,7 @@ def test_what_comes_by_default_does_not_contradict_itself(tmp_path: Path) -> Non
     assert coarse["measured"]["interval"] == 1e-3
 
 
-def test_the_drift_of_a_construction_does_not_depend_on_the_output_interval(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_the_drift_of_a_construction_does_not_depend_on_the_output_interval() -> None:
     overrides = ["show.figures=[]", "show.recording=steps", "duration=0.15 s"]
     drawn = [
         run_scene("ap57", [*overrides, f"show.output_interval={x}"])[0]["drawn"]["drift"]

@@ -47,8 +47,7 @@ output_interval = "5 ms"
 
 
 @pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.chdir(tmp_path)
+def here(tmp_path: Path) -> Path:
     (tmp_path / "scene.toml").write_text(SCENE)
     return tmp_path
 

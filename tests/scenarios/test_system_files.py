@@ -30,8 +30,7 @@ spring = { rate = "stiffness" }
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(tmp_path):
     Path("mass.toml").write_text(SYSTEM)
     return tmp_path
 

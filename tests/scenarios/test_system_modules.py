@@ -54,8 +54,7 @@ SCENE = {"duration": "0.5 s", "parameters": {"initial.upper_displacement": "1 cm
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(tmp_path):
     Path("two_masses.py").write_text(MODULE)
     return tmp_path
 

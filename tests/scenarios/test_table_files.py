@@ -99,6 +99,12 @@ def test_the_columns_of_a_file_with_two_need_no_names(tmp_path: Path) -> None:
         SceneError, match=r"columns is missing; give the names of two columns of 'v'"
     ):
         load_scene(str(path))
+    (tmp_path / "table.csv").write_text("v;F\n-100;-2\n")
+    with pytest.raises(SceneError, match=r"two columns of 'v;F', or delimiter = ';'"):
+        load_scene(str(path))
+    (tmp_path / "table.csv").write_text("# nothing yet\n")
+    with pytest.raises(SceneError, match=r"table.csv is empty"):
+        load_scene(str(path))
 
 
 def test_the_schema_and_the_guide_know_of_files() -> None:
@@ -133,7 +139,7 @@ def test_the_schema_and_the_guide_know_of_files() -> None:
         (
             "road.table =",
             "sprung_mass =",
-            r"sprung_mass: is no table, and takes no file; tables are",
+            r"sprung_mass: is not a table and has no file; tables are",
         ),
         (
             '["m", "mm"]',
