@@ -116,9 +116,8 @@ def test_a_program_runs_and_prints_what_is_said(
 def test_commands_run_and_print_what_is_said(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(
-        "PHASEPLANE_CACHE", str(tmp_path / "cache")
-    )  # FMUs are packed, as it is told
+    # FMUs are packed, as it is told
+    monkeypatch.setenv("PHASEPLANE_CACHE", str(tmp_path / "cache"))
     for block in BLOCKS[page]:
         if block.file:
             (tmp_path / block.file).write_text(block.text + "\n", encoding="utf-8")

@@ -26,6 +26,7 @@ from .rules import velocity as velocity
 from .sheet import events_of as events_of
 from .shortcuts import shortcut_flights as shortcut_flights
 from .shortcuts import with_shortcuts as with_shortcuts
+from .step_loop import Start as Start
 from .step_loop import StepError as StepError
 from .step_loop import construct_motion as construct_motion
 from .step_loop import frames as frames

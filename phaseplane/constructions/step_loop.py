@@ -104,7 +104,7 @@ def _frames(
                 f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s"
             ) from None
         scheme = construction.scheme_of(mode)
-        yield Frame(number, time, window.duration, scheme, points, readings, event)
+        yield Frame(number, time, window.duration, scheme, points, readings, event, mode)
         number += 1
         elapsed = window.duration
         time, states, event = target, successors, ""
@@ -125,7 +125,7 @@ def _frames(
         points = construction.points(mode, states, Window(time))
         readings = construction.readings(mode, states, time, readings, elapsed)
         scheme = construction.scheme_of(mode)
-        ending.append(Frame(number, time, 0.0, scheme, points, readings, event))
+        ending.append(Frame(number, time, 0.0, scheme, points, readings, event, mode))
 
 
 def construct_motion(
@@ -135,13 +135,16 @@ def construct_motion(
     step: float,
     duration: float | None = None,
     steps: int | None = None,
+    start: Start | None = None,
 ) -> Drawing:
-    """Make a whole construction from its initial state.
+    """Make a whole construction from its initial state, or from another start.
 
     See `frames` for the parameters and the errors raised.
     """
     ending: list[Frame] = []
-    made = frames(construction, rule, step=step, duration=duration, steps=steps, ending=ending)
+    made = frames(
+        construction, rule, step=step, duration=duration, steps=steps, start=start, ending=ending
+    )
     drawn = drawing(construction, rule, StoredFrames(made), step, f"step {1e3 * step:.4g} ms")
     return replace(drawn, end=ending[0])
 

@@ -21,6 +21,7 @@ class Frame:
     points : the named points on the sheet, m of paper
     readings : quantities read off at the start of the step by the source's formulas, SI
     event : event at the start of this step (`lift_off`, `touchdown`), or empty
+    mode : of the construction during the step; empty in an overlay
     """
 
     step: int
@@ -30,12 +31,14 @@ class Frame:
     points: Mapping[str, complex]
     readings: Mapping[str, float]
     event: str = ""
+    mode: str = ""
 
 
 class Layout(NamedTuple):
-    """What the frames of one table have in common: their scheme, and the names in them."""
+    """What the frames of one table have in common: their scheme and mode, and the names in them."""
 
     scheme: str
+    mode: str
     points: tuple[str, ...]
     readings: tuple[str, ...]
 
@@ -67,7 +70,7 @@ class Store:
 
     def add(self, frame: Frame) -> None:
         """Store one more frame."""
-        layout = Layout(frame.scheme, tuple(frame.points), tuple(frame.readings))
+        layout = Layout(frame.scheme, frame.mode, tuple(frame.points), tuple(frame.readings))
         number = self.known.setdefault(layout, len(self.layouts))
         if number == len(self.layouts):
             self.layouts.append(layout)
@@ -103,6 +106,7 @@ class Store:
                 zip(layout.readings, table.readings[row * count : (row + 1) * count], strict=True)
             ),
             self.events.get(index, ""),
+            layout.mode,
         )
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import ast
 import functools
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -67,6 +68,7 @@ _CONSTANTS = {"pi": math.pi}
 _BINARY = (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.Pow)
 _UNARY = (ast.USub, ast.UAdd)
 _LONGEST = 1000
+_TOKEN = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[^\W\d]\w*|\S")
 _MOST_SWITCHES = 40
 _MOST_PERIODS = 100  # of the slowest term of the forcing, until all terms have repeated
 _NUMBERS: dict[str, Any] = {
@@ -260,11 +262,27 @@ def _read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
     try:
         tree = ast.parse(text.strip().replace("^", "**"), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ValueError(
-            f"equation = {text!r}: not a formula; write one such as '(x^2 - 1)*v + x'"
-        ) from None
+        hint = _with_products(text)
+        hint = f"did you mean {hint!r}?" if hint else "write one such as '(x^2 - 1)*v + x'"
+        raise ValueError(f"equation = {text!r}: not a formula; {hint}") from None
     body = _checked(tree.body, text, names, section)
     return ast.fix_missing_locations(ast.Expression(body)).body
+
+
+def _with_products(text: str) -> str:
+    """Return a formula with the * that it leaves out, as in 2v; empty if that makes no formula of it."""
+    found, last, end = "", "", 0
+    for token in _TOKEN.finditer(text.strip()):
+        ends = last and (last[-1].isalnum() or last == ")") and last not in FUNCTIONS
+        begins = token[0][0].isalnum() or token[0] == "("
+        gap = text.strip()[end : token.start()]
+        found += ("*" if ends and begins else gap) + token[0]
+        last, end = token[0], token.end()
+    try:
+        ast.parse(found.replace("^", "**"), mode="eval")
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ""
+    return "" if found == text.strip() else found
 
 
 def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) -> ast.expr:
@@ -290,6 +308,11 @@ def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) ->
         case ast.Call(ast.Name(name) as called, arguments, []) if name in FUNCTIONS:
             _check_count(name, len(arguments), text)
             return ast.Call(called, [checked(a) for a in arguments], [])
+    own = node.func if isinstance(node, ast.Call) else None
+    if isinstance(own, ast.Constant | ast.BinOp) or (own and ast.unparse(own) in names):
+        hint = _with_products(text)
+        if hint:
+            raise ValueError(f"equation = {text!r}: not a formula; did you mean {hint!r}?")
     part = ast.unparse(node)
     hint = nearest(part.split("(")[0], (*names, *FUNCTIONS))
     allowed = f"allowed are numbers, + - * / ^, {', '.join(names)} and {', '.join(FUNCTIONS)}"

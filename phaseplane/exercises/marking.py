@@ -10,15 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import inf
 from typing import NamedTuple, cast
 
-from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.construction import JOLT, Construction, Window
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import RULES, Rule
 from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
-from phaseplane.constructions.storage import Frame
-from phaseplane.constructions.switched import SwitchedPlane
 from phaseplane.constructions.switching import first_end
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.readings import Reading
@@ -66,11 +66,19 @@ class Marks:
 
 
 class _Step(NamedTuple):
-    """What a step is made of."""
+    """What a step is made of.
+
+    Parameters
+    ----------
+    switches : whether the mode ends with it
+    jolts : whether the road jumps at its end
+    """
 
     states: States
     mode: str
     window: Window
+    switches: bool = False
+    jolts: bool = False
 
 
 def mark(
@@ -107,10 +115,16 @@ def mark(
     marks: list[Mark] = []
     nominal = max(frame.duration for frame in drawing.frames)
     memory = construction.initial[len(planes) :]
-    for before, frame, after in zip(readings, frames, readings[1:], strict=False):
-        faultless = tuple(frame.points[plane.state] for plane in planes) + memory
-        mode = _mode(construction, frame, faultless)
-        window = Window(frame.time, frame.duration)
+    for before, (frame, following), after in zip(
+        readings, pairwise(frames), readings[1:], strict=False
+    ):
+        step = _Step(
+            before.states + memory,
+            frame.mode,
+            Window(frame.time, frame.duration),
+            following.mode != frame.mode,
+            following.event == JOLT,
+        )
         starts = [before] + [
             replace(before, states=one.expected)
             for one in marks[-1:]
@@ -118,9 +132,9 @@ def mark(
         ]
         found = []
         for origin in starts:
-            step = _Step(origin.states + memory, mode, window)
-            step = _ended(construction, rule, step, nominal)
-            found.append(_judged(construction, rule, step, origin, after, tolerance))
+            own = step._replace(states=origin.states + memory)
+            own = _ended(construction, rule, own, nominal)
+            found.append(_judged(construction, rule, own, origin, after, tolerance))
         if found[0].verdict != RIGHT and found[-1].verdict == RIGHT:
             marks[-1] = _misread(marks[-1], before, planes, tolerance)
             found.reverse()
@@ -137,16 +151,9 @@ def _misread(mark: Mark, read: Reading, planes: Sequence[Plane], tolerance: floa
     return mark._replace(verdict=READING, said="; ".join(filter(None, (known, words))))
 
 
-def _mode(construction: Construction, frame: Frame, states: States) -> str:
-    """Return the mode of a step of the faultless construction, which begins in these states."""
-    if isinstance(construction, SwitchedPlane):
-        return construction.mode_at(states, frame.time)
-    return frame.scheme
-
-
 def _ended(construction: Construction, rule: Rule, step: _Step, nominal: float) -> _Step:
     """Return a step that ends on a switch so that it does from the student's point, too."""
-    if step.window.duration >= nominal * (1.0 - 1e-6):
+    if not step.switches:
         return step
     stepper = Stepper(construction, rule)
     longer = Window(step.window.start, min(nominal, 1.5 * step.window.duration + 0.1 * nominal))
@@ -156,6 +163,14 @@ def _ended(construction: Construction, rule: Rule, step: _Step, nominal: float) 
     except (OverflowError, ZeroDivisionError):
         return step
     return step if end is None else step._replace(window=Window(longer.start, end.part))
+
+
+def _stepped(stepper: Stepper, step: _Step) -> tuple[Points, States]:
+    """Return the points of a step and the state points after it, beyond a jump of the road."""
+    points, successors = stepper.step(step.mode, step.states, step.window)
+    if step.jolts:
+        successors = stepper.construction.jolted(step.mode, successors, step.window.end)
+    return points, successors
 
 
 def _judged(
@@ -168,7 +183,7 @@ def _judged(
 ) -> Mark:
     stepper = Stepper(construction, rule)
     count = len(construction.planes)
-    points, successors = stepper.step(step.mode, step.states, step.window)
+    points, successors = _stepped(stepper, step)
     expected = successors[:count]
     number = after.number
     foot_said = ""
@@ -220,7 +235,7 @@ def _named(
         for words, states in mistakes
         if _apart(states, right) > 0.5 * tolerance
     ]
-    nearest = min((off for off, _ in found), default=tolerance)
+    nearest = min((off for off, _ in found), default=inf)
     if nearest > tolerance:
         return ""
     return next(words for off, words in found if off <= nearest + 0.1 * tolerance)
@@ -228,13 +243,13 @@ def _named(
 
 def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[tuple[str, States]]:
     """Yield known mistakes of a step, with the state points to which they lead."""
-    planes, (states, mode, window) = construction.planes, step
+    planes = construction.planes
     count = len(planes)
     right = Stepper(construction, rule)
 
-    def stepped(stepper: Stepper, over: Window = window, of: str = mode) -> States | None:
+    def stepped(stepper: Stepper) -> States | None:
         try:
-            return stepper.step(of, states, over)[1][:count]
+            return _stepped(stepper, step)[1][:count]
         except (OverflowError, ValueError, ZeroDivisionError, KeyError):
             return None
 
@@ -247,7 +262,7 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
         ("the normal was turned the other way", lambda: turned(-1.0)),
         ("the turn angle was laid off twice", lambda: turned(2.0)),
         ("only half of the turn angle was laid off", lambda: turned(0.5)),
-        ("the point was left where it was", lambda: states[:count]),
+        ("the point was left where it was", lambda: step.states[:count]),
     ]
     cases += [
         (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
@@ -394,7 +409,7 @@ def _moved(
 ) -> States | None:
     wrong = Stepper(cast("Construction", _Changed(stepper.construction, change)), stepper.rule)
     try:
-        return wrong.step(step.mode, step.states, step.window)[1][:count]
+        return _stepped(wrong, step)[1][:count]
     except (OverflowError, ValueError, ZeroDivisionError, KeyError):
         return None
 

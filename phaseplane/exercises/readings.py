@@ -65,7 +65,7 @@ def blank_readings(drawing: Drawing, steps: int) -> str:
 
 
 def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
-    """Read a CSV of readings: with commas or semicolons, and with decimal points or commas.
+    """Read a CSV of readings: with commas or semicolons, and decimal points or (in quotes) commas.
 
     Rows that are not filled in are left out at the end.
 
@@ -84,22 +84,26 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
     needed = names[: 1 + 2 * len(planes)]
     missing = [name for name in needed if name not in head]
     if missing:
-        raise ValueError(f"no column {missing[0]!r}; needed are {', '.join(wanted)}")
+        raise ValueError(f"no column {missing[0]!r}; the table needs {', '.join(wanted)}")
     found: list[Reading] = []
     for line, row in enumerate(rows[1:], 2):
+        if any(row[len(head) :]):
+            raise ValueError(
+                f"line {line}: {len(row)} values for {len(head)} columns; numbers with decimal commas "
+                "need semicolons between the columns"
+            )
         cells = dict(zip(head, [cell.strip() for cell in row], strict=False))
         values = [cells.get(name, "") for name in needed[1:]]
         if not any(values):
             continue
-        number = _number(cells.get("point", ""), line, "point", delimiter)
+        number = _number(cells.get("point", ""), line, "point")
         if number != len(found):
             raise ValueError(
                 f"line {line}: point {number:g} follows point {len(found) - 1}; points must be "
                 "complete and in order, from 0"
             )
         numbers = [
-            _number(value, line, name, delimiter)
-            for name, value in zip(needed[1:], values, strict=True)
+            _number(value, line, name) for name, value in zip(needed[1:], values, strict=True)
         ]
         states = tuple(
             plane.displacement.at(y / display(plane.displacement)[0])
@@ -112,19 +116,19 @@ def read_readings(text: str, planes: Sequence[Plane]) -> list[Reading]:
         if all(feet_read):
             feet = tuple(
                 plane.displacement.at(
-                    _number(value, line, plane.foot, delimiter) / display(plane.displacement)[0]
+                    _number(value, line, plane.foot) / display(plane.displacement)[0]
                 )
                 for plane, value in zip(planes, feet_read, strict=True)
             )
         found.append(Reading(len(found), states, feet))
     if len(found) < 2:
-        raise ValueError("only point 0 is filled in; needed are at least the points 0 and 1")
+        raise ValueError("only point 0 is filled in; at least the points 0 and 1 are needed")
     return found
 
 
-def _number(text: str, line: int, name: str, delimiter: str) -> float:
+def _number(text: str, line: int, name: str) -> float:
     try:
-        value = float(text.replace(",", ".") if delimiter == ";" else text)
+        value = float(text.replace(",", "."))
     except ValueError:
         raise ValueError(f"line {line}: {name} = {text!r} is not a number") from None
     if not isfinite(value):

@@ -1,8 +1,6 @@
 from .animation import animation as animation
 from .animation import storyboard as storyboard
 from .characteristics import characteristics_sheet as characteristics_sheet
-from .columns import columns as columns
-from .columns import comparison as comparison
 from .columns import plane_of_columns as plane_of_columns
 from .columns import runs as runs
 from .exercise import Filled as Filled

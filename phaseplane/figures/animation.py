@@ -19,8 +19,8 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.canvas import Sheet, figure_of, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
 from phaseplane.picture.files import replace_file
-from phaseplane.picture.page import Page
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
+from phaseplane.picture.styles import MOVING_POINT
 from phaseplane.picture.text import format_time, typeset
 from phaseplane.picture.views import frame_at, view_of, whole_view
 
@@ -60,8 +60,12 @@ def animation(
         raise ValueError(f"animations are written as {', '.join(MOVING)}, not as {suffix!r}")
     if suffix == ".mp4" and program is None:
         raise ValueError(".mp4 needs the program ffmpeg, which was not found; write a .gif instead")
-    page = _stays(drawing, title, look)
-    pictures = list(_pictures(page, story_of(drawing, page, arms_page(drawing), {}), look))
+    page = new_page(drawing, whole_view(drawing), look)
+    page.axes_of_planes()
+    page.curves()
+    figure = figure_of(page, look, title, typeset(drawing.title))
+    ticks = story_of(drawing, page, arms_page(drawing), {})
+    pictures = list(_pictures(figure, ticks, look))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -109,7 +113,8 @@ def storyboard(
             (column / columns, bottom, 1.0 / columns, (cell[1] - 0.65) / whole.get_figheight()),
         )
         for item in (*stays.items, *tick.page.items):
-            sheet.draw(item)
+            if item.role not in MOVING_POINT[:2]:  # nothing moves here
+                sheet.draw(item)
         whole.text(
             (column + 0.5) / columns, bottom - 0.05 / whole.get_figheight(),
             fill(tick.caption, int(13.0 * cell[0])), ha="center", va="top", fontsize=7.5,
@@ -123,17 +128,8 @@ def storyboard(
     return printed(whole, look)
 
 
-def _stays(drawing: Drawing, title: str, look: Look) -> Page:
-    page = new_page(drawing, whole_view(drawing), look)
-    page.axes_of_planes()
-    page.curves()
-    page.title, page.words = title, typeset(drawing.title)
-    return page
-
-
-def _pictures(page: Page, ticks: Iterator[Tick], look: Look) -> Iterator[npt.NDArray[np.uint8]]:
+def _pictures(figure: Figure, ticks: Iterator[Tick], look: Look) -> Iterator[npt.NDArray[np.uint8]]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
-    figure = figure_of(page, look)
     sheet = Sheet.of(figure, look)
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)

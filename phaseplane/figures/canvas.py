@@ -16,7 +16,7 @@ from phaseplane.constructions.primitives import Drawing
 from phaseplane.figures.style import HEADING, Look, new_figure, printed
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
-from phaseplane.picture.paper import Box, Points, vertices
+from phaseplane.picture.paper import Box, vertices
 from phaseplane.picture.styles import style_of
 from phaseplane.picture.text import is_letter
 
@@ -102,10 +102,6 @@ class Sheet(Canvas):
         self.axes.set_xlim(low.real, high.real)
         self.axes.set_ylim(low.imag, high.imag)
 
-    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
-        """Draw more of the motion in a plane, which stays."""
-        self.draw(Lines(role, tuple(ways)))
-
     def frame(self, page: Page) -> None:
         """Draw a page in place of the one before."""
         for artist in self.moving:
@@ -132,91 +128,66 @@ class Sheet(Canvas):
     def _lines(self, item: Lines) -> Artist:
         style = style_of(item.role)
         lines = LineCollection(
-            [vertices(strip) for strip in item.strips],
-            colors=self.colour(item.role),
-            linewidths=style.width * item.weight,
-            linestyles=_MONO.get(item.role, style.dash) if self.palette.mono else style.dash,
-            alpha=item.strength,
-            capstyle="round",
-            zorder=3.0 if item.role in ("trail", "normal") else 2.0,
-            gid=item.role,
-        )
+            [vertices(strip) for strip in item.strips], colors=self.colour(item.role),
+            linewidths=style.width * item.weight, linestyles=self.dashes(item.role),
+            alpha=item.strength, capstyle="round",
+            zorder=3.0 if item.role in ("trail", "normal") else 2.0, gid=item.role,
+        )  # fmt: skip
         return self.axes.add_collection(lines, autolim=False)
+
+    def dashes(self, role: str) -> Any:
+        """Return the dashes of a role, by which lines of one colour are told apart."""
+        dash = style_of(role).dash
+        return _MONO.get(role, dash) if self.palette.mono else dash
 
     def _dots(self, item: Dots) -> Artist:
         return self.axes.plot(
-            [z.real for z in item.points],
-            [z.imag for z in item.points],
-            "o",
-            color=self.colour(item.role),
-            markersize=style_of(item.role).size * item.weight,
-            markeredgecolor=self.palette.paper,
-            markeredgewidth=0.5,
-            alpha=item.strength,
-            zorder=4.0,
+            [z.real for z in item.points], [z.imag for z in item.points], "o",
+            color=self.colour(item.role), markersize=style_of(item.role).size * item.weight,
+            markeredgecolor=self.palette.paper, markeredgewidth=0.5, alpha=item.strength, zorder=4.0,
             gid=item.role,
-        )[0]
+        )[0]  # fmt: skip
 
     def _arrow(self, item: Arrow) -> Artist:
         heads = "<|-|>" if item.both else "-|>"
         head = "0.15,head_length=0.4" if item.both else "0.2,head_length=0.5"
-        style = style_of(item.role)
+        width = 0.7 if item.both else style_of(item.role).width
+        tip, start = ((z.real, z.imag) for z in (item.tip, item.start))
         return self.axes.annotate(
-            "",
-            (item.tip.real, item.tip.imag),
-            (item.start.real, item.start.imag),
+            "", tip, start, zorder=5.0 if item.both or not item.shaft else 1.5,
             arrowprops={
-                "arrowstyle": f"{heads},head_width={head}",
-                "color": self.colour(item.role),
-                "linewidth": (0.7 if item.both else style.width) if item.shaft else 0.0,
-                "shrinkA": 0,
-                "shrinkB": 0,
+                "arrowstyle": f"{heads},head_width={head}", "color": self.colour(item.role),
+                "linewidth": width if item.shaft else 0.0, "shrinkA": 0, "shrinkB": 0,
             },
-            zorder=5.0 if item.both or not item.shaft else 1.5,
-        )
+        )  # fmt: skip
 
     def _text(self, item: Text) -> Artist:
         return self.axes.text(
-            item.centre.real,
-            item.centre.imag,
-            item.text,
-            color=self.colour(item.role),
-            fontsize=TYPE * item.size,
-            fontstyle="italic" if is_letter(item.text) else "normal",
-            ha="center",
-            va="center",
-            rotation=90.0 if item.upright else 0.0,
-            path_effects=self.palette.halo(),
-            zorder=6.0,
+            item.centre.real, item.centre.imag, item.text, color=self.colour(item.role),
+            fontsize=TYPE * item.size, fontstyle="italic" if is_letter(item.text) else "normal",
+            ha="center", va="center", rotation=90.0 if item.upright else 0.0,
+            path_effects=self.palette.halo(), zorder=6.0,
             gid="axis_name" if item.kind == "name" else item.kind,
-        )
+        )  # fmt: skip
 
     def _legend(self, entries: Sequence[tuple[str, str]], columns: int) -> None:
         handles = [
             Line2D(
-                [],
-                [],
-                color=self.colour(role),
-                linestyle=_MONO.get(role, style.dash) if self.palette.mono else style.dash,
-                linewidth=1.6,
+                [], [], color=self.colour(role), linestyle=self.dashes(role), linewidth=1.6,
                 label=words,
             )
             for role, words in entries
-            for style in (style_of(role),)
-        ]
+        ]  # fmt: skip
         if handles:
             self.figure.legend(
-                handles=handles,
-                loc="lower center",
-                ncols=min(columns, len(handles)),
-                frameon=False,
-                fontsize=8.0,
-                labelcolor=self.palette.ink,
-            )
+                handles=handles, loc="lower center", ncols=min(columns, len(handles)),
+                frameon=False, fontsize=8.0, labelcolor=self.palette.ink,
+            )  # fmt: skip
 
 
-def figure_of(page: Page, look: Look) -> Figure:
-    """Return a page as a figure."""
+def figure_of(page: Page, look: Look, title: str, words: str) -> Figure:
+    """Return a page as a figure, with a title and other words above it."""
+    page.title, page.words = title, words
     sheet = Sheet(look)
     sheet.begin(page)
     sheet.end()

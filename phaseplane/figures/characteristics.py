@@ -71,9 +71,9 @@ def _draw(axes: Axes, panel: Panel, palette: Palette) -> None:
         axes.plot(factor * line.x, 1e-3 * line.force, color=colour, linewidth=1.5, label=line.name)
         for x, force in line.corners:
             axes.plot(factor * x, 1e-3 * force, "o", color=colour, markersize=3.5)
-    axes.set_title(panel.title, fontsize=9, color=palette.ink)
-    axes.set_xlabel("deflection, mm" if deflection else "rate, m/s", fontsize=8, color=palette.ink)
-    axes.set_ylabel("force, kN", fontsize=8, color=palette.ink)
+    axes.set_title(panel.title, fontsize=9)
+    axes.set_xlabel("deflection [mm]" if deflection else "rate [m/s]", fontsize=8)
+    axes.set_ylabel("force [kN]", fontsize=8)
     axes.margins(x=0.0)
     if len(panel.lines) > 1:
         axes.legend(

@@ -24,61 +24,6 @@ Curve = tuple[npt.ArrayLike, npt.ArrayLike]
 _IN_COLUMN = 7  # panels one below the other
 
 
-def columns(
-    values: Mapping[str, npt.ArrayLike],
-    time: npt.ArrayLike,
-    units: Mapping[str, str],
-    *,
-    title: str = "",
-    dark: bool = False,
-) -> Figure:
-    """Draw columns of one run, each in a panel of its own.
-
-    Parameters
-    ----------
-    values : columns by name, shape (n,) each
-    time : s, shape (n,)
-    units : of the columns, where known
-    title : title of the figure
-    dark : use a dark background
-
-    Raises
-    ------
-    ValueError : if there are no columns.
-    """
-    each = {name: {"": (time, column)} for name, column in values.items()}
-    return runs(each, units, title=title, dark=dark)
-
-
-def comparison(
-    values: Mapping[str, tuple[npt.ArrayLike, npt.ArrayLike]],
-    times: tuple[npt.ArrayLike, npt.ArrayLike],
-    units: Mapping[str, str],
-    *,
-    labels: tuple[str, str],
-    dark: bool = False,
-) -> Figure:
-    """Draw columns of two runs over each other.
-
-    Parameters
-    ----------
-    values : both columns by name, of shapes (n,) and (m,)
-    times : of both runs, s, of shapes (n,) and (m,)
-    units : of the columns, where known
-    labels : names of the runs
-    dark : use a dark background
-
-    Raises
-    ------
-    ValueError : if there are no columns.
-    """
-    each = {
-        name: dict(zip(labels, zip(times, pair, strict=True), strict=True))
-        for name, pair in values.items()
-    }
-    return runs(each, units, dark=dark)
-
-
 def runs(
     values: Mapping[str, Mapping[str, Curve]],
     units: Mapping[str, str],
@@ -149,14 +94,12 @@ def plane_of_columns(
         f"{axis}label": in_words(name) + bracketed(units.get(name, ""))
         for axis, name in zip("xy", names, strict=True)
     })  # fmt: skip
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.label.set_color(palette.ink)
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
     if len(curves) > 1:
         axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
     if title:
-        axes.set_title(title, color=palette.ink, fontsize=11.0)
+        axes.set_title(title, fontsize=11.0)
     figure.tight_layout()
     return figure
 
@@ -178,12 +121,11 @@ def _panels(
         unit = bracketed(units.get(name, "")).replace(" ", "\n", 1)
         axes.set_ylabel(words + unit, fontsize=8.5)
         dress(axes, palette, 8.0)
-        axes.yaxis.label.set_color(palette.ink)
     for axes in panels[len(names) :]:
         axes.set_axis_off()
     for k in range(across):
         lowest = panels[min((k + 1) * down, len(names)) - 1]
-        lowest.set_xlabel("time [s]", color=palette.ink)
+        lowest.set_xlabel("time [s]")
         lowest.tick_params(labelbottom=True)
         figure.align_ylabels(grid[:, k])
     if title:

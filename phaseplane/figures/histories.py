@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import blended_transform_factory
 
 from phaseplane.figures.style import HEADING, PLAIN, Look, Palette, dress, new_figure, printed
 from phaseplane.picture.quantities import QUANTITIES, Quantity
@@ -18,16 +19,19 @@ _COLUMNS = {
         ("road_elevation", "road ξ"),
         ("suspension_deflection", "deflection y"),
         ("wheel_displacement", "wheel x₂"),
+        ("body_centre_displacement", "body's centre"),
         ("body_displacement", "body x₁"),
     ),
     "velocity": (
         ("suspension_deflection_rate", "deflection ẏ"),
         ("wheel_velocity", "wheel ẋ₂"),
+        ("body_centre_velocity", "body's centre"),
         ("body_velocity", "body ẋ₁"),
     ),
     "acceleration": (
         ("suspension_deflection_acceleration", "deflection ÿ"),
         ("wheel_acceleration", "wheel ẍ₂"),
+        ("body_centre_acceleration", "body's centre"),
         ("body_acceleration", "body ẍ₁"),
     ),
     "energy": (
@@ -39,8 +43,12 @@ _COLUMNS = {
 }
 """The columns of each quantity, and their labels."""
 _BODY = "body_acceleration"
+_OF_BODY = (_BODY, "body_centre_acceleration")
+_LABELS = 0.21
+"""The right edge of the labels of panels, in from the left edge of the picture."""
 _FLAT = 0.1
 """The part of the largest acceleration below which that of the body has a panel of its own."""
+_DASHES = {"road": "--", "centre": ":"}
 
 Row = tuple[str, Quantity, tuple[tuple[str, str], ...]]
 """The name of a panel, its quantity, and its columns with their labels."""
@@ -57,10 +65,10 @@ def time_histories(
 
     Parameters
     ----------
-    columns : `time` (s) and any of road_elevation, body_displacement, wheel_displacement,
-        suspension_deflection (m), `*_velocity` and suspension_deflection_rate (m/s),
-        `*_acceleration` (m/s^2), `*_energy` (J), airborne (true or false), shape (n,) each; others
-        are ignored, a panel without columns is omitted
+    columns : `time` (s) and any of road_elevation, body_displacement, body_centre_displacement (of a
+        body over several axles), wheel_displacement, suspension_deflection (m), `*_velocity` and
+        suspension_deflection_rate (m/s), `*_acceleration` (m/s^2), `*_energy` (J), airborne (true or
+        false), shape (n,) each; others are ignored, a panel without columns is omitted
     title : title of the figure
     look : how it is printed
     points : mark every time
@@ -119,6 +127,9 @@ def _histories(
                 axes.get_legend().remove()
             if k:
                 axes.set_ylabel("")
+            # matplotlib would lay out the ticks of all panels once for each label to align them
+            place = blended_transform_factory(figure.transFigure, axes.transAxes)
+            axes.yaxis.set_label_coords(_LABELS / width, 0.5, place)
         for start, end in spans[:1]:
             panels[0].annotate(
                 "airborne",
@@ -131,12 +142,11 @@ def _histories(
                 fontsize=8.0,
                 color=palette.faint,
             )
-        panels[-1].set_xlabel("time [ms]", color=palette.ink)
+        panels[-1].set_xlabel("time [ms]")
         if axle:
             panels[0].set_title(axle, color=palette.ink, fontsize=10.0, loc="right")
     if title:
         figure.suptitle(title, color=palette.ink, fontsize=11.0, gid=HEADING)
-    figure.align_ylabels(list(grid[:, 0]))
     figure.subplots_adjust(
         left=0.81 / width, right=1.0 - 1.53 / width, bottom=0.55 / figure.get_figheight(),
         top=1.0 - (0.55 if title and look.headed else 0.3) / figure.get_figheight(), hspace=0.12,
@@ -200,9 +210,9 @@ def _rows(shown: list[Quantity], tables: list[dict[str, npt.NDArray[np.float64]]
     rows: list[Row] = []
     for quantity in shown:
         columns = _COLUMNS[quantity.name]
-        own = tuple(column for column in columns if column[0] == _BODY)
+        own = tuple(column for column in columns if column[0] in _OF_BODY)
         if own and any(_flat(table, columns) for table in tables):
-            rest = tuple(column for column in columns if column[0] != _BODY)
+            rest = tuple(column for column in columns if column not in own)
             rows += [(quantity.name, quantity, rest), ("body acceleration", quantity, own)]
         else:
             rows.append((quantity.name, quantity, columns))
@@ -227,24 +237,24 @@ def _panel(
 ) -> None:
     heading, quantity, columns = row
     dress(axes, palette, 8.5)
-    for name, words in columns:
+    for name, label in columns:
         if name not in table:
             continue
-        element = name.split("_")[0]
+        element, *words = name.split("_")
         axes.plot(
             times,
             quantity.factor * table[name],
             color=palette.of(hue_of(name)),
             linewidth=1.6 if element in ("body", "wheel") else 1.1,
-            linestyle="--" if element == "road" else "-",
+            linestyle=next((_DASHES[word] for word in (element, *words) if word in _DASHES), "-"),
             marker="." if points and element != "road" else "",
             markersize=4.0,
-            label=words,
+            label=label,
             gid=name,
         )
     axes.axhline(0.0, color=palette.faint, linewidth=0.6, zorder=1.0)
     axes.set_xlim(times[0], times[-1])
-    axes.set_ylabel(f"{heading} [{quantity.unit}]", color=palette.ink)
+    axes.set_ylabel(f"{heading} [{quantity.unit}]")
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
     axes.legend(

@@ -42,9 +42,9 @@ def modal_planes(
             )  # fmt: skip
             axes.plot(*motion[0, plane], "o", color=COLOURS[mode % len(COLOURS)], markersize=4.0)
         number = plane + 1
-        axes.set_xlabel(f"η{number}", color=colours.ink)
-        axes.set_ylabel(f"η̇{number}/Ω{number}", color=colours.ink)
-        axes.set_title(name, fontsize=9.5, color=colours.ink)
+        axes.set_xlabel(f"η{number}")
+        axes.set_ylabel(f"η̇{number}/Ω{number}")
+        axes.set_title(name, fontsize=9.5)
         axes.set_aspect("equal")
         half = 1.08 * max(float(np.abs(motion[:, plane]).max()) for motion in motions)
         axes.set_xlim(-half, half)

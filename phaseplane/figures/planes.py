@@ -40,8 +40,7 @@ def phase_planes(
     page = step_page(drawing, chosen, look)
     page.events()
     page.letters(chosen)
-    page.title, page.words = title, f"{typeset(drawing.title)}\n{format_step(chosen)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"{typeset(drawing.title)}\n{format_step(chosen)}")
 
 
 def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -> Page:
@@ -112,5 +111,4 @@ def construction_sheet(
         words += f", {last + 1} to {end} along the curves"
     if apart > 1:
         words += f", one in {apart} numbered"
-    page.title, page.words = title, f"{typeset(drawing.title)}\n{words}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"{typeset(drawing.title)}\n{words}")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from textwrap import fill
+from textwrap import wrap
 from typing import Literal
 
 import numpy as np
@@ -12,48 +13,37 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from phaseplane.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    OCHRE,
-    ORANGE,
-    PINK,
-    RED,
-    TEAL,
-    Palette,
-    dress,
-    new_figure,
-    palette_for,
-)
+from phaseplane.figures import style
+from phaseplane.figures.style import Palette, dress, new_figure, palette_for
 from phaseplane.portrait import Portrait, Section, Window
 
 _LINE = 95  # letters of the title on a line as wide as the figure
 _KINDS = {
-    "saddle": ("X", RED),
-    "centre": ("o", BLUE),
-    "cusp": ("X", RED),
-    "saddle-node": ("X", RED),
-    "stable": ("o", GREEN),
-    "unstable": ("o", ORANGE),
-    "degenerate": ("s", GREY),
+    "saddle": ("X", style.RED),
+    "centre": ("o", style.BLUE),
+    "cusp": ("X", style.RED),
+    "saddle-node": ("X", style.RED),
+    "stable": ("o", style.GREEN),
+    "unstable": ("o", style.ORANGE),
+    "degenerate": ("s", style.GREY),
 }
 _DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
 _OUTER = 0.42  # windows from the centre: isoclines that end farther in are not labelled
 _HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
-_ATTRACTORS = (GREEN, ORANGE, PINK, TEAL, OCHRE, RED)  # in order of their periods
+# in order of their periods
+_ATTRACTORS = (style.GREEN, style.ORANGE, style.PINK, style.TEAL, style.OCHRE, style.RED)
 _LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # with their words
-    "orbit": (BLUE, 0.6, "-", "integral curves"),
-    "energy": (GREY, 0.7, "-", "energy"),
-    "isocline": (TEAL, 0.7, ":", "isoclines"),
-    "nullcline": (OCHRE, 1.3, "--", "nullcline"),
-    "switch": (PINK, 1.3, "-.", "switch, where f jumps"),
-    "separatrix": (RED, 1.5, "-", "separatrices"),
-    "attracting": (BLUE, 2.2, "-", "limit cycle, attracting"),
-    "repelling": (ORANGE, 2.2, "--", "limit cycle, repelling"),
-    "semistable": (PINK, 2.2, "-.", "limit cycle, attracting from one side"),
-    "rest": (GREEN, 4.0, "-", "stretch of rest"),
+    "orbit": (style.BLUE, 0.6, "-", "integral curves"),
+    "energy": (style.GREY, 0.7, "-", "energy"),
+    "isocline": (style.TEAL, 0.7, ":", "isoclines"),
+    "nullcline": (style.OCHRE, 1.3, "--", "nullcline"),
+    "switch": (style.PINK, 1.3, "-.", "switch, where f jumps"),
+    "separatrix": (style.RED, 1.5, "-", "separatrices"),
+    "attracting": (style.BLUE, 2.2, "-", "limit cycle, attracting"),
+    "repelling": (style.ORANGE, 2.2, "--", "limit cycle, repelling"),
+    "semistable": (style.PINK, 2.2, "-.", "limit cycle, attracting from one side"),
+    "rest": (style.GREEN, 4.0, "-", "stretch of rest"),
 }
 
 
@@ -101,13 +91,25 @@ def portrait(
         handles += _section(axes, shown.section, colours)
     handles += _equilibria(axes, shown, colours)
     if title:
-        together = title.replace(" = ", "\u00a0=\u00a0")  # no line ends beside a sign
-        figure.suptitle(fill(together, _LINE), color=colours.ink, fontsize=11.0)
+        figure.suptitle(_broken(title), color=colours.ink, fontsize=11.0)
     figure.legend(
         handles=handles, loc="lower center", ncols=4, frameon=False, fontsize=8.5,
         labelcolor=colours.ink,
     )  # fmt: skip
     return figure
+
+
+def _broken(title: str) -> str:
+    """Return a title in lines that end after a colon or before a list in brackets, if they can."""
+    lines = [""]
+    for part in re.split(r"(?<=:) | {3}(?=\()", title):
+        together = part.replace(" = ", "\u00a0=\u00a0")  # no line ends beside a sign
+        longer = f"{lines[-1]}   {together}" if part.startswith("(") else f"{lines[-1]} {together}"
+        if len(longer.strip()) <= _LINE:
+            lines[-1] = longer.strip()
+        else:
+            lines += wrap(together, _LINE)
+    return "\n".join(filter(None, lines))
 
 
 def _slopes(axes: Axes, shown: Portrait) -> None:
@@ -134,14 +136,14 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
         if not strokes:
             continue
         axes.add_collection(
-            LineCollection(strokes, colors=TEAL, linewidths=1.0, zorder=2.8, gid="slope"),
+            LineCollection(strokes, colors=style.TEAL, linewidths=1.0, zorder=2.8, gid="slope"),
             autolim=False,
         )
         edge = max(ends, key=outwards)
         if outwards(edge) < _OUTER or abs(edge[1]) < 0.05 * window.height:
             continue
         axes.annotate(
-            f"{slope:g}", edge, fontsize=7.0, color=TEAL, ha="center", va="center", zorder=6.5,
+            f"{slope:g}", edge, fontsize=7.0, color=style.TEAL, ha="center", va="center", zorder=6.5,
             bbox={"boxstyle": "round,pad=0.1", "facecolor": axes.get_facecolor(), "linewidth": 0.0},
         )  # fmt: skip
 
@@ -177,8 +179,8 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
     dress(axes, colours, 8.5, grid=False)
     axes.set_xlim(window.left, window.right)
     axes.set_ylim(window.bottom, window.top)
-    axes.set_xlabel(labels[0], color=colours.ink)
-    axes.set_ylabel(labels[1], color=colours.ink)
+    axes.set_xlabel(labels[0])
+    axes.set_ylabel(labels[1])
     axes.axhline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
     axes.axvline(0.0, color=colours.faint, linewidth=0.6, zorder=1.0)
 
@@ -186,7 +188,7 @@ def _dress(axes: Axes, shown: Portrait, labels: tuple[str, str], colours: Palett
 def _section(axes: Axes, shown: Section, colours: Palette) -> list[Line2D]:
     """Draw the points of a Poincaré section, and the attractors."""
     (dots,) = axes.plot(
-        *shown.points.T, ".", color=BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
+        *shown.points.T, ".", color=style.BLUE, markersize=3.5, markeredgewidth=0.0, zorder=5.0,
         gid="section", linestyle="", label=f"Poincaré section, every {shown.period:.4g} s",
     )  # fmt: skip
     handles = [dots]

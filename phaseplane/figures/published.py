@@ -21,6 +21,7 @@ from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at, motion_points, telling_frame
 
 _ELASTIC = (r"$\dfrac{c_2/c_1}{r + c_2/c_1}\,l$", r"$\dfrac{\kappa}{r + \kappa}\,l$")
+_NAME = 0.25  # room for the name of an axis beyond the motion, as a part of it
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
 
 
@@ -45,8 +46,7 @@ def figure7(
         )
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    page.title, page.words = title, f"Elastic coupling: {format_step(chosen).lower()}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"Elastic coupling: {format_step(chosen).lower()}")
 
 
 def figure10(
@@ -76,8 +76,7 @@ def figure10(
         )
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    page.title, page.words = title, f"The wheel off the road: {format_step(chosen).lower()}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"The wheel off the road: {format_step(chosen).lower()}")
 
 
 def figure12(
@@ -101,8 +100,7 @@ def figure12(
     formulas = _INERTIAL if one == two else ("", "")
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
     page = _dimensioned(drawing, chosen, formulas, lengths, look)
-    page.title, page.words = title, f"Inertial coupling: {format_step(chosen).lower()}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"Inertial coupling: {format_step(chosen).lower()}")
 
 
 def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
@@ -132,6 +130,9 @@ def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     )
     names = ("P2", "Q2", "A2", "A2*", "B0")
     points = [frame.points[name] for frame in shown for name in names]
+    axis = wheel.displacement
+    farthest = max(axis.read(frame.points["P2"]) for frame in drawing.frames)
+    points.append(axis.at((1.0 + _NAME) * farthest))
     page = new_page(only, around(np.append(motion_points(only), points)), look)
     page.axes_of_planes()
     page.curves(("auxiliary",))
@@ -142,7 +143,7 @@ def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
         page.lines("foot", [[p, q]])
         page.dots("foot", [q])
         if frame.event == TOUCHDOWN and _has_closed(frame, b):
-            road = wheel.displacement.at(frame.readings["road_elevation"])
+            road = axis.at(frame.readings["road_elevation"])
             dimensions.below(page, road, q, r"$b\,x_{2st}$", row)
             letters.append((q, typeset("Q2"), "foot"))
             continue
@@ -157,12 +158,11 @@ def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
         ):  # fmt: skip
             letters.append((z, typeset(label), role))
     page.events()
-    page.letter([*letters, (wheel.displacement.origin, typeset("O2"), "axis")])
+    page.letter([*letters, (axis.origin, typeset("O2"), "axis")])
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )
-    page.title, page.words = title, f"Lift-off U and touchdown V: {times}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"Lift-off U and touchdown V: {times}")
 
 
 def _has_closed(frame: Frame, b0: complex) -> bool:

@@ -224,8 +224,8 @@ def _say(page: Page, centre: complex, text: str) -> None:
 
 
 def _finish(page: Page, look: Look, title: str, words: str) -> Figure:
-    page.title, page.words, page.keyed = title, words, False
-    return figure_of(page, look)
+    page.keyed = False
+    return figure_of(page, look, title, words)
 
 
 def _needs(

@@ -55,8 +55,7 @@ def figure4a(
     page.lines("successor", [[p, p_new]])
     _finish(page, one, plane, letters)
     words = "The length of PP' is the mean of both normals times the turn angle"
-    page.title, page.words = title, f"{words}: {_which(one)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"{words}: {_which(one)}")
 
 
 def figure4b(
@@ -81,8 +80,7 @@ def figure4b(
     page.lines("foot", [[centre, p], [centre, ahead]])
     page.lines("arc", [arcs(centre, p, p_new)])
     _finish(page, one, plane, letters)
-    page.title, page.words = title, f"P' on the osculating circle about S: {_which(one)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"P' on the osculating circle about S: {_which(one)}")
 
 
 def figure8(
@@ -118,8 +116,7 @@ def figure8(
         _turn(page, one, plane, p, d)
         letters += _lettered(page, one, plane, _STEP)
     page.letter(letters)
-    page.title, page.words = title, f"The normals turn in opposite senses: {_which(one)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"The normals turn in opposite senses: {_which(one)}")
 
 
 def _which(frame: Frame) -> str:
@@ -223,8 +220,7 @@ def figure2(
     ):
         dimensions.below(page, foot, d, r"$a\,\ddot{\xi}/\Omega^2$", 2.4)
     page.letters(chosen)
-    page.title, page.words = title, f"The normal DP in the phase plane: {_which(chosen)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"The normal DP in the phase plane: {_which(chosen)}")
 
 
 def figure3(
@@ -265,5 +261,4 @@ def figure3(
     _turn(page, one, plane, p, d)
     dimensions.right_angle(page, p, d - p, p_new - p)
     page.letter([*_lettered(page, one, plane, letters), *small])
-    page.title, page.words = title, f"ds = DP dτ on the tangent: {_which(one)}"
-    return figure_of(page, look)
+    return figure_of(page, look, title, f"ds = DP dτ on the tangent: {_which(one)}")

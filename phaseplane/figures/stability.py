@@ -15,25 +15,15 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-from phaseplane.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    OCHRE,
-    ORANGE,
-    PINK,
-    RED,
-    TEAL,
-    VIOLET,
-    Palette,
-    dress,
-    new_figure,
-    palette_for,
-)
+from phaseplane.figures import style
+from phaseplane.figures.style import Palette, dress, new_figure, palette_for
 
 Values = npt.NDArray[np.float64]
 
-_COLOURS = (RED, OCHRE, PINK, VIOLET, TEAL, GREEN, BLUE, ORANGE, GREY)
+_COLOURS = (
+    style.RED, style.OCHRE, style.PINK, style.VIOLET, style.TEAL, style.GREEN, style.BLUE,
+    style.ORANGE, style.GREY,
+)  # fmt: skip
 _GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
 _LARGEST = 2.0  # largest growth on the colour scale, as a power of ten
 
@@ -104,7 +94,7 @@ def stability_sheet(
 
 def _style(axes: Axes, palette: Palette, title: str) -> None:
     dress(axes, palette, 8.0)
-    axes.set_title(title, fontsize=9.5, color=palette.ink)
+    axes.set_title(title, fontsize=9.5)
     axes.set_axisbelow(True)
 
 
@@ -124,7 +114,7 @@ def _radii(
                   color=palette.ink)  # fmt: skip
     axes.set_xlim(0.0, 8.0)
     axes.set_ylim(0.5, 2.5)
-    axes.set_xlabel("ωΔt", fontsize=9, color=palette.ink)
+    axes.set_xlabel("ωΔt", fontsize=9)
     axes.legend(fontsize=7.5, frameon=True, facecolor=palette.paper, edgecolor="none",
                 framealpha=0.85, loc="upper left", labelcolor=palette.ink)  # fmt: skip
 
@@ -146,7 +136,7 @@ def _found(
             if one == method and measured is not None
         ]
         across, up = [x for x, _ in points], [y for _, y in points]
-        axes.plot(across, up, "o", color=colours.get(method, GREY), markersize=4.5)
+        axes.plot(across, up, "o", color=colours.get(method, style.GREY), markersize=4.5)
     axes.set_xscale("log")
     axes.set_xlim(0.22, 4.5)
     axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))
@@ -154,7 +144,7 @@ def _found(
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axes.set_yticks(range(len(problems)), labels=[p.replace("_", " ") for p in problems])
     axes.set_ylim(len(problems) - 0.5, -0.5)
-    axes.set_xlabel("measured / theory", fontsize=9, color=palette.ink)
+    axes.set_xlabel("measured / theory", fontsize=9)
 
 
 def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
@@ -171,6 +161,6 @@ def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
     axes.set_yscale("log")
     axes.set_ylim(one.up[0], one.up[-1])
     axes.set_xlim(one.across[0], one.across[-1])
-    axes.set_xlabel("ωΔt", fontsize=9, color=palette.ink)
-    axes.set_ylabel(one.label, fontsize=8.5, color=palette.ink)
+    axes.set_xlabel("ωΔt", fontsize=9)
+    axes.set_ylabel(one.label, fontsize=8.5)
     return image

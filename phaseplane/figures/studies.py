@@ -77,10 +77,8 @@ def pareto(
         set_limits(min(usual) - margin, max(usual) + margin)
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.label.set_color(palette.ink)
     axes.legend(frameon=False, fontsize=8.5, labelcolor=palette.ink)
     if title:
-        axes.set_title(title, color=palette.ink, fontsize=11.0)
+        axes.set_title(title, fontsize=11.0)
     figure.tight_layout()
     return figure

@@ -32,6 +32,8 @@ BLUE, ORANGE, GREEN, RED, TEAL, PINK, OCHRE, VIOLET, GREY = (
 COLOURS = (BLUE, ORANGE, GREEN, VIOLET, RED, TEAL, PINK, OCHRE)
 """Of curves beside one another, as many as can be distinguished."""
 
+_FALLBACK = "DejaVu Sans"  # has the subscripts, primes and bars that other fonts may lack
+
 HEADING = "heading"
 """The `gid` of the texts above a picture, which a publisher sets as its caption."""
 
@@ -139,8 +141,10 @@ def palette_for(dark: bool) -> Palette:
 
 
 def dress(axes: Axes, palette: Palette, label_size: float, *, grid: bool = True) -> None:
-    """Set background, ticks, frame and grid of axes to the colours of the palette."""
+    """Set background, title, labels, ticks, frame and grid of axes to the colours of the palette."""
     axes.set_facecolor(palette.paper)
+    for text in (axes.title, axes.xaxis.label, axes.yaxis.label):
+        text.set_color(palette.ink)
     axes.tick_params(colors=palette.ink, labelsize=label_size, which="both")
     for spine in axes.spines.values():
         spine.set_color(palette.faint)
@@ -158,7 +162,7 @@ def new_figure(width: float, height: float, palette: Palette) -> Figure:
 def printed(figure: Figure, look: Look) -> Figure:
     """Return a figure with the type and without the heading, if the look asks for it."""
     for text in figure.findobj(Text) if look.font else ():
-        text.set_fontfamily(look.font)
+        text.set_fontfamily([look.font, _FALLBACK])
     for text in headings(figure) if not look.headed else ():
         text.set_visible(False)
     return figure

@@ -177,7 +177,7 @@ def _maps(varied: Quantities, measured: Quantities, palette: Palette) -> Figure:
             dots = axes.scatter(px, py, c=pz, cmap="viridis", clip_on=False, zorder=3)
             _scale(figure.colorbar(dots, ax=axes), palette)
         axes.plot(px, py, ".", color=palette.ink, markersize=1.5, clip_on=False, zorder=4)
-        axes.set_title(words, fontsize=9.5, color=palette.ink)
+        axes.set_title(words, fontsize=9.5)
         axes.set_xlabel(_words(x_key, x_unit, broken=False))
         axes.set_ylabel(_words(y_key, y_unit, broken=False))
         _plain(axes, palette)
@@ -239,5 +239,3 @@ def _plain(axes: Axes, palette: Palette, *, counted: bool = False) -> None:
     axes.ticklabel_format(scilimits=(-3, 5), useMathText=True)  # so that labels stay short
     for axis in (axes.xaxis, axes.yaxis):
         axis.get_offset_text().set(color=palette.ink, fontsize=7.5)
-    for label in (axes.xaxis.label, axes.yaxis.label):
-        label.set_color(palette.ink)

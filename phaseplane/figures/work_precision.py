@@ -12,24 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter
 
-from phaseplane.figures.style import (
-    BLUE,
-    GREEN,
-    GREY,
-    OCHRE,
-    ORANGE,
-    PINK,
-    RED,
-    TEAL,
-    VIOLET,
-    Palette,
-    dress,
-    new_figure,
-    palette_for,
-)
+from phaseplane.figures import style
+from phaseplane.figures.style import Palette, dress, new_figure, palette_for
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
-_COLOURS = (ORANGE, GREEN, PINK, OCHRE, TEAL, VIOLET, RED)
+_COLOURS = (style.ORANGE, style.GREEN, style.PINK, style.OCHRE, style.TEAL, style.VIOLET, style.RED)
 _MARKERS = "osD^vP"
 _DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
 
@@ -97,13 +84,13 @@ def work_precision(
     for k, (heading, curves) in enumerate(panels):
         axes = figure.add_subplot(rows, columns, k + 1)
         _style(axes, palette)
-        axes.set_title(heading, fontsize=9, color=palette.ink)
+        axes.set_title(heading, fontsize=9)
         for curve in curves:
             _draw(axes, curve, looks[curve.name, curve.family])
         if k % columns == 0:
-            axes.set_ylabel("run time", fontsize=8, color=palette.ink)
+            axes.set_ylabel("run time", fontsize=8)
         if k + columns >= len(panels):
-            axes.set_xlabel("largest error, relative to the peak", fontsize=8, color=palette.ink)
+            axes.set_xlabel("largest error, relative to the peak", fontsize=8)
     handles = [_handle(name, family, looks[name, family]) for name, family in names]
     made = figure.legend(
         handles=handles, loc="lower center", ncols=max(2 * columns, 3), fontsize=7,
@@ -122,11 +109,11 @@ def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
     own = next((name for name in names if name[1] == "incremental"), None)
     for name in names:
         if name == own:
-            looks[name] = _Look(BLUE, "o", 2.2)
+            looks[name] = _Look(style.BLUE, "o", 2.2)
         elif name[1] == "FMU":
-            looks[name] = _Look(BLUE, "s", 1.2)
+            looks[name] = _Look(style.BLUE, "s", 1.2)
         elif name[1] == "construction":
-            looks[name] = _Look(GREY, next(markers), 1.0)
+            looks[name] = _Look(style.GREY, next(markers), 1.0)
         else:
             looks[name] = _Look(next(colours), next(markers), 1.1)
     return looks

@@ -5,7 +5,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from .page import Page
-from .paper import Points
 
 
 class Canvas(ABC):
@@ -14,16 +13,6 @@ class Canvas(ABC):
     @abstractmethod
     def begin(self, page: Page) -> None:
         """Draw what stays: axes and curves."""
-
-    @abstractmethod
-    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
-        """Draw more of a growing curve: the ways of some steps, shape (steps, vertices).
-
-        Parameters
-        ----------
-        name : of the curve, such as that of its plane
-        first : number of the first of these steps
-        """
 
     @abstractmethod
     def frame(self, page: Page) -> None:
@@ -39,17 +28,12 @@ class Echo(Canvas):
 
     def __init__(self) -> None:
         self.stays: Page | None = None
-        self.curves: dict[str, list[Points]] = {}
         self.frames: list[Page] = []
         self.ended = False
 
     def begin(self, page: Page) -> None:
         """Keep the page that stays."""
         self.stays = page
-
-    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
-        """Keep the ways."""
-        self.curves.setdefault(name, []).append(ways)
 
     def frame(self, page: Page) -> None:
         """Keep the page."""

@@ -36,6 +36,8 @@ _WIDEST = 0.24  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
 _SEEN = 2e-4  # m of paper: distance of two points that are seen apart
 _RECENT = 200  # steps of a long motion that are drawn in full
+MOST_LETTERED = 24
+"""Events that are lettered; more of them are small dots."""
 
 Kind = Literal["letter", "value", "name", "label", "dimension"]
 
@@ -202,20 +204,23 @@ class Page:
     def __post_init__(self) -> None:
         """Read the motions once."""
         self.motions = self.motions or motions_of(self.drawing)
-        self._segments = [np.zeros((0, 2), complex)]
+        self._segments = np.zeros((0, 2), complex)
+        self._strips: list[Strip] = []  # whose segments are not among them yet
+        # shared by all pages that follow this one
         self._ways: list[Points] = []
         self._last: list[tuple[Frame, list[Layer]]] = []  # the last step drawn, and its layers
 
     @property
     def ways(self) -> list[Points]:
         """The way from each state point to the next in each plane, shape (steps, vertices)."""
-        self._ways = self._ways or paths_of(self.drawing, self.motions)
+        if not self._ways:
+            self._ways += paths_of(self.drawing, self.motions)
         return self._ways
 
     def following(self) -> Page:
         """Return an empty page of the same view, whose letters keep clear of what is on this one."""
         page = Page(self.drawing, self.view, self.em, self.motions, taken=list(self.taken))
-        page._segments, page._ways = [self.segments], self._ways
+        page._segments, page._ways = self.segments, self._ways
         page._last = self._last
         return page
 
@@ -247,8 +252,12 @@ class Page:
     @property
     def segments(self) -> Points:
         """Ends of all lines drawn so far, shape (segments, 2)."""
-        self._segments = [np.concatenate(self._segments)]
-        return self._segments[0]
+        if self._strips:
+            new = (np.asarray(strip, complex) for strip in self._strips)
+            ends = (np.stack((points[:-1], points[1:]), axis=1) for points in new)
+            self._segments = np.concatenate([self._segments, *ends])
+            self._strips.clear()
+        return self._segments
 
     def legend(self) -> list[tuple[str, str]]:
         """Return the roles in the legend, with their words."""
@@ -263,8 +272,7 @@ class Page:
 
     def spare(self, strip: Strip) -> None:
         """Record a polyline that later letters must avoid."""
-        points = np.asarray(strip, complex)
-        self._segments.append(np.stack((points[:-1], points[1:]), axis=1))
+        self._strips.append(strip)
 
     def lines(
         self, role: str, strips: Sequence[Strip], weight: float = 1.0, strength: float = 1.0
@@ -342,6 +350,10 @@ class Page:
              graduation_of(plane.scaled_velocity, motion, 1.6 * self.em))
             for plane in self.drawing.planes for motion in (self._motion(plane),)
         ]  # fmt: skip
+        for plane, motion, _, up in known if self._in_columns else ():
+            words = plane.name.split("_")
+            centre = self._upright(plane, motion, up)[1] + 1.0j * self.em
+            self.write(Text("axis", " ".join(words[:-1] or words), centre, kind="name"))
         values: list[Text] = []
         for plane, motion, along, up in known:
             values += self._horizontal(plane, along)
@@ -353,16 +365,15 @@ class Page:
         """Draw the y axis across the whole view, because feet of normals are far out on it."""
         axis, em = plane.displacement, self.em
         sense = axis.direction.real
-        edge = self.view.half.real - 0.5 * em
-        start = complex(self.view.centre.real - sense * edge, axis.origin.imag)
-        tip = complex(self.view.centre.real + sense * edge, axis.origin.imag)
+        ends = self._room(plane)[:: 1 if sense > 0.0 else -1]
+        start, tip = (complex(x, axis.origin.imag) for x in ends)
         self.arrow("axis", start, tip)
         self._ticks(axis, graduation, 0.35j * em)
         # one word per line, to keep clear of the motion
         rows = plane.name.split("_")
-        label = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+        label = f"{typeset(axis.label)}{bracketed(graduation.unit)}".strip()
         name = "\n".join(rows) + f" {label}"
-        if text_box(0j, name, em).half.real > _WIDEST * self.view.half.real:  # a narrow figure
+        if self._in_columns or text_box(0j, name, em).half.real > _WIDEST * self.view.half.real:
             name, rows = label, rows[:1]
         self._name(tip + (0.6 + 0.6 * len(rows)) * 1j * em, name, sense)
         return [
@@ -372,16 +383,43 @@ class Page:
     def _vertical(self, plane: Plane, motion: Points, graduation: Graduation) -> list[Text]:
         """Draw the y-bar axis only over the range of the motion, to keep clear of other planes."""
         axis, em = plane.scaled_velocity, self.em
-        ends = [0.0, *graduation.values, *reach_of(axis, motion)]
-        start, tip = axis.at(min(ends)) - 0.8j * em, axis.at(max(ends)) + 1.6j * em
+        start, tip = self._upright(plane, motion, graduation)
         self.arrow("axis", start, tip)
         self._ticks(axis, graduation, 0.35 * em)
         # on the side of the axis away from the motion
         side = -1.0 if (motion - axis.origin).real.sum() > 0.0 else 1.0
         name = f"{typeset(axis.label)}{bracketed(graduation.unit)}"
+        if self._in_columns:
+            name = bracketed(graduation.unit).strip()
         self._name(tip + side * 0.8 * em - 0.2j * em, name, -side)
         texts = [(axis.at(v), number(v * graduation.factor)) for v in graduation.values]
         return [_value(z + side * (0.7 + 0.2 * len(t)) * em, t) for z, t in texts]
+
+    def _upright(
+        self, plane: Plane, motion: Points, graduation: Graduation
+    ) -> tuple[complex, complex]:
+        """Return the ends of the y-bar axis; its tip is in view."""
+        axis = plane.scaled_velocity
+        ends = [0.0, *graduation.values, *reach_of(axis, motion)]
+        start, tip = axis.at(min(ends)) - 0.8j * self.em, axis.at(max(ends)) + 1.6j * self.em
+        highest = self.view.centre.imag + self.view.half.imag - 0.2 * self.em
+        return start, complex(tip.real, min(tip.imag, max(highest, start.imag)))
+
+    @property
+    def _in_columns(self) -> bool:
+        """Whether there are planes beside each other; their names then stand above them."""
+        return len({plane.displacement.origin.real for plane in self.drawing.planes}) > 1
+
+    def _room(self, plane: Plane) -> tuple[float, float]:
+        """Return the ends of a y axis: those of the view, or halfway to the planes beside it."""
+        origin = plane.displacement.origin
+        places = [p.displacement.origin for p in self.drawing.planes]
+        ends = [(z.real + origin.real) / 2.0 for z in places if z.imag == origin.imag]
+        low, high = (z.real for z in self.view.grown(-0.5 * self.em).corners)
+        return (
+            max([low, *(x + self.em for x in ends if x < origin.real)]),
+            min([high, *(x - self.em for x in ends if x > origin.real)]),
+        )
 
     def y_axis(self, plane: Plane) -> None:
         """Draw only the y axis, across a view that may not contain the origin."""
@@ -581,8 +619,9 @@ class Page:
             if self.view.holds(frame.points[plane.state])
         ]
         if named:
-            self.dots("event", [z for z, *_ in named])
-            self.letter(named if len(named) <= 24 else [])
+            several = len(named) > MOST_LETTERED
+            self.dots("event", [z for z, *_ in named], 0.4 if several else 1.0)
+            self.letter([] if several else named)
 
     def numbers(self, frames: Sequence[Frame]) -> None:
         """Write the numbers of the state points, up to the successors of the last step."""

@@ -16,6 +16,7 @@ from . import dimensions
 from .page import CURVES, Arrow, Page
 from .paper import Box, around, table
 from .quantities import Quantity
+from .styles import MOVING_POINT
 from .text import (
     event_texts,
     format_time,
@@ -29,9 +30,8 @@ from .views import room_for_letters
 
 FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
-_AWAY = (
-    0.25  # least distance of a state point from its origin in a step that is told, of the largest
-)
+# least distance of a state point from its origin in a step that is told, of the largest
+_AWAY = 0.25
 _TELLING = 12  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _VERTICES = 1000  # of a motion in each tick
@@ -220,8 +220,9 @@ def _tick(
     page = _page(stays, index)
     page.step(frame, stage=stage, repeated=True)
     states = [frame.points[plane.state] for plane in drawing.planes]
-    page.dots("here", states, 1.0, 0.5)
-    page.dots("state", states, 1.3)
+    arrives = any(mark.stage == stage and mark.role == "successor" for mark in scheme.marks)
+    for role in MOVING_POINT[2 if arrives else 0 :]:  # the ring would hide a short step
+        page.dots(role, states, 1.3 if role == "state" else 0.8)
     kept = {typeset(mark.label) for mark in _kept(drawing, frame, stage + 1)}
     drawn = [letter for letter in lettered.texts if letter.text.split(" ")[0] in kept]
     for letter in drawn:

@@ -6,6 +6,7 @@ as the viewer's, takes the shade between them that is legible on both.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -67,7 +68,8 @@ ROLES = {
     "trail": Style(BLUE, 1.8, words="integral curve"),
     "run": Style(VIOLET, 1.5, words="motion of the run"),
     "state": Style(BLUE, 1.5, size=5.0),
-    "here": Style(INK, size=12.0),
+    "halo": Style(Hue("#ffffff", "#ffffff"), size=13.0),
+    "here": Style(Hue("#15181c", "#15181c"), size=10.0),
     "axis": Style(INK, 0.9),
     "value": Style(),
     "auxiliary": Style(OCHRE, 1.0, words="auxiliary curve"),
@@ -84,6 +86,8 @@ ROLES = {
     "event": Style(RED, 1.6, size=7.0),
 }
 _UNKNOWN = Style()
+MOVING_POINT = ("halo", "here", "state")
+"""The roles of the discs that make up the moving point, one on another: it stands out on any ground."""
 
 PARTS = {
     "body": BLUE,
@@ -135,9 +139,14 @@ def _channels(colour: str) -> list[float]:
 @lru_cache
 def _between(light: str, dark: str) -> str:
     """Return the mixture of two shades with the luminance that is legible on any ground."""
-    shades = [
-        "#" + "".join(f"{round(255 * (a + part / 200 * (b - a))):02x}" for a, b in pairs)
-        for pairs in (list(zip(_channels(light), _channels(dark), strict=True)),)
-        for part in range(201)
-    ]
-    return min(shades, key=lambda shade: abs(luminance(shade) - _EITHER))
+    deep, pale = sorted((light, dark), key=luminance)
+    pairs = list(zip(_channels(deep), _channels(pale), strict=True))
+
+    def mixture(part: int) -> str:
+        return "#" + "".join(f"{round(255 * (a + part / 200 * (b - a))):02x}" for a, b in pairs)
+
+    brighter = bisect_left(range(200), _EITHER, key=lambda part: luminance(mixture(part)))
+    return min(
+        (mixture(max(0, brighter - 1)), mixture(brighter)),
+        key=lambda shade: abs(luminance(shade) - _EITHER),
+    )

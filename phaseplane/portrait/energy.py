@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 import numpy.typing as npt
 from scipy.integrate import cumulative_simpson
@@ -11,10 +13,17 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 _ROUNDING = 1e-12  # of force times velocity: below it nothing is dissipated
 
 
-def potential(system: PhaseSystem, x: Grid) -> Grid:
-    """Return U over ascending x, U' = f(0, x, 0), with min U = 0; NaN where f is not finite."""
+def potential(system: PhaseSystem, x: Grid, most: float = inf) -> Grid:
+    """Return U over ascending x, U' = f(0, x, 0), with min U = 0; NaN where f is not finite.
+
+    Parameters
+    ----------
+    most : float
+        largest magnitude of f that counts; steeper walls are cut there
+    """
     forces = system.forces(x, 0.0 * x)
     known = np.isfinite(forces)
+    forces = np.clip(forces, -most, most)
     energy = cumulative_simpson(np.where(known, forces, 0.0), x=x, initial=0.0)
     energy = np.where(known, energy, np.nan)
     return np.asarray(energy - np.nanmin(energy)) if known.any() else energy

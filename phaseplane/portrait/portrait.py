@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -29,9 +30,11 @@ from phaseplane.portrait.windows import enlarged
 _SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in heights per width of the window
 _ASIDE = 0.01  # of the width: distance of a curve's start from a repelling equilibrium
 _CELLS = 60  # of a window's sides, in which places without curves are looked for
-_EMPTY = 0.11  # windows: a place so far from every curve gets one
-_ROUNDS, _AT_ONCE = 6, 4  # of filling such places
-_FILLING = 3.0  # windows: length of their curves
+_EMPTY = 0.1  # windows: a place so far from every curve gets one
+_PIECE, _PIECES = 4.0, 8  # windows: length of a piece of a curve, and the most pieces of half of it
+_FILLING = 80.0  # windows: length of all curves that fill such places
+_BEYOND, _TOUCHES = 0.02, 0.01  # windows: a curve ends so far outside, or so close to a cycle
+_PRECISION = 1e-6  # windows: of one step of a curve
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,11 +107,13 @@ def compute_portrait(
     saddles = [at for at in at_rest if "saddle" in at.kinds]
     ends = tuple(at.x for at in saddles) if constant else ()
     borders = tuple(separatrices(system, window, *saddles, ends=ends))
-    curves = tuple(followed(system, window, *zip(*starts, strict=True))) if starts[1:] else ()
-    if not constant:
-        curves = (*curves, *orbits(system, window, at_rest, cycles))
-        shown = (*curves, *borders, *(cycle.curve for cycle in cycles))
-        curves = (*curves, *_filling(system, window, shown))
+    several = starts if starts[1:] else ()
+    if constant:
+        curves = followed(system, window, *zip(*several, strict=True)) if several else []
+    else:
+        curves = _through(system, window, several, cycles)
+        shown = [*curves, *borders, *(cycle.curve for cycle in cycles)]
+        curves += orbits(system, window, at_rest, cycles, shown)
     return Portrait(
         window,
         direction_field(system, window),
@@ -116,7 +121,7 @@ def compute_portrait(
         tuple(lines),
         slopes,
         _energy_curves(system, window, saddles) if constant else (),
-        curves,
+        tuple(curves),
         switch_lines(system, window),
         tuple(at_rest),
         borders,
@@ -133,46 +138,117 @@ def _energy_curves(
     return tuple(energy_levels(system, window, levels)[1])
 
 
-def _filling(system: PhaseSystem, window: Window, shown: Sequence[Grid]) -> list[Grid]:
-    """Return integral curves through the places of a window that are farthest from any curve."""
+def _filling(
+    system: PhaseSystem, window: Window, cycles: Sequence[Cycle], shown: Sequence[Grid]
+) -> list[Grid]:
+    """Return integral curves through the places of a window that are farthest from any curve.
+
+    Each goes from the window's edge, or from what repels it, to the edge again or to what attracts it.
+    If the plane is symmetric about its origin, so are the curves, as far as they find room.
+    """
     empty = np.isfinite(system.forces(*window.grid(_CELLS, _CELLS)))
+    _cover(empty, shown, window)
+    symmetric = _is_symmetric(system, window)
     found: list[Grid] = []
-    for _ in range(_ROUNDS):
-        for curve in shown:
-            empty[_cells(curve, window)] = False
-        places = list(_emptiest(empty.copy(), window))
-        if not places:
-            break
-        x, v = np.repeat(places, 2, axis=0).T
-        senses = np.tile([-1.0, 1.0], len(places))
-        halves = followed(system, window, x, v, senses, margin=0.02, length=_FILLING)
-        shown = [
-            np.vstack([past[::-1], future[1:]])
-            for past, future in zip(halves[::2], halves[1::2], strict=True)
-        ]
-        found += shown
+    length = 0.0
+    while length < _FILLING and (place := _emptiest(empty, window)) is not None:
+        curve = _through(system, window, [place], cycles)[0]
+        length += _length(curve, window)
+        _cover(empty, [curve], window)
+        found.append(curve)
+        if symmetric and _room(empty, -place[0], -place[1], window) >= _EMPTY:
+            _cover(empty, [-curve], window)
+            found.append(-curve)
     return found
 
 
-def _cells(curve: Grid, window: Window) -> tuple[Grid, Grid]:
-    """Return the rows and columns of the cells that a curve goes through."""
-    inside = curve[window.holds(*curve.T)]
+def _through(
+    system: PhaseSystem,
+    window: Window,
+    places: Sequence[tuple[float, float]],
+    cycles: Sequence[Cycle],
+) -> list[Grid]:
+    """Return the integral curves through places, from their past to their future.
+
+    A curve ends where it leaves the window, comes to rest or has come to a limit cycle.
+    """
+    halves = [np.array([place]) for place in places for _ in range(2)]
+    senses = np.tile([-1.0, 1.0], len(places))
+    going = list(range(len(halves)))
+    for _ in range(_PIECES):
+        if not going:
+            break
+        x, v = np.array([halves[k][-1] for k in going]).T
+        pieces = followed(
+            system, window, x, v, senses[going],
+            margin=_BEYOND, length=_PIECE, tolerance=_PRECISION,
+        )  # fmt: skip
+        for k, piece in zip(going, pieces, strict=True):
+            halves[k] = np.vstack([halves[k], piece[1:]])
+        going = [
+            k
+            for k, piece in zip(going, pieces, strict=True)
+            if _length(piece, window) > _PIECE and not _is_on(piece[-1], cycles, window)
+        ]
+    return [
+        np.vstack([past[::-1], future[1:]])
+        for past, future in zip(halves[::2], halves[1::2], strict=True)
+    ]
+
+
+def _is_on(state: Grid, cycles: Sequence[Cycle], window: Window) -> bool:
+    """Return whether a state is on a limit cycle, as far as can be seen."""
+    sides = [window.width, window.height]
+    apart = (np.hypot(*((cycle.curve - state) / sides).T).min() for cycle in cycles)
+    return min(apart, default=inf) < _TOUCHES
+
+
+def _length(curve: Grid, window: Window) -> float:
+    """Return the length of a curve in windows."""
+    return float(np.hypot(*(np.diff(curve, axis=0) / [window.width, window.height]).T).sum())
+
+
+def _is_symmetric(system: PhaseSystem, window: Window) -> bool:
+    """Return whether the plane turned by 180 degrees is the same: f(-x', -x) = -f(x', x)."""
+    if window.left != -window.right or window.bottom != -window.top:
+        return False
+    force = system.forces(*window.grid(_CELLS, _CELLS))
+    # the grid turned by 180 degrees is itself, backwards
+    return np.allclose(force[::-1, ::-1], -force, rtol=1e-9, atol=1e-12, equal_nan=True)
+
+
+def _cover(empty: npt.NDArray[np.bool_], curves: Sequence[Grid], window: Window) -> None:
+    """Mark the cells that curves go through as no longer empty."""
     corner, sides = [window.left, window.bottom], [window.width, window.height]
-    columns, rows = np.rint((inside - corner) / sides * (_CELLS - 1)).astype(int).T
-    return rows, columns
+    for curve in curves:
+        inside = curve[window.holds(*curve.T)]
+        columns, rows = np.rint((inside - corner) / sides * (_CELLS - 1)).astype(int).T
+        empty[rows, columns] = False
 
 
-def _emptiest(empty: npt.NDArray[np.bool_], window: Window) -> Iterator[tuple[float, float]]:
-    """Yield a few places in a window that are far from all curves and from one another."""
+def _emptiest(empty: npt.NDArray[np.bool_], window: Window) -> tuple[float, float] | None:
+    """Return the place in a window that is farthest from all curves; None if all are near to one."""
     x, v = window.grid(_CELLS, _CELLS)
-    for _ in range(_AT_ONCE):
-        apart = distance_transform_edt(empty) / _CELLS
-        row, column = np.unravel_index(np.argmax(apart), apart.shape)
-        if apart[row, column] < _EMPTY:
-            return
-        yield float(x[row, column]), float(v[row, column])
-        # its curve will go along the axis faster than across it
-        empty[max(row - _CELLS // 8, 0) : row + _CELLS // 8 + 1] = False
+    apart = _apart(empty)
+    row, column = np.unravel_index(np.argmax(apart), apart.shape)
+    if apart[row, column] < _EMPTY:
+        return None
+    return float(x[row, column]), float(v[row, column])
+
+
+def _room(empty: npt.NDArray[np.bool_], x: float, v: float, window: Window) -> float:
+    """Return how far a place is from any curve, in windows."""
+    column = round((x - window.left) / window.width * (_CELLS - 1))
+    row = round((v - window.bottom) / window.height * (_CELLS - 1))
+    return float(_apart(empty)[row, column])
+
+
+def _apart(empty: npt.NDArray[np.bool_]) -> Grid:
+    """Return how far each cell is from any curve, in windows; from a corner if there is no curve."""
+    if empty.all():
+        empty = empty.copy()
+        empty[0, 0] = False
+    return distance_transform_edt(empty) / _CELLS
 
 
 def _rounded(slope: float) -> float:
@@ -198,29 +274,19 @@ def orbits(
     window: Window,
     at_rest: list[Equilibrium] | tuple[Equilibrium, ...] = (),
     cycles: list[Cycle] | tuple[Cycle, ...] = (),
-    count: int = 4,
-) -> tuple[Grid, ...]:
-    """Return integral curves inwards from the border and outwards from repellers, (points, 2) each.
-
-    Beside them there is one from between any two neighbouring equilibria, so that every basin has some.
+    shown: Sequence[Grid] = (),
+) -> list[Grid]:
+    """Return integral curves for every basin and every empty part of a window, (points, 2) each.
 
     Parameters
     ----------
-    count : number of curves through each of the long sides
+    shown : curves that are there already
     """
-    places = np.linspace(window.left, window.right, count + 2)[1:-1]
-    x = [*places, *places]
-    v = [window.top] * count + [window.bottom] * count
     aside = _ASIDE * window.width
-    for inner in _between(at_rest, window):
-        x.append(inner)
-        v.append(0.0)
-    for at in at_rest:
-        if any("unstable" in kind for kind in at.kinds):
-            x.append(at.x + aside)
-            v.append(0.0)
+    places = [(x, 0.0) for x in _between(at_rest, window)]
+    places += [(at.x + aside, 0.0) for at in at_rest if any("unstable" in k for k in at.kinds)]
     for cycle in cycles:
         if not cycle.attracts:
-            x += [cycle.crossing - aside, cycle.crossing + aside]
-            v += [0.0, 0.0]
-    return tuple(followed(system, window, x, v))
+            places += [(cycle.crossing - aside, 0.0), (cycle.crossing + aside, 0.0)]
+    first = _through(system, window, places, cycles)
+    return first + _filling(system, window, cycles, [*shown, *first])

@@ -178,7 +178,8 @@ def of_coordinate(system: System, coordinate: int = 0) -> PhaseSystem:
             )
         if element.holding > element.friction:
             raise ValueError(
-                f"{element.name}: friction that breaks away later than it slips has no phase portrait"
+                f"{element.name}: friction whose breakaway force is above its sliding force has no "
+                "phase portrait"
             )
     inverse = np.linalg.inv(np.array(system.mass, float))[coordinate]
     acting = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite, sqrt
+from math import inf, isfinite, sqrt
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,7 @@ _POINTS, _SHIFT = 2001, 0.37  # of the search for poles; a shift in steps, off r
 _STEEP = 20.0  # times the median of |f|: may be beside a pole
 _ZOOMS, _ZOOM = 3, 100  # a pole is looked for so many times, each in steps so much smaller
 _GROWS = 1e4  # |f| at a pole, as closely as it is found, to |f| a step away
+_LEAST = 0.05  # of the sides of a plane: half of those of its section
 _BESIDE = 0.05  # of the width between two poles: what lies nearer to one is no measure of height
 _MARGIN, _LENGTH, _PART = 3.0, 30.0, 0.05  # windows: how far and how closely motions are followed
 
@@ -32,7 +33,11 @@ def good_window(system: PhaseSystem, reach: float) -> Window:
     ----------
     reach : largest displacement to either side
     """
-    energy = potential(system, np.linspace(-reach, reach, 401))
+    x = np.linspace(-reach, reach, 401)
+    force = system.forces(x, 0.0 * x)
+    most = _STEEP * float(np.nanmedian(np.abs(force))) if np.isfinite(force).any() else 0.0
+    # a stop as hard as a rail is no measure of height: nothing goes far into it
+    energy = potential(system, x, most or inf)
     known = energy[np.isfinite(energy)]
     height = sqrt(2.0 * float(known.max())) if len(known) else 0.0
     height = height or reach
@@ -94,7 +99,7 @@ def fitted_window(shown: Section, otherwise: Window) -> Window:
         return otherwise
     low, high = shown.points.min(axis=0), shown.points.max(axis=0)
     sides = np.array([otherwise.width, otherwise.height])
-    half = np.maximum(0.5 * _ROOM * (high - low), 0.02 * sides)
+    half = np.maximum(0.5 * _ROOM * (high - low), _LEAST * sides)
     (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
     return Window(*map(float, (left, right, bottom, top)))
 

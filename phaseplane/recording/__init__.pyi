@@ -3,10 +3,8 @@ from .content import VIEWS as VIEWS
 from .content import Content as Content
 from .content import Detail as Detail
 from .content import View as View
-from .layout import blueprint as blueprint
 from .live import Live as Live
 from .motion import thinned as thinned
-from .recorder import log as log
 from .server import LOOPBACK as LOOPBACK
 from .server import Server as Server
 from .server import is_loopback as is_loopback

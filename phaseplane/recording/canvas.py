@@ -70,7 +70,14 @@ class Viewer(Canvas):
         self._ticks.append(page)
 
     def curve(self, name: str, role: str, ways: Points, first: int) -> None:
-        """Log the ways of some steps, each as a row, and finished blocks of steps as one row each."""
+        """Log more of a growing curve: each step as a row, and finished blocks of steps as one row each.
+
+        Parameters
+        ----------
+        name : of the curve, such as that of its plane
+        ways : of some steps, shape (steps, vertices)
+        first : number of the first of these steps
+        """
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
             self._begun.add(path)

@@ -143,7 +143,7 @@ def line_style(
 def point_style(roles: Sequence[str], weight: float = 1.0) -> rr.Points2D:
     """Return the style of points of these roles."""
     return rr.Points2D.from_fields(
-        colors=colours([rgba(style_of(r).hue, 0.5 if r == "here" else 1.0) for r in roles]),
+        colors=colours([rgba(style_of(role).hue) for role in roles]),
         radii=radii([weight * style_of(role).size for role in roles]),
     )
 

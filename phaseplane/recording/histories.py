@@ -9,9 +9,11 @@ import numpy as np
 import numpy.typing as npt
 import rerun as rr
 
+from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import StoredFrames
+from phaseplane.picture.page import motions_of, reach_of
 from phaseplane.picture.paper import readings
-from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of
+from phaseplane.picture.quantities import QUANTITIES, Quantity, quantity_of, read_off
 from phaseplane.picture.styles import hue_of
 from phaseplane.picture.text import in_words
 
@@ -58,13 +60,22 @@ class Panel:
         return self.quantity.factor * np.asarray(histories[name], float)
 
 
+def quantities_of(drawing: Drawing) -> dict[str, Quantity | None]:
+    """Return the quantities of the readings of a construction, lengths in the unit of its axes."""
+    low, high = reach_of(drawing.planes[0].displacement, motions_of(drawing)[0])
+    return read_off(drawing, high - low)
+
+
 def panels(content: Content) -> list[Panel]:
     """Return the columns by quantity: those of the table first, then other units, then bare numbers."""
-    found: dict[Quantity, list[str]] = {quantity: [] for quantity in QUANTITIES}
     drawing = content.drawing
-    known = tuple(drawing.frames[0].readings) if drawing is not None else ()
+    known = quantities_of(drawing) if drawing is not None else {}
+    read = {quantity.name: quantity for quantity in known.values() if quantity is not None}
+    found: dict[Quantity, list[str]] = {read.get(q.name, q): [] for q in QUANTITIES}
     for name in content.histories:
         quantity = quantity_of(name, content.units)
+        if quantity in QUANTITIES:
+            quantity = read.get(quantity.name, quantity)
         if name == "time" or name.endswith("_residual"):
             continue
         if quantity is None and name in content.numbers:

@@ -15,6 +15,8 @@ from .columns import Clock, colours, rgba, seconds
 from .content import Content
 
 LANES = "/lanes"
+SHEET_SHARE = 8.0
+"""The height of the sheet, relative to that of the lanes below it."""
 _CALM, _LOUD = "calm", "loud"
 
 
@@ -46,6 +48,12 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
     if content.live:  # which of them will matter is not known yet
         return found
     return {name: lane for name, lane in found.items() if lane[3].any()}
+
+
+def lanes_share(content: Content) -> float:
+    """Return the height of the lanes where that of the sheet is `SHEET_SHARE`; zero without lanes."""
+    lanes = min(len(lanes_of(content)), 3)
+    return 0.6 + 0.6 * lanes if lanes else 0.0
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

@@ -17,7 +17,7 @@ from .canvas import RECENT
 from .columns import legible
 from .content import Content
 from .histories import Panel, overlays, panels
-from .lanes import LANES, lanes_of
+from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
 from .recorder import Recorder
 from .side_view import VEHICLE, vehicle_of, view_box
@@ -27,28 +27,17 @@ _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
 
 
-def blueprint(content: Content, recorder: Recorder | None = None) -> rrb.Blueprint:
+def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
     """Return the layout: the sheet with lanes below it, and the words, side view and plots beside it.
 
     During a live run the viewer stays at the latest time.
-
-    Parameters
-    ----------
-    recorder : of the content, if there is one
-
-    Raises
-    ------
-    ValueError : see `Content.check`.
     """
-    from .sinks import new_recording  # noqa: PLC0415  (a recorder needs a stream, which is not used)
-
-    recorder = recorder or Recorder(new_recording(content), content)
     left: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.pages:
-        left.append((8.0, _sheets(content, recorder.pages)))
-    lanes = len(lanes_of(content))
-    if lanes:
-        left.append((0.6 + 0.6 * min(lanes, 3), _lanes()))
+        left.append((SHEET_SHARE, _sheets(content, recorder.pages)))
+    below = lanes_share(content)
+    if below:
+        left.append((below, _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
         right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))

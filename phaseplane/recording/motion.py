@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 import numpy.typing as npt
@@ -19,11 +20,14 @@ from phaseplane.picture.views import views_of
 
 from .columns import Reals
 from .content import Content
+from .lanes import SHEET_SHARE, lanes_share
 
 _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _APART = 0.34  # distance between the origins of planes, m of paper
+_AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
-_EMS = 43.0  # of type over the height of a view: those of a pane on a small screen
+_EMS = 50.0  # of type over the height of a window on a small screen
+_MOST_EMS = 43.0  # of type over the height of a view
 _PANE = 1.3  # width of a pane over its height
 
 
@@ -79,38 +83,38 @@ def made_planes(
     histories: Mapping[str, npt.ArrayLike],
     units: Mapping[str, str],
 ) -> list[StatePlane]:
-    """Return a plane for each pair of columns, in one or two columns, scaled to their ranges."""
-    beside = 1 if len(pairs) <= 2 else 2
-    origins = [_APART * complex(i % beside, -(i // beside)) for i in range(len(pairs))]
-    return [
-        StatePlane(
-            Plane(
-                displacement,
-                1.0,
-                _axis(displacement, histories, units, origin, 1 + 0j),
-                _axis(rate, histories, units, origin, 1j),
-                f"P{i + 1}",
-            ),
-            displacement,
-            rate,
+    """Return a plane for each pair of columns, one below the other or in a square, scaled to its range.
+
+    What is less than a thousandth of the largest motion of its kind is at rest.
+    """
+    beside = 1 if len(pairs) <= 2 else ceil(len(pairs) ** 0.5)
+    largest: dict[str, float] = {}
+    of_unit: dict[str, float] = {}
+    for name in (name for pair in pairs for name in pair):
+        values = np.asarray(histories.get(name, ()), float)
+        largest[name] = float(np.max(abs(values), initial=0.0, where=np.isfinite(values)))
+        unit = _unit(name, units)
+        of_unit[unit] = max(of_unit.get(unit, 0.0), largest[name])
+
+    def axis(name: str, origin: complex, direction: complex) -> Axis:
+        unit, label = _unit(name, units), "" if direction.real else in_words(name)
+        reach = rounded(max(largest[name], _AT_REST * of_unit[unit]))
+        return Axis(label, unit, origin, direction, _HALF_WIDTH / reach)
+
+    planes = []
+    for i, (displacement, rate) in enumerate(pairs):
+        row, column = divmod(i, beside)
+        origin = _APART * (1.0 if beside == 1 else 1.5) * complex(column, -row)
+        across, up = axis(displacement, origin, 1 + 0j), axis(rate, origin, 1j)
+        planes.append(
+            StatePlane(Plane(displacement, 1.0, across, up, f"P{i + 1}"), displacement, rate)
         )
-        for i, ((displacement, rate), origin) in enumerate(zip(pairs, origins, strict=True))
-    ]
+    return planes
 
 
-def _axis(
-    name: str,
-    histories: Mapping[str, npt.ArrayLike],
-    units: Mapping[str, str],
-    origin: complex,
-    direction: complex,
-) -> Axis:
+def _unit(name: str, units: Mapping[str, str]) -> str:
     quantity = quantity_of(name, units)
-    unit = units.get(name) or (quantity.si if quantity else "")
-    values = np.asarray(histories.get(name, ()), float)
-    largest = float(np.max(abs(values), initial=0.0, where=np.isfinite(values)))
-    label = "" if direction.real else in_words(name)
-    return Axis(label, unit, origin, direction, _HALF_WIDTH / rounded(largest))
+    return units.get(name) or (quantity.si if quantity else "")
 
 
 def rounded(value: float) -> float:
@@ -136,11 +140,12 @@ def pages_of(content: Content) -> list[Page]:
             return []
         motions = [_corners(plane, content) for plane in planes]
         views = [
-            around(np.concatenate(motions), 0.12), *(around(motion, 0.12) for motion in motions)
+            around(np.concatenate(motions), 0.15), *(around(motion, 0.15) for motion in motions)
         ]  # fmt: skip
         drawing = Drawing(content.title, tuple(p.plane for p in planes), (), {}, StoredFrames(()))
     views = [_fitted(view) for view in (views if len(views) > 2 else views[:1])]
-    pages = [Page(drawing, view, 2.0 * view.half.imag / _EMS, motions) for view in views]
+    ems = min(_MOST_EMS, _EMS * SHEET_SHARE / (SHEET_SHARE + lanes_share(content)))
+    pages = [Page(drawing, view, 2.0 * view.half.imag / ems, motions) for view in views]
     pages[0].axes_of_planes()
     pages[0].curves()
     return pages

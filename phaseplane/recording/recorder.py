@@ -10,14 +10,14 @@ import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.picture.chart import Chart
-from phaseplane.picture.page import Page, motions_of, reach_of
-from phaseplane.picture.quantities import Quantity, read_off
+from phaseplane.picture.page import Page
+from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.story import Tick, arms_page, story_of
 
 from .canvas import Viewer
 from .columns import Clock, Integers, legible, seconds
 from .content import Content
-from .histories import log_series, panels, send_histories, send_readings
+from .histories import log_series, panels, quantities_of, send_histories, send_readings
 from .lanes import send_lanes
 from .motion import pages_of, state_planes, thinned
 from .side_view import log_vehicle, send_vehicle
@@ -78,8 +78,7 @@ class Recorder:
         """The quantities of the readings of the construction."""
         drawing = self.content.drawing
         assert drawing is not None
-        low, high = reach_of(drawing.planes[0].displacement, motions_of(drawing)[0])
-        return read_off(drawing, high - low)
+        return quantities_of(drawing)
 
     @cached_property
     def chart(self) -> Chart | None:
@@ -197,8 +196,14 @@ class Recorder:
         self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
-        """Log the axes and the places of planes anew, for a motion that goes beyond them."""
-        content = self.content.with_histories({**self.content.histories, **histories})
+        """Log the axes and the places of planes anew, for a motion that goes beyond them.
+
+        Parameters
+        ----------
+        histories : the least and the largest value of the columns in the planes
+        """
+        whole = {name: histories.get(name, np.zeros(2)) for name in self.content.histories}
+        content = self.content.with_histories(whole)
         self.pages = pages_of(content)
         self.sheet.begin(self.pages[0])
         self._place(content)
@@ -226,13 +231,3 @@ class Recorder:
             self.recording.send_columns(
                 WORDS, self.clock.staged(), rr.TextDocument.columns(text=texts)
             )
-
-
-def log(recording: rr.RecordingStream, content: Content) -> None:
-    """Log the whole content, in whole columns.
-
-    Raises
-    ------
-    ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
-    """
-    Recorder(recording, content).all()

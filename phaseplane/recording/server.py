@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from urllib.parse import quote, urlsplit
 
 LOOPBACK = "127.0.0.1"
@@ -70,9 +71,12 @@ def serving(
         for port in (data, page):
             _await(process, _host(address), port)
         url = f"rerun+http://{host}:{data}/proxy"
-        for file in files:
-            _send(Path(file), url)
-        yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
+        with TemporaryDirectory() as folder:
+            for number, file in enumerate(files):
+                # the list of recordings is open if there are several
+                copy = Path(folder, f"{number}.rrd") if len(files) > 1 else None
+                _send(Path(file), url, copy)
+            yield Server(f"{origin}/?url={quote(url, safe='')}", url, process)
     finally:
         process.terminate()
         with suppress(subprocess.TimeoutExpired):
@@ -81,8 +85,13 @@ def serving(
         process.wait()
 
 
-def _send(file: Path, url: str) -> None:
-    """Send a recording to a server, which would keep half a core busy if it read the file itself."""
+def _send(file: Path, url: str, copy: Path | None) -> None:
+    """Send a recording to a server, which would keep half a core busy if it read the file itself.
+
+    Parameters
+    ----------
+    copy : where a copy is made that shows the list of recordings, which is sent instead
+    """
     import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
     from rerun.chunk import RrdReader  # noqa: PLC0415
 
@@ -90,14 +99,24 @@ def _send(file: Path, url: str) -> None:
         entry = RrdReader(file).recordings()[0]
     except (RuntimeError, IndexError):
         raise OSError(f"{file} is not a recording of this version of rerun") from None
+    if copy is not None:
+        with_list(file, copy)
     # of the same name and number, so that the file's own recording is the only one in the list
     sending = rr.RecordingStream(
         entry.application_id, recording_id=entry.recording_id, send_properties=False
     )
     sending.connect_grpc(url)
-    sending.log_file_from_path(file)
+    sending.log_file_from_path(copy or file)
     sending.flush()
     sending.disconnect()
+
+
+def with_list(file: Path, copy: Path) -> None:
+    """Copy a recording, but let the viewer show the list of recordings, as it does by default."""
+    subprocess.run(
+        [viewer_program(), "rrd", "filter", "--drop-entity", "/blueprint_panel", file, "-o", copy],
+        env={**os.environ, "RERUN_APP_ONLY": "true"}, capture_output=True, check=True,
+    )  # fmt: skip
 
 
 def viewer_program() -> str:

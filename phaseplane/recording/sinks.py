@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import numpy.typing as npt
 import rerun as rr
 
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.picture.files import replace_file
 
-from .content import VIEWS, Content, Detail, View
+from .content import Content
 from .layout import blueprint
 from .recorder import Recorder
-from .vehicle import Vehicle
 
 APPLICATION = "phaseplane"
 
@@ -56,37 +54,21 @@ def _entry(title: str) -> str:
     return " ".join(plain.split()) or APPLICATION
 
 
-def record(
-    frames: Drawing | Content,
-    path: str | os.PathLike[str],
-    histories: Mapping[str, npt.ArrayLike] | None = None,
-    *,
-    detail: Detail = "stages",
-    vehicle: Vehicle | None = None,
-    views: tuple[View, ...] = VIEWS,
-) -> None:
+def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:
     """Write the replay of a construction to an `.rrd` file, whole or not at all.
 
     Parameters
     ----------
-    frames : the construction to replay; or the whole content, and then other arguments are ignored
+    content : what is recorded; a drawing alone is told stage by stage
     path : of the file; its folder must exist, an existing file is replaced
-    histories : `time` (s) and columns of the same length, in SI; those whose names have an ending
-        in `quantities.QUANTITIES` are plotted
-    detail, vehicle, views : see `Content`
 
     Raises
     ------
     OSError : if the folder is missing or the file cannot be written.
     ValueError : see `Content.check`; also if a frame lacks a point of its scheme.
     """
-    content = (
-        frames
-        if isinstance(frames, Content)
-        else Content(
-            frames.title, frames, histories or {}, vehicle=vehicle, detail=detail, views=views
-        )
-    )
+    if not isinstance(content, Content):
+        content = Content(content.title, content)
     target = Path(path)
     _check_target(target)
     content.check()

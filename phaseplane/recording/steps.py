@@ -14,10 +14,10 @@ from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
 from phaseplane.picture.layers import Layer, is_main, layers_of
 from phaseplane.picture.letters import text_box
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import MOST_LETTERED, Page
 from phaseplane.picture.paper import Box, Boxes, Points, table
 from phaseplane.picture.quantities import Quantity
-from phaseplane.picture.styles import style_of
+from phaseplane.picture.styles import MOVING_POINT, style_of
 from phaseplane.picture.text import LETTER_OF_EVENT, step_text, typeset
 
 from .canvas import placed_letters
@@ -40,7 +40,6 @@ SHEET, ARMS, CHART = "/sheet", "/arms", "/chart"
 EVENTS, WORDS = f"{SHEET}/events", "/words"
 SLICE = 4096
 """Steps that are encoded at once."""
-_MOST_LETTERED = 24  # events
 _REPEATED = 0.4  # opacity of what a rule repeats
 
 
@@ -118,9 +117,8 @@ def _send_letters(
     texts = [typeset(layer.labels[i]) for layer, i in kept]
     centres = np.stack([layer.vertices[:, i, 0] for layer, i in kept], 1)
     above = [1.0 if layer.roles[i] == "state" else -1.0 for layer, i in kept]
-    centres = centres + np.array([0.5 * (a > 0.0) + 1.1j * a for a in above]) * page.em
+    centres = centres + np.array([0.9 * (a > 0.0) + 1.3j * a for a in above]) * page.em
     free = free_letters(centres, texts, page.em, page.view, page.taken)
-    letters, counts = placed_letters(centres, free, texts, page.em)
     for role in ("state", "normal"):
         chosen = [i for i, (layer, k) in enumerate(kept) if layer.roles[k] == role]
         if not chosen:
@@ -154,20 +152,20 @@ def free_letters(
 def send_here(
     recording: rr.RecordingStream, drawing: Drawing, clock: Clock, first: int, last: int
 ) -> None:
-    """Log the moving points: each of two sizes, so that it stands out from its trail."""
+    """Log the moving points."""
     names = [plane.state for plane in drawing.planes]
     z = table(drawing.frames[first:last], names)
     rows = np.arange(first, last)
     if last == len(drawing.frames) and all(f"{n}'" in drawing.frames[-1].points for n in names):
         z = np.concatenate([z, table(drawing.frames[-1:], [f"{n}'" for n in names])])
         rows = np.append(rows, last)
-    pair = np.stack([z, z], 1).reshape(len(z), -1)
-    roles = ["here"] * len(names) + ["state"] * len(names)
+    discs = np.tile(z, len(MOVING_POINT))
+    roles = [role for role in MOVING_POINT for _ in names]
     recording.log(f"{SHEET}/steps/here", point_style(roles, 1.2), static=True)
     recording.send_columns(
         f"{SHEET}/steps/here",
         clock.columns(rows),
-        rr.Points2D.columns(positions=xy(pair.ravel())).partition([len(roles)] * len(rows)),
+        rr.Points2D.columns(positions=xy(discs.ravel())).partition([len(roles)] * len(rows)),
     )
 
 
@@ -182,14 +180,10 @@ def send_cursor(recording: rr.RecordingStream, cursors: Points, clock: Clock, fi
 
 
 def send_point(recording: rr.RecordingStream, path: str, times: Reals, z: Points) -> None:
-    """Log a point that moves over `t`, of two sizes."""
-    recording.log(path, point_style(["here", "state"], 1.2), static=True)
-    pair = np.stack([z, z], 1)
-    recording.send_columns(
-        path,
-        [seconds(times)],
-        rr.Points2D.columns(positions=xy(pair.ravel())).partition([2] * len(z)),
-    )
+    """Log a point that moves over `t`."""
+    recording.log(path, point_style(MOVING_POINT, 1.2), static=True)
+    discs = rr.Points2D.columns(positions=xy(np.repeat(z, len(MOVING_POINT))))
+    recording.send_columns(path, [seconds(times)], discs.partition([len(MOVING_POINT)] * len(z)))
 
 
 def send_events(
@@ -200,13 +194,13 @@ def send_events(
     found = {first + i: _marks(drawing.frames[first + i], drawing) for i in events}
     if not found:
         return
-    several = len(found) > _MOST_LETTERED
+    several = len(drawing.frames.events) > MOST_LETTERED
     flat = [mark for marks in found.values() for mark in marks]
     recording.log(
         EVENTS,
         rr.Points2D.from_fields(
             colors=colours([rgba(style_of("event").hue)]),
-            radii=radii([style_of("event").size]),
+            radii=radii([style_of("event").size * (0.4 if several else 1.0)]),
             show_labels=True,
         ),
         static=True,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from recorded import HISTORIES, Recorded, drawing
+from recorded import HISTORIES, Recorded, content
 
 from phaseplane.recording import record
 
@@ -13,7 +14,7 @@ from phaseplane.recording import record
 @pytest.fixture(scope="session")
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("recording") / "two_planes.rrd"
-    record(drawing(), path, HISTORIES)
+    record(replace(content(), histories=HISTORIES), path)
     return path
 
 

@@ -202,3 +202,16 @@ def quarter_car(**sheet: Any) -> QuarterCarPlanes:
 def content(steps: int = 60) -> Content:
     """The made-up construction as a recording's content."""
     return Content("two planes", drawing(steps))
+
+
+def check_schemes(drawing: Drawing) -> None:
+    """Every point that a scheme joins is there in its frames, and no stage is empty."""
+    for frame in drawing:
+        scheme = drawing.schemes[frame.scheme]
+        names = {mark.point for mark in scheme.marks}
+        names |= {n for s in scheme.strokes for n in (s.start, s.end)}
+        names |= {n for arc in scheme.arcs for n in (arc.centre, arc.start, arc.end)}
+        assert names <= set(frame.points)
+        assert all(np.isfinite(z) for z in frame.points.values())
+        parts = (*scheme.marks, *scheme.strokes, *scheme.arcs)
+        assert {part.stage for part in parts} == set(range(len(scheme.stages)))

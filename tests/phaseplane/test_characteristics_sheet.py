@@ -23,8 +23,8 @@ def panel(sheet: Figure, title: str) -> Axes:
 def test_every_kind_has_a_panel_with_units(sheet: Figure) -> None:
     titles = [axes.get_title() for axes in sheet.axes]
     assert len(set(titles)) == len(titles) == 12
-    assert {axes.get_ylabel() for axes in sheet.axes} == {"force, kN"}
-    assert {axes.get_xlabel() for axes in sheet.axes} == {"deflection, mm", "rate, m/s"}
+    assert {axes.get_ylabel() for axes in sheet.axes} == {"force [kN]"}
+    assert {axes.get_xlabel() for axes in sheet.axes} == {"deflection [mm]", "rate [m/s]"}
 
 
 def test_curves_are_those_of_the_laws(sheet: Figure) -> None:

@@ -332,6 +332,8 @@ def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
     assert read[0].feet is None
     german = "\ufeffpoint;x;x_bar;D\r\n0;2;0,1;\r\n1;1,98;-0,19;0,2\r\n"
     assert read_readings(german, drawing.planes) == read
+    quoted = 'point,x,x_bar,D\n0,"2","0,1",\n1,"1,98","-0,19","0,2"\n'
+    assert read_readings(quoted, drawing.planes) == read
     blank = blank_readings(drawing, 3)
     assert blank.splitlines()[1].startswith("0,2,0.1")
     assert len(blank.splitlines()) == 5
@@ -341,8 +343,9 @@ def test_readings_are_read_with_commas_semicolons_and_decimal_commas(task):
     ("text", "message"),
     [
         ("", "no readings"),
-        ("point,x\n0,1\n", "no column 'x_bar'; needed are point, x, x_bar, D"),
+        ("point,x\n0,1\n", "no column 'x_bar'; the table needs point, x, x_bar, D"),
         ("point,x,x_bar\n0,2,0.1\n2,1,1\n", "line 3: point 2 follows point 0"),
+        ("point,x,x_bar\n0,2,0,1\n", "line 2: 4 values for 3 columns; numbers with decimal commas"),
         ("point,x,x_bar\n0,2,0.1\n1,a,1\n", "line 3: x = 'a' is not a number"),
         ("point,x,x_bar\n0,2,0.1\n1,inf,1\n", "must be finite"),
         ("point,x,x_bar\n0,2,0.1\n", "at least the points 0 and 1"),

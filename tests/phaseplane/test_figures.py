@@ -13,7 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 
@@ -394,6 +394,7 @@ def test_letters_of_points_and_angles_are_in_italics(lettered):
     assert {"P₁", "A₂*", "P₂\N{PRIME}", "U", "V"} <= slanted
     assert not {"I", "II", "3"} & slanted
     assert is_letter("Δτ₁")
+    assert not any(is_letter(line) for line in ("I", "II₂", "I₁"))
 
 
 def test_every_character_of_the_letters_is_in_the_font():
@@ -458,3 +459,15 @@ def test_the_axes_reach_over_motions_from_further_starts():
     drawing = family(still, [(2.0, 0.0)], step=0.1, duration=4.0)
     figure = phase_planes(drawing)
     assert {"1", "2"} <= {text.get_text() for text in figure.findobj(Text)}
+
+
+def test_the_tip_of_an_axis_is_in_view():
+    """Further starts whose motions reach as far as the sheet: an arrow out of view is not drawn."""
+    vanderpol = EquationPlane(lambda v, x, t: (x * x - 1.0) * v + x, initial_displacement=0.5)
+    drawing = family(vanderpol, [(3.0, 0.0), (-2.0, 3.0)], step=0.1, duration=6.0)
+    figure = phase_planes(drawing)
+    (axes,) = figure.axes
+    bottom, top = axes.get_ylim()
+    tips = [a for a in axes.findobj(Annotation) if getattr(a, "arrow_patch", None) is not None]
+    assert len(tips) >= 2
+    assert all(bottom < tip.xy[1] < top for tip in tips)

@@ -123,6 +123,13 @@ def test_figure_3_has_a_triangle_similar_to_that_of_the_normal() -> None:
     assert abs(corner - p) / abs(p_new - corner) == pytest.approx(qp / qd)
 
 
+def test_a_font_without_subscripts_borrows_them(drawing: Drawing, tmp_path: Path) -> None:
+    figure = figures.phase_planes(drawing, look=Look(font="STIXGeneral"))
+    made = save(figure, tmp_path / "f.pdf").read_bytes()  # a missing glyph is warned of
+    assert b"STIXGeneral" in made
+    assert b"LastResort" not in made
+
+
 def test_a_font_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match="font 'Nosuch' is not installed; try serif"):
         Look(font="Nosuch")

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
 from phaseplane.suspension.models import axle_masses
+from recorded import check_schemes
 
 from phaseplane.constructions import (
     RULES,
@@ -195,14 +196,7 @@ def test_every_point_that_the_schemes_join_is_there(rule, tyre):
         one = car(front=AxleData(**data))
     drawing = construct_motion(one, rule, step=0.002, duration=0.25)
     assert {f.scheme for f in drawing} >= {"contact", "front_flight", "rear_flight"}
-    for frame in drawing:
-        scheme = drawing.schemes[frame.scheme]
-        names = {mark.point for mark in scheme.marks}
-        names |= {n for s in scheme.strokes for n in (s.start, s.end)}
-        names |= {n for arc in scheme.arcs for n in (arc.centre, arc.start, arc.end)}
-        assert names <= set(frame.points)
-        parts = (*scheme.marks, *scheme.strokes, *scheme.arcs)
-        assert {part.stage for part in parts} == set(range(len(scheme.stages)))
+    check_schemes(drawing)
     labels = {curve.label for curve in drawing.curves}
     assert labels >= {"I1", "II1", "I2", "II2", "III", "IV", "dtau11", "dtau22"}
 

@@ -40,7 +40,7 @@ def test_every_package_that_says_its_names_is_tested() -> None:
 
 
 def test_a_function_stands_before_the_module_of_its_name() -> None:
-    for name in ("portrait", "columns"):
+    for name in ("portrait", "animation"):
         import_module(f"phaseplane.figures.{name}")
         assert isfunction(getattr(figures, name))
 

@@ -23,15 +23,17 @@ from recorded import (
 )
 
 from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
+from phaseplane.picture import page
 from phaseplane.picture.canvas import Echo
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Arrow, Lines, graduation_of
+from phaseplane.picture.page import Arrow, Dots, Lines, graduation_of
 from phaseplane.picture.paper import Box, arcs
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
 from phaseplane.picture.styles import (
     INK,
+    MOVING_POINT,
     PAPER,
     PARTS,
     ROLES,
@@ -179,6 +181,16 @@ def test_a_column_has_the_same_hue_in_the_chart_and_in_the_plots(name: str, numb
     assert style_of(part_of(name, number)).hue == hue_of(name, number)
 
 
+def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed: list[object] = []
+    ways = page.paths_of
+    monkeypatch.setattr(page, "paths_of", lambda *of: (computed.append(1), ways(*of))[1])
+    stays = pages_of(content())[0]
+    ticks = list(story_of(drawing(), stays, stays.following(), {}))
+    assert len(ticks) > 20
+    assert len(computed) == 1
+
+
 def test_what_is_long_past_is_faint_in_a_story() -> None:
     made = construct_motion(quarter_car(), delta, step=0.0025, steps=500)
     stays = pages_of(Content("quarter car", made))[0]
@@ -235,7 +247,7 @@ def test_no_text_holds_a_character_that_ends_the_viewer(tmp_path: Path) -> None:
         frames=(replace(frame(0), readings={strange: 1.0}, event=strange), frame(1)),
     )
     times = {"time": [0.0, 1.0], f"{strange}_displacement": [0.0, 1.0]}
-    record(odd, tmp_path / "f.rrd", times)
+    record(Content(strange, odd, times), tmp_path / "f.rrd")
     texts = [text for text in Recorded(tmp_path / "f.rrd").words() if "a?b" in text]
     assert len(texts) >= 5
     assert all(text == legible(text) for text in Recorded(tmp_path / "f.rrd").words())
@@ -247,7 +259,7 @@ def test_what_the_viewer_can_show_is_kept() -> None:
     assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
 
 
-HUES = {**{role: style.hue for role, style in ROLES.items()}, **PARTS}
+HUES = {**{r: s.hue for r, s in ROLES.items() if r not in ("halo", "here")}, **PARTS}
 
 
 @pytest.mark.parametrize("name", HUES)
@@ -257,3 +269,19 @@ def test_hues_stand_out_on_their_ground(name: str) -> None:
     assert contrast(hue.dark, PAPER.dark) >= 4.5
     assert min(contrast(hue.on("either"), g) for g in (PAPER.light, PAPER.dark)) >= 4.0
     assert INK.on("light") == INK.light
+
+
+def test_the_moving_point_stands_out_on_any_ground() -> None:
+    halo, here, state = (style_of(role) for role in MOVING_POINT)
+    assert halo.size > here.size > 1.3 * state.size
+    for ground in (PAPER.light, PAPER.dark):
+        assert max(contrast(disc.hue.on("either"), ground) for disc in (halo, here)) >= 12.0
+    assert contrast(state.hue.on("either"), here.hue.on("either")) >= 4.0
+
+
+def test_the_ring_does_not_hide_the_step() -> None:
+    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
+    stays = pages_of(Content("quarter car", made))[0]
+    told = [t.page for t in story_of(made, stays, arms_page(made), {}, (12,)) if t.step == 12]
+    ringed = [any(dots.role == "halo" for dots in page.of(Dots)) for page in told]
+    assert ringed == [True] * (len(told) - 1) + [False]

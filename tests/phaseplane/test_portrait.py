@@ -217,7 +217,7 @@ def test_laws_with_powers_and_functions_of_ones_own() -> None:
     assert system.on_arrays(v, x, np.zeros(2)) == pytest.approx(expected)
     assert system.function(2.0, -0.7, 0.0) == pytest.approx(expected[1])
     block = Element("block", (1.0,), characteristics.linear(1.0), friction=1.0, breakaway=2.0)
-    with pytest.raises(ValueError, match="block: friction that breaks away"):
+    with pytest.raises(ValueError, match="block: friction whose breakaway"):
         of_coordinate(System(("x",), ((1.0,),), (block,), scales=(1.0,)))
 
 

@@ -300,6 +300,31 @@ def test_integral_curves_end_at_the_border_or_at_rest() -> None:
     assert gone[:, 0] ** 2 - gone[:, 1] ** 2 == pytest.approx(0.25, abs=1e-5)
 
 
+def test_no_curve_ends_in_mid_air() -> None:
+    """End stops with little damping, a limit cycle, dry friction."""
+    stops = of(lambda v, x: 0.1 * v + x + 20.0 * (x - np.clip(x, -1.0, 1.0)))
+    cycle = of(lambda v, x: (x * x - 1.0) * v + x)
+    dry = Formula("x + 0.3*sign(v)")
+    friction = PhaseSystem(dry.function, on_arrays=dry.on_arrays, switching=dry.switching)
+    for system in (stops, cycle, friction):
+        window = window_of(system, 3.0, [(1.5, 0.0)])
+        made = compute_portrait(system, window)
+        sides = np.array([window.width, window.height])
+        ends = np.vstack([curve[[0, -1]] for curve in made.orbits])
+        attracting = [cycle.curve for cycle in made.cycles]
+        attracting += [np.column_stack([np.linspace(at.x, at.until if at.stretches else at.x, 99),
+                                        np.zeros(99)]) for at in made.equilibria]  # fmt: skip
+        for end in ends[window.holds(*ends.T)]:
+            near = min(np.hypot(*((line - end) / sides).T).min() for line in attracting)
+            assert near < 0.02, (end, near)
+
+
+def test_a_stop_as_hard_as_a_rail_does_not_flatten_a_portrait() -> None:
+    soft = of(lambda v, x: 0.5 * v + x)
+    hard = of(lambda v, x: 0.5 * v + x + 1e6 * np.minimum(x + 1.0, 0.0))
+    assert window_of(hard, 3.0).top < 10.0 * window_of(soft, 3.0).top
+
+
 def test_a_driven_system_is_drawn_frozen_on_demand_alone() -> None:
     system = PhaseSystem(lambda v, x, t: 0.2 * v + x - np.cos(2.0 * t), period=pi)
     made = compute_portrait(system, WIDE, periods=30)

@@ -129,6 +129,9 @@ def test_figure_9_shows_where_the_tyre_bears_nothing(contact: str) -> None:
         assert not at_touchdown  # by gap B2 has no part in it
         assert "71.9" in figure.texts[0].get_text()
     assert {"U", "V", "B₂", "O₂"} <= set(texts(figure))
+    name = next(t for t in figure.axes[0].texts if t.get_text().startswith("wheel"))
+    drawn = name.get_window_extent().transformed(figure.axes[0].transData.inverted())
+    assert drawn.x1 < min(z.real for z in strips(figure, "trail")[0])  # beside the curve
 
 
 def test_figure_10_shows_the_weights(flying: Drawing) -> None:

@@ -183,7 +183,8 @@ def test_trail_joins_the_state_points(recorded: Recorded, plane: Plane) -> None:
 
 def test_a_long_trail_goes_in_blocks(tmp_path: Path) -> None:
     frames = tuple(replace(frame(k), scheme="flight", event="") for k in range(300))
-    record(replace(drawing(), frames=frames), tmp_path / "f.rrd", detail="trail")
+    shown = replace(content(), drawing=replace(drawing(), frames=frames), detail="trail")
+    record(shown, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     blocks = recorded.rows["/sheet/trail/wheel_displacement/past"]
     assert [row["step"] for row in blocks] == [BLOCK, 2 * BLOCK]
@@ -264,6 +265,8 @@ def test_many_events_are_marked_in_fewer_letters(tmp_path: Path, events: int, la
     record(replace(drawing(), frames=frames), tmp_path / "f.rrd")
     rows = Recorded(tmp_path / "f.rrd").rows["/sheet/events"]
     assert [row["Points2D:labels"] for row in rows] == [[label, label]] * events
+    (radius,) = Recorded(tmp_path / "f.rrd").static["/sheet/events"]["Points2D:radii"]
+    assert (abs(radius) < 2.0) == (events > 24)  # many would be a blot
 
 
 def test_an_axle_leaves_the_road_in_its_own_planes(tmp_path: Path) -> None:
@@ -326,7 +329,7 @@ def test_axes_carry_values_and_names(recorded: Recorded) -> None:
 
 @pytest.mark.parametrize("detail", DETAILS)
 def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
-    record(drawing(), tmp_path / "f.rrd", detail=detail)  # type: ignore[arg-type]
+    record(replace(content(), detail=detail), tmp_path / "f.rrd")  # type: ignore[arg-type]
     recorded = Recorded(tmp_path / "f.rrd")
     stages = any("stage" in row for rows in recorded.rows.values() for row in rows)
     assert stages == (detail == "stages")

@@ -22,6 +22,7 @@ from recorded import (
 from phaseplane.picture.styles import hue_of
 from phaseplane.recording import Content, new_recording, record, recorder
 from phaseplane.recording.columns import rgba
+from phaseplane.recording.server import with_list
 
 
 def test_histories_are_plotted_in_their_units(recorded: Recorded) -> None:
@@ -168,7 +169,7 @@ def test_unusable_histories(
     tmp_path: Path, histories: Mapping[str, list[float]], message: str
 ) -> None:
     with pytest.raises(ValueError, match=message):
-        record(drawing(5), tmp_path / "f.rrd", histories)
+        record(replace(content(5), histories=histories), tmp_path / "f.rrd")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -182,5 +183,16 @@ def test_unusable_drawings(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="has no steps"):
         record(replace(drawing(), frames=()), tmp_path / "f.rrd")
     with pytest.raises(ValueError, match="details are trail, steps, stages"):
-        record(drawing(5), tmp_path / "f.rrd", detail="everything")  # type: ignore[arg-type]
+        record(replace(content(5), detail="everything"), tmp_path / "f.rrd")  # type: ignore[arg-type]
     assert list(tmp_path.iterdir()) == []
+
+
+def test_several_recordings_come_with_their_list(path: Path, tmp_path: Path) -> None:
+    with_list(path, tmp_path / "f.rrd")
+    panels = [
+        {entity for entity, _ in Recorded(file).layout if entity.endswith("_panel")}
+        for file in (path, tmp_path / "f.rrd")
+    ]
+    assert panels[0] - panels[1] == {"/blueprint_panel"}
+    assert panels[1]
+    assert Recorded(path).rows.keys() == Recorded(tmp_path / "f.rrd").rows.keys()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from recorded import Recorded, content, paper
+from recorded import Recorded, content, drawing, paper
 
+from phaseplane.picture.page import Arrow
 from phaseplane.recording import VIEWS, AxleView, Content, Vehicle, record
+from phaseplane.recording.motion import pages_of
 
 STATIC = 0.02
 TIME = np.linspace(0.0, 0.3, 301)
@@ -219,3 +221,52 @@ def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
              if "ViewBlueprint:display_name" in row]  # fmt: skip
     assert any(name.startswith("[Pa]") for name in names)
+
+
+def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
+    names = [f"{where}_displacement" for where in ("heave", "pitch", "front", "rear", "seat")]
+    pairs = tuple((name, name.replace("displacement", "velocity")) for name in names)
+    columns = {"time": TIME}
+    for k, name in enumerate(name for pair in pairs for name in pair):
+        columns[name] = 0.01 * (1 + k) * np.sin(20 * TIME + k)
+    page = pages_of(Content("a system of one's own", histories=columns, pairs=pairs))[0]
+    places = [plane.displacement.origin for plane in page.drawing.planes]
+    assert len({z.real for z in places}) == 3
+    titles = {text.text: text.centre for text in page.texts if text.kind == "name"}
+    axes = [a for a in page.of(Arrow) if a.start.imag == a.tip.imag]
+    for name, place, axis in zip(names, places, axes, strict=True):
+        assert titles[name.removesuffix("_displacement")].real == place.real
+        others = [z for z in places if z.imag == place.imag and z != place]
+        assert axis.start.real < place.real < axis.tip.real
+        assert not any(axis.start.real <= z.real <= axis.tip.real for z in others)
+    boxes = [text.box(page.em) for text in page.texts]
+    assert all(one.overlap(other) < 1e-12 for one, other in combinations(boxes, 2))
+
+
+def test_rounding_is_drawn_as_rest() -> None:
+    still = {"time": TIME, "y": 1e-9 * np.sin(20 * TIME), "dy": 1e-8 * np.cos(20 * TIME)}
+    moving = {"x": 0.01 * np.sin(20 * TIME), "dx": 0.2 * np.cos(20 * TIME)}
+    units = {"x": "m", "dx": "m/s", "y": "m", "dy": "m/s"}
+    pairs = (("x", "dx"), ("y", "dy"))
+    upper, lower = pages_of(
+        Content("two", histories={**still, **moving}, pairs=pairs, units=units)
+    )[0].motions
+    assert abs(lower - lower[0]).max() < 1e-3 * abs(upper - upper[0]).max()
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(1.0, "cm"), (0.05, "mm"), (50.0, "m")])
+def test_plots_have_the_unit_of_the_axes(tmp_path: Path, scale: float, unit: str) -> None:
+    drawn = drawing()
+    planes = [
+        replace(p, displacement=replace(p.displacement, scale=p.displacement.scale / scale))
+        for p in drawn.planes
+    ]
+    columns = {"time": TIME, "wheel_displacement": 0.02 * TIME}
+    shown = replace(content(), drawing=replace(drawn, planes=tuple(planes)), histories=columns)
+    made = recorded(tmp_path, shown)
+    names = [row["ViewBlueprint:display_name"][0] for _, row in made.layout
+             if "ViewBlueprint:display_name" in row]  # fmt: skip
+    assert any(name.startswith(f"displacement [{unit}]") for name in names)
+    labels = made.static["/sheet/paper/letters"]["Points2D:labels"]
+    assert any(f"[{unit}]" in label for label in labels)
+    assert f"displacement [{unit}]" in made.static["/chart/paper/letters"]["Points2D:labels"]

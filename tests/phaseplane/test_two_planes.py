@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import bump_stop, cubic, damper, linear
+from recorded import check_schemes
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from worked_example import C1, C2, K2, KGF, STEP, M, ap57, by_scipy, column, elevation, m
@@ -245,15 +246,7 @@ def test_the_control_agrees_to_the_error_of_the_step():
 def test_every_point_that_a_scheme_joins_is_there(rule):
     drawing = construct_motion(ap57(), rule, step=STEP, duration=0.1)
     assert set(drawing.schemes) == {"contact", "flight"}
-    for frame in drawing:
-        scheme = drawing.schemes[frame.scheme]
-        names = {mark.point for mark in scheme.marks}
-        names |= {n for s in scheme.strokes for n in (s.start, s.end)}
-        names |= {n for arc in scheme.arcs for n in (arc.centre, arc.start, arc.end)}
-        assert names <= set(frame.points)
-        assert all(np.isfinite(p) for p in frame.points.values())
-        parts = (*scheme.marks, *scheme.strokes, *scheme.arcs)
-        assert {part.stage for part in parts} == set(range(len(scheme.stages)))
+    check_schemes(drawing)
 
 
 def test_what_stays_on_the_sheet():

@@ -94,15 +94,19 @@ function phaseplanePlayer(root, data) {
       one.type = "button"; one.title = `${title} (${way})`; one.setAttribute("aria-label", title);
       one.onclick = () => go(way);
     }
-    const print = html("button", buttons, "Print");
-    print.type = "button"; print.onclick = () => window.print();
     const box = html("div", side, undefined, "table"), table = html("table", box);
+    for (const [text, whole, title] of [["Print", false, "the sheet with its points so far"], ["Print protocol", true, "the sheet, and how every point is found"]]) {
+      const print = html("button", buttons, text);
+      print.type = "button"; print.title = title;
+      print.onclick = () => { table.classList.toggle("whole", whole); window.print(); };
+    }
     const head = html("tr", html("thead", table));
     for (const name of ["step", "point", "length, cm", "value"]) html("th", head, name);
     const body = html("tbody", table);
     const rows = data.protocol.map(([step, stage, point, length, value]) => {
       const row = html("tr", body);
       for (const cell of [step, point, length, value]) html("td", row, String(cell));
+      row.dataset.state = stage === 0 && point[0] === "P" ? "state" : "";
       row.onclick = () => { at = Math.max(0, stages.findIndex(([i, k]) => data.steps[i].step === step && k === stage)); show(); };
       return [row, step, stage];
     });
@@ -138,7 +142,8 @@ function phaseplanePlayer(root, data) {
       words.textContent = step.stages[k].words;
       for (const [row, number, stage] of rows) {
         const here = number === step.step && stage === k;
-        row.className = here ? "here" : number > step.step || (number === step.step && stage > k) ? "later" : "";
+        const later = number > step.step || (number === step.step && stage > k);
+        row.className = [here ? "here" : later ? "later" : "", row.dataset.state].join(" ").trim();
         if (here) box.scrollTop = row.offsetTop - box.clientHeight / 2;
       }
     }
