@@ -8,9 +8,8 @@ from dataclasses import replace
 from phaseplane.constructions.equation import EquationPlane
 from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
-from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.sheet import path_of
 from phaseplane.constructions.step_loop import construct_motion
-from phaseplane.constructions.storage import Frame
 
 
 def family(
@@ -34,17 +33,16 @@ def family(
     """
     first = construct_motion(construction, rule, step=step, duration=duration)
     (plane,) = construction.planes
-    others: list[Sequence[Frame]] = []
+    others: list[Drawing] = []
     for x, velocity in starts:
         moved = replace(construction, initial_displacement=x, initial_velocity=velocity)
-        others.append(construct_motion(moved, rule, step=step, duration=duration).frames)
-    every = [first.frames, *others]
+        others.append(construct_motion(moved, rule, step=step, duration=duration))
     # the auxiliary curves reach as far as any of the integral curves
-    fixed = construction.curves([frame for frames in every for frame in frames])
+    fixed = construction.curves([frame for one in (first, *others) for frame in one])
     kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")
     curves = tuple(
-        Curve("trail", tuple(trail(plane, frames)), f"({x:g}, {v:g})")
-        for (x, v), frames in zip(starts, others, strict=True)
-        if frames
+        Curve("trail", path_of(plane, other.schemes, other.frames), f"({x:g}, {v:g})")
+        for (x, v), other in zip(starts, others, strict=True)
+        if other.frames
     )
     return replace(first, curves=(*fixed, *kept, *curves))

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from cmath import exp
-from collections.abc import Iterable, Sequence
+from cmath import exp, phase
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
 
-from phaseplane.constructions.primitives import Axis, Curve, Plane
+from phaseplane.constructions.primitives import Arc, Axis, Curve, Plane, Scheme
 from phaseplane.constructions.storage import Frame
+
+_ARC = 0.1  # rad between two points of an arc
+_FAR = 10.0  # m of paper: radius of an arc that is drawn as its chord
+_MISSED = 0.02  # of the chord: by how much an arc to the successor may miss it
 
 
 def plane_at(
@@ -47,6 +51,39 @@ def trail(plane: Plane, frames: Sequence[Frame]) -> list[complex]:
         *(frame.points[plane.state] for frame in frames),
         frames[-1].points[plane.state + "'"],
     ]
+
+
+def arc_points(frame: Frame, arc: Arc) -> list[complex]:
+    """Return points of an arc; only its chord if its centre is far off the sheet."""
+    centre, start, end = (frame.points[name] for name in (arc.centre, arc.start, arc.end))
+    radius, towards = start - centre, end - centre
+    if radius == 0.0 or towards == 0.0:
+        return [start]
+    if abs(radius) > _FAR:
+        return [start, end]
+    turn = phase(towards / radius)
+    count = max(1, ceil(abs(turn) / _ARC))
+    return [centre + radius * exp(1j * turn * i / count) for i in range(count + 1)]
+
+
+def way_of(plane: Plane, scheme: Scheme, frame: Frame) -> list[complex]:
+    """Return points of the way from P to P': the arc on which the rule has stepped, or the chord."""
+    ends = plane.state, f"{plane.state}'"
+    start, end = (frame.points[name] for name in ends)
+    for arc in scheme.arcs:
+        if (arc.start, arc.end) == ends and arc.centre in frame.points:
+            found = arc_points(frame, arc)
+            if abs(end - found[-1]) < _MISSED * abs(end - start):  # else the step was cut short
+                return [*found[:-1], end]
+    return [start, end]
+
+
+def path_of(
+    plane: Plane, schemes: Mapping[str, Scheme], frames: Sequence[Frame]
+) -> tuple[complex, ...]:
+    """Return points of the integral curve as it is drawn, step after step."""
+    ways = (way_of(plane, schemes[frame.scheme], frame) for frame in frames)
+    return (*(z for way in ways for z in way[:-1]), frames[-1].points[f"{plane.state}'"])
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from phaseplane.constructions.construction import FLIGHT, LIFT_OFF
 from phaseplane.constructions.primitives import Curve, Drawing
 from phaseplane.constructions.rules import Rule, delta
-from phaseplane.constructions.sheet import trail
+from phaseplane.constructions.sheet import path_of
 from phaseplane.constructions.step_loop import Start, frames
 from phaseplane.constructions.steps import States
 from phaseplane.constructions.storage import Frame
@@ -75,7 +75,11 @@ def with_shortcuts(
         raise ValueError("AP57's shortcut for touchdown is for quarter cars with linear tyres")
     step = step or max(frame.duration for frame in drawing.frames)
     curves = tuple(
-        Curve("shortcut", tuple(trail(plane, flight)), f"V by x2 = x2st, {1e3 * end:.4g} ms")
+        Curve(
+            "shortcut",
+            path_of(plane, drawing.schemes, flight),
+            f"V by x2 = x2st, {1e3 * end:.4g} ms",
+        )
         for flight in shortcut_flights(construction, drawing.frames, rule, step=step)
         for end in (flight[-1].time + flight[-1].duration,)
         for plane in construction.planes

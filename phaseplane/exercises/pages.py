@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from html import escape
 from importlib.resources import files
-from math import atan2, ceil, cos, pi, sin
+from math import ceil
 from typing import Any
 
-from phaseplane.constructions.primitives import Arc, Axis, Drawing, Plane
-from phaseplane.constructions.sheet import round_step
+from phaseplane.constructions.primitives import Axis, Drawing, Plane
+from phaseplane.constructions.sheet import arc_points, round_step, way_of
 from phaseplane.constructions.storage import Frame, StoredFrames
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.protocol import display, protocol
@@ -24,7 +24,6 @@ TURN = ("axis", "construction")
 _LOWEST = "PQADBCH"  # the points of the planes by their first letters
 _GAP = 0.015  # m of paper between the planes and the turn angle
 _ROUNDED = 4  # digits of cm
-_ARC = 0.1  # rad between two points of an arc
 
 
 def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
@@ -52,7 +51,10 @@ def sheet_data(drawing: Drawing, steps: int | None = None) -> dict[str, Any]:
                 "event": frame.event.replace("_", " "),
                 "stages": list(_stages(drawing, frame)),
                 "state": _points([frame.points[plane.state] for plane in drawing.planes]),
-                "next": _points([frame.points[plane.state + "'"] for plane in drawing.planes]),
+                "ways": [
+                    _points(way_of(plane, drawing.schemes[frame.scheme], frame))
+                    for plane in drawing.planes
+                ],
             }
             for frame in frames
         ],
@@ -185,27 +187,11 @@ def _stages(drawing: Drawing, frame: Frame) -> Iterator[dict[str, Any]]:
                 if s.stage == stage and {s.start, s.end} <= frame.points.keys()
             ]
             + [
-                [a.role, _points(_arc(frame, a))]
+                [a.role, _points(arc_points(frame, a))]
                 for a in scheme.arcs
                 if a.stage == stage and {a.centre, a.start, a.end} <= frame.points.keys()
             ],
         }
-
-
-def _arc(frame: Frame, arc: Arc) -> list[complex]:
-    """Return points of an arc; only its chord if its centre is far off the sheet."""
-    centre, start, end = (frame.points[name] for name in (arc.centre, arc.start, arc.end))
-    radius, towards = start - centre, end - centre
-    size = abs(radius)
-    if size == 0.0 or towards == 0.0:
-        return [start]
-    first = atan2(radius.imag, radius.real)
-    way = (atan2(towards.imag, towards.real) - first + pi) % (2.0 * pi) - pi
-    if size > 10.0:
-        return [start, end]
-    count = max(1, ceil(abs(way) / _ARC))
-    angles = [first + way * i / count for i in range(count + 1)]
-    return [centre + size * complex(cos(a), sin(a)) for a in angles]
 
 
 def _points(points: Sequence[complex]) -> list[list[float]]:

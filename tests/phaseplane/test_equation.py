@@ -11,7 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import RULES, EquationPlane, Window, construct_motion, overlay
+from phaseplane.constructions import (
+    RULES,
+    EquationPlane,
+    Window,
+    construct_motion,
+    family,
+    overlay,
+)
 
 
 def van_der_pol(velocity: float, x: float, t: float) -> float:
@@ -168,3 +175,18 @@ def test_an_equation_that_runs_away_says_when():
 def test_what_cannot_be_drawn_is_refused(changes, message):
     with pytest.raises(ValueError, match=message):
         EquationPlane(**({"function": van_der_pol} | changes))
+
+
+@pytest.mark.parametrize("rule", ["delta", "osculating_circle", "tangent"])
+def test_curves_from_further_starts_are_drawn_as_the_rule_steps(rule: str):
+    """x'' + x = 0: arcs about the origin, by whatever rule that has arcs; else the tangents."""
+    still = EquationPlane(lambda v, x, t: x)
+    drawing = family(still, [(0.0, 2.0)], RULES[rule], step=0.5, duration=6.0)
+    (curve,) = (c for c in drawing.curves if c.role == "trail")
+    ways = abs(np.diff(curve.vertices))
+    if rule == "tangent":
+        assert len(ways) == 12
+        return
+    radius = abs(curve.vertices[0] - still.planes[0].displacement.origin)
+    assert abs(np.array(curve.vertices)) == pytest.approx(radius)
+    assert max(ways) <= 0.1 * radius

@@ -125,7 +125,7 @@ function phaseplanePlayer(root, data) {
     function show() {
       moving.replaceChildren();
       const [i, k] = stages[at], step = data.steps[i];
-      data.planes.forEach((_, n) => line(moving, "trail", data.steps.slice(0, i + 1).map(s => s.state[n]), 1.8));
+      data.planes.forEach((_, n) => line(moving, "trail", data.steps.slice(0, i).flatMap(s => s.ways[n]), 1.8));
       for (const s of data.steps.slice(0, i + 1)) s.state.forEach(p => dot(moving, "state", p, 0.7));
       const written = [];  // points that coincide have their letters one above the other
       step.stages.slice(0, k + 1).forEach((stage, n) => {
