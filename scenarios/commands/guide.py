@@ -134,6 +134,11 @@ def _keys(kind: type) -> Iterator[str]:
         allowed = said.get("enum") or said.get("items", {}).get("enum") or ()
         words = f"{said['description']}{': ' if allowed else ''}{_text(allowed)}"
         yield _key(key, said.get("unit", ""), words + _default(said.get("default")))
+        for meant in said.get("oneOf", ()):
+            yield fill(
+                f"{meant['const'] + ':':<26} {meant['description']}", 100,
+                initial_indent=" " * 4, subsequent_indent=" " * 31, break_on_hyphens=False,
+            )  # fmt: skip
 
 
 def _of_model(name: str) -> Iterator[str]:

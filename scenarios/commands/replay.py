@@ -52,7 +52,7 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
     "--construction",
     "rule",
     metavar="RULE",
-    help="Rule of a step of Liénard's construction, e.g. delta.",
+    help="How a step ends in Liénard's construction, e.g. delta; `phaseplane schema` explains the rules.",
 )
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option

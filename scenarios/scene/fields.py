@@ -222,16 +222,25 @@ def format_unit(unit: str) -> str:
     return "" if unit == "1" else f" in {unit}"
 
 
-def one_of(choices: Sequence[str]) -> Kind:
-    """Return the type of one of the given texts."""
+def one_of(choices: Sequence[str] | Mapping[str, str], note: str = "") -> Kind:
+    """Return the type of one of the given texts.
+
+    Parameters
+    ----------
+    choices : the texts, or what each of them means
+    note : what they are, at the end of a message
+    """
 
     def read(value: object) -> str:
         if value not in choices:
             near = nearest(value, choices) if isinstance(value, str) else ""
-            raise ValueError(f"must be one of {', '.join(choices)}{near}")
+            raise ValueError(f"must be one of {', '.join(choices)}{near or note}")
         return str(value)
 
-    return Kind(read, {"type": "string", "enum": list(choices)})
+    if not isinstance(choices, Mapping):
+        return Kind(read, {"type": "string", "enum": list(choices)})
+    meanings = [{"const": name, "description": words} for name, words in choices.items()]
+    return Kind(read, {"type": "string", "oneOf": meanings})
 
 
 def list_of(kind: Kind, words: str) -> Kind:

@@ -35,10 +35,17 @@ FIGURES = (
 CONSTRUCTION_FIGURES = tuple(name for name in FIGURES if name != "time_histories")
 DETAILS = ("trail", "steps", "stages")
 VIEWS = ("planes", "vehicle", "histories", "energies", "words")
-RULES = (
-    "tangent", "mean_normal", "auto_mean_normal", "osculating_circle", "midpoint_circle",
-    "mean_arc_circle", "velocity", "delta",
-)  # fmt: skip
+RULES = {
+    "tangent": "P' on the tangent, the length of DP times the turn angle away",
+    "mean_normal": "on the tangent, with the mean of the lengths of DP and of the next normal",
+    "auto_mean_normal": "mean_normal where DP changes by more than a tenth, else tangent",
+    "osculating_circle": "on the circle about the meet of both normals, seen from D",
+    "midpoint_circle": "on the same circle, seen from midway between both feet D",
+    "mean_arc_circle": "on the same circle, with an arc of the mean length of both normals",
+    "velocity": "the point of tangent, found from the velocity times the step",
+    "delta": "P turned about the foot D of the step's mean state (Jacobsen)",
+}
+"""The rules by which the constructions step, all of them in Liénard's construction, in words."""
 
 
 _STATES = "a list of states [x, x'], such as [[1.0, 0.0], [0.0, 2.0]]"
@@ -127,7 +134,13 @@ class Show:
 class Construction:
     """Settings of the graphical construction."""
 
-    rule: str = entry(one_of(RULES), "rule of a step", "delta")
+    rule: str = entry(
+        one_of(
+            RULES, " (how a step ends in Liénard's construction, which all rules have in common)"
+        ),
+        "how a step ends in Liénard's construction, in which DP is the normal of the motion at P",
+        "delta",
+    )
     step: float = entry(SECONDS, "time step", 2.5e-3)
     duration: float | None = entry(
         SECONDS, "time to construct; the duration of the scene if left out", None

@@ -17,7 +17,7 @@ from phaseplane.scenarios.results.tables import write_table
 from phaseplane.scenarios.scene.expectations import During, Reference
 from phaseplane.scenarios.scene.fields import keys_of, schema_of
 from phaseplane.scenarios.scene.loading import load_scene
-from phaseplane.scenarios.scene.sections import Construction, Show
+from phaseplane.scenarios.scene.sections import RULES, Construction, Show
 from phaseplane.scenarios.sweeps.plan import Range, SweepFile
 from phaseplane.suspension.variables import MODELS
 from pyarrow import parquet
@@ -180,6 +180,21 @@ def test_every_key_of_a_scene_is_explained(kind: type) -> None:
     for name, said in schema_of(kind)["properties"].items():
         assert said["description"], name
         assert f"  {name}" in told
+
+
+def test_schema_says_what_each_rule_of_a_step_is() -> None:
+    told = " ".join(phaseplane("schema").stdout.split())
+    assert "how a step ends in Liénard's construction" in told
+    for name, words in RULES.items():
+        assert f"{name}: {words}" in told
+    rule = json_schema("QuarterCar")["properties"]["construction"]["properties"]["rule"]
+    assert {one["const"]: one["description"] for one in rule["oneOf"]} == RULES
+
+
+def test_lienard_is_said_to_be_common_to_all_rules() -> None:
+    told = phaseplane("replay", "van_der_pol", "--construction", "lienard", "--figure", "x.png")
+    assert "--construction 'lienard': must be one of tangent, " in told.stderr
+    assert "Liénard's construction, which all rules have in common" in told.stderr
 
 
 def test_every_key_of_a_sweep_is_explained() -> None:
