@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from fmu_cost import host_costs, run_costs, step_costs, tuning_costs
+from fmu_cost import host_costs, run_costs, step_costs, tuned_in_python, tuning_costs
 
 
 def test_a_communication_step(tmp_path: Path) -> None:
@@ -28,3 +28,8 @@ def test_a_run_with_its_measures(tmp_path: Path) -> None:
 def test_a_parameter_that_changes_costs_about_a_step(tmp_path: Path) -> None:
     costs = tuning_costs(tmp_path)
     assert costs["step with parameter tuned"] <= 2.5 * costs["step on sampled road"], costs
+
+
+def test_a_parameter_that_changes_in_an_fmu_that_runs_python(tmp_path: Path) -> None:
+    costs = tuned_in_python(tmp_path)
+    assert costs["setReal + doStep"] <= 8.0 * costs["doStep"], costs

@@ -74,6 +74,7 @@ Rows = _integrator.Rows
 Run = _integrator.Run
 Network = _integrator.Network
 Rest = _integrator.Rest
+laws_of = _integrator.laws_of
 FAILURES: dict[int, str] = _integrator.FAILURES
 KINDS: tuple[str, ...] = _integrator.KINDS
 Method = _integrator.Method

@@ -19,9 +19,10 @@ from weakref import proxy
 
 from .engine import KINDS, Integrator, Lines, Run
 from .equilibrium import static_equilibrium
-from .models import build, inputs
+from .models import build, declared_parameters, inputs
 from .reading import Contacts, Energies, Readers, ReadMany, State
 from .reasons import why_stopped
+from .retuning import Retuning
 from .signals import Segment, Signal
 from .systems import Axle, System
 from .variable import Checked, number
@@ -32,7 +33,6 @@ from .variables import (
     checked_parameters,
     outputs,
     refuse_unknown,
-    variables,
 )
 
 _HALTED, _AT_SWITCHES = -1, 1  # as in kernel.march
@@ -96,6 +96,7 @@ class Session:
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
         self.parameters = checked_parameters(model, parameters)
         self._tuned: dict[str, Value] = {}
+        self._retuning = Retuning(model)
         self._energies: Energies | None = None  # at the present time, once asked for
         self._inputs = inputs(model)
         system = build(model, self.parameters)
@@ -174,6 +175,7 @@ class Session:
     def _attach(self, system: System, integrator: Integrator) -> None:
         """Use a system and its integrator from now on."""
         self._system, self._integrator = system, integrator
+        self._is_old = False  # whether it has other laws than the integrator
         self._behind = integrator.snapshot()
         self._tyre_elements = {system.element(axle.tyre) for axle in self._tyres}
         self.contacts = Contacts(*self._run.contacts.seen())
@@ -208,7 +210,7 @@ class Session:
         ParameterError : unknown or fixed parameter, or a value that it cannot have.
         """
         refuse_unknown([name], self.parameters, f"{self.model} has no parameter")
-        variable = next(v for v in variables(self.model) if v.name == name)
+        variable = declared_parameters(self.model)[name]
         if not variable.tunable:
             raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
         self._tuned[name] = variable.checked(value)
@@ -280,7 +282,7 @@ class Session:
             self._run.time = self._integrator.time
             step = self._integrator.step_count
             where = f"at {self.time:.6g} s, in step {step}"
-            reason = why_stopped(status, where, self._integrator, self._system)
+            reason = why_stopped(status, where, self._integrator, self.system)
             self.messages.append(("error", reason))
             raise SimulationError(reason)
 
@@ -337,24 +339,45 @@ class Session:
         parameters = Checked(self.model, {**self.parameters, **tuned})
         if parameters == self.parameters:
             return
-        system = self._on_present_road(parameters)
+        laws = self._retuning.laws(parameters, tuned)
+        system = None
+        if laws is None:
+            system = self._on_present_road(parameters)
+            self._refuse(system)
         self._stop_here()
         self._run.account.find(self._integrator, self.time)
         self.parameters = parameters
-        if _has_other_laws_alone(system, self._system) and self._integrator.fits(system):
-            self._integrator.retune(system)
-            self._system = system
-            self._behind = self._integrator.snapshot()
-        else:
+        if system is not None and not self._fits(system):
             self._replace_integrator(system)
+            self._retuning.forget()
+        elif system is not None:
+            self._integrator.retune(system)
+            self._system, self._is_old = system, False
+            self._retuning.note(_on_level_road(parameters), self._fits)
+        elif laws is not None:
+            self._integrator.retune(laws)
+            self._is_old = True
+        self._behind = self._integrator.snapshot()
         self._run.contacts.compare(self._integrator, self.time)
         self._run.account.carry(self._integrator)
         self._energies = None
 
+    def _refuse(self, system: System) -> None:
+        """Refuse a system that the method cannot integrate."""
+        try:
+            self._integrator.refuse(system)
+        except ValueError as error:
+            raise ParameterError(str(error)) from None
+
+    def _fits(self, system: System) -> bool:
+        """Return whether a system differs from the present one only in laws that can be replaced."""
+        present = replace(system, signals=self._signals)
+        self._refuse(present)  # what is noted of a system includes why it is not refused
+        return _has_other_laws_alone(system, self._system) and self._integrator.fits(present)
+
     def _on_present_road(self, parameters: Checked) -> System:
         """Return the system with other parameters and the present signals; no road is made again."""
-        flat = {"road.shape": "flat"} if "road.shape" in parameters else {}
-        system = build(self.model, Checked(self.model, {**parameters, **flat}))
+        system = build(self.model, _on_level_road(parameters))
         if any(self._signals[axle.road].scale for axle in system.axles):
             return replace(system, signals=self._signals, scales=self._system.scales)
         return replace(system, signals=self._signals)
@@ -418,6 +441,8 @@ class Session:
     @property
     def system(self) -> System:
         """The system of the integrator, with the present parameters."""
+        if self._is_old:
+            self._system, self._is_old = self._on_present_road(self.parameters), False
         return self._system
 
     # -- energies ------------------------------------------------------------------------------------
@@ -532,6 +557,12 @@ def driven(system: System, inputs: Sequence[str], road: bool) -> list[tuple[int,
         elif name in inputs:
             lines.append((signal, inputs.index(name), -1))
     return lines
+
+
+def _on_level_road(parameters: Checked) -> Checked:
+    """Return the parameters with no road to be made, if there is one."""
+    flat = {"road.shape": "flat"} if "road.shape" in parameters else {}
+    return Checked(parameters.model, {**parameters, **flat})
 
 
 def _has_other_laws_alone(system: System, other: System) -> bool:

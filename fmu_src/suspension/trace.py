@@ -1,4 +1,4 @@
-"""Numbers that note what is done to them: a calculation, run once, becomes straight C or whole columns.
+"""Numbers that note what is done to them: a calculation, run once, becomes straight code or columns.
 
 A function that only calculates and compares is called with such numbers in place of floats. Every
 operation is noted, with the value that it has now; every comparison is noted as a condition under which

@@ -19,7 +19,7 @@ from .versions import installed
 SUSPENSION = KERNEL.parent
 SLAVES = Path(__file__).parent / "slaves"
 # need numpy, or are for those who do, and are not needed in an FMU
-NOT_CARRIED = ("batch.py", "series.py", "slots.py", "trace.py")
+NOT_CARRIED = ("batch.py", "series.py", "slots.py")
 _NOT_IN_KEY = ("native", "__pycache__")
 
 

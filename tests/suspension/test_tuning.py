@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import cos, pi, sin, sqrt
 
 import pytest
+from phaseplane.suspension import retuning
 from phaseplane.suspension import session as session_module
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.signals import Signal
@@ -240,3 +241,77 @@ def test_what_is_not_a_law_is_changed_by_another_integrator() -> None:
     session.set_parameter("bump_stop.stiffness", 1e5)  # there was none
     session.advance(0.04)
     assert session.integrator is not integrator
+
+
+OFTEN = {
+    "a bump": ("QuarterCar", {}, {"damper.rebound_rate": 900.0}),
+    "on a random road": (
+        "HalfCar", {"road.shape": "random", "speed": 40.0},
+        {"front.damper.bump_rate": 500.0, "rear.damper.rebound_limit": 400.0},
+    ),
+    "in the air": (
+        "QuarterCar", {"road.height": 0.1, "bump_stop.stiffness": 1e5},
+        {"tyre.stiffness": 1e5, "spring.preload": 3e3},
+    ),
+    "a curved spring under preload": (
+        "QuarterCar", {}, {"spring.preload": 3e3, "spring.cubic": 1e6},
+    ),
+    "an input": ("QuarterCar", {"road.shape": "input"}, {"damper.scale": 1.5, "friction": 90.0}),
+    "a table": ("OneDof", {"damper.table": "-1:-900, 0:0, 1:2000"}, {"damper.scale": 1.2}),
+    "exact": ("QuarterCar", {"solver.method": "exact"}, {"damper.rebound_rate": 900.0}),
+    "saturating": ("QuarterCar", {}, {"damper.saturation_force": 900.0}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("which", OFTEN)
+def test_parameters_that_change_often_give_the_bits_of_systems_built_anew(
+    which: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model, parameters, tuned = OFTEN[which]
+    ends, built = [], []
+    plain = session_module.build
+    for first in (retuning._FIRST, 10**9):
+        monkeypatch.setattr(retuning, "_FIRST", first)
+        session = Session(model, parameters)
+        made: list[int] = []
+        monkeypatch.setattr(session_module, "build", lambda *of, m=made: m.append(1) or plain(*of))
+        for k in range(100):
+            for name, value in tuned.items():
+                factor = 1.0 if k < 40 else 0.2  # which some laws take another way
+                session.set_parameter(name, value * (1.0 + 0.01 * (k % 23)) * factor)
+            driven(session, 1)
+        built.append(len(made))
+        readings = [session.value(name) for name in session_outputs(model)]
+        ends.append((session.snapshot(), readings, list(session.messages), session.system))
+    assert ends[0] == ends[1]
+    assert built[1] >= 99
+    sought = which in ("saturating", "a curved spring under preload")  # not by plain sums alone
+    assert built[0] < (102 if sought else 70)
+
+
+def test_another_parameter_ends_what_was_noted(monkeypatch: pytest.MonkeyPatch) -> None:
+    ends = []
+    for first in (retuning._FIRST, 10**9):
+        monkeypatch.setattr(retuning, "_FIRST", first)
+        session = Session("QuarterCar", {})
+        for k in range(80):
+            session.set_parameter("damper.rebound_rate", 900.0 + k)
+            if k in (30, 50):
+                session.set_parameter("tyre.stiffness", 1e5 + 1e3 * k)
+            if k == 40:
+                session.set_parameter("damper.table", "-1:-900, 0:0, 1:2000")
+            if k == 60:
+                session.set_parameter("damper.table", "")
+            driven(session, 1)
+        ends.append(session.snapshot())
+    assert ends[0] == ends[1]
+
+
+def test_a_method_refuses_laws_that_come_later() -> None:
+    session = Session("QuarterCar", {"solver.method": "exact"})
+    session.advance(0.01)
+    session.set_parameter("spring.cubic", 1e6)
+    with pytest.raises(ParameterError, match="the spring of 'spring' is curved"):
+        session.advance(0.02)
+    assert session.value("spring.cubic") == 0.0
+    session.advance(0.02)

@@ -33,6 +33,7 @@ __all__ = [
     "axle_masses",
     "build",
     "checked_parameters",
+    "declared_parameters",
     "inputs",
     "outputs",
     "register",
@@ -84,7 +85,7 @@ def checked_parameters(model: str, given: Mapping[str, object]) -> Checked:
     """
     if isinstance(given, Checked) and given.model == model:
         return given
-    declared = _parameters(model)
+    declared = declared_parameters(model)
     refuse_unknown(given, declared, f"{model} has no parameter")
     checked = {name: declared[name].checked(value) for name, value in given.items()}
     return Checked(model, _defaults(model) | checked)
@@ -113,13 +114,19 @@ def inputs(model: str) -> tuple[str, ...]:
 
 
 @cache
-def _parameters(model: str) -> dict[str, Variable]:
+def declared_parameters(model: str) -> dict[str, Variable]:
+    """Return the parameters of a model by name.
+
+    Raises
+    ------
+    ParameterError : no such model.
+    """
     return {v.name: v for v in variables(model) if v.causality == "parameter"}
 
 
 @cache
 def _defaults(model: str) -> dict[str, Value]:
-    return {name: variable.start for name, variable in _parameters(model).items()}
+    return {name: variable.start for name, variable in declared_parameters(model).items()}
 
 
 def register(name: str, model: Model) -> None:
@@ -132,7 +139,7 @@ def register(name: str, model: Model) -> None:
     if name in FILES:
         raise ParameterError(f"{name} is a model of this package")
     ALL[name], MODELS[name] = model, model.variables
-    for known in (outputs, inputs, _parameters, _defaults, _built):
+    for known in (outputs, inputs, declared_parameters, _defaults, _built):
         known.cache_clear()
 
 
