@@ -14,7 +14,7 @@ from .commands.console import Commands, Entry
 
 COMMANDS = {
     "run": Entry("run.run", "Run SCENE: a case (see `list`), a scene file, or any .fmu file."),
-    "sweep": Entry("sweeping.sweep", "Run a scene many times, varied as in SWEEP."),
+    "sweep": Entry("sweeping.sweep", "Run a scene many times with varied parameters."),
     "optimise": Entry("design.optimise", "Find the best parameters of a scene within bounds."),
     "fit": Entry("design.fit", "Fit parameters of a scene to measured signals."),
     "replay": Entry("replay.replay", "Draw the construction of a SCENE or of a run's RESULTS."),
@@ -33,11 +33,13 @@ COMMANDS = {
     "show": Entry("results.show", "Summarise RESULTS: a run's folder or a table."),
     "compare": Entry("results.compare", "Compare the results A and B column by column."),
     "serve": Entry("viewing.serve", "Show the recordings in a folder on a web page."),
-    "build": Entry("build.build", "Pack FMUs: the given MODELs, or all."),
+    "build": Entry("build.build", "Pack the given MODELs, or all models, as FMUs."),
     "ladder": Entry("modelling.ladder", "Find the smallest model that is accurate for SCENE."),
     "accuracy": Entry("studies.accuracy", "Measure error against run time."),
     "rules": Entry("studies.rules", "Compare the step rules with the exact motion."),
-    "stability": Entry("studies.stability", "Find unstable steps, in theory and in runs."),
+    "stability": Entry(
+        "studies.stability", "Find the largest stable steps, in theory and in runs."
+    ),
 }
 
 

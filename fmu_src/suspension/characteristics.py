@@ -263,8 +263,8 @@ def _side_by_side(start: float, one: Piece, other: Piece) -> Piece:
     bound = [piece for piece in (one, other) if piece.saturation or piece.power or piece.own]
     if len(bound) == 2 and not _saturate_alike(*bound):
         raise ValueError(
-            "two laws that saturate about different points or over different scales, or have powers or "
-            "functions of one's own, cannot be added; use two elements"
+            "two laws that saturate about different points or over different scales, or contain power "
+            "laws or user-defined functions, cannot be added; use two elements"
         )
     curved = bound[0] if bound else min((one, other), key=lambda piece: abs(piece.origin))
     a0, a1, a2, a3 = _about(one, curved.origin)

@@ -87,7 +87,7 @@ def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
     return (
         parameter("road.shape", "bump", shape, choices=ROAD_SHAPES),
         parameter("road.height", 0.05, "height of bump, obstacle, plank, step or ramp, depth of "
-                  "pothole, double amplitude of sine and sweep (negative: inverted)", "m",
+                  "pothole, peak-to-peak amplitude of sine and sweep (negative: inverted)", "m",
                   display="mm"),
         parameter("road.length", 1.0, "length of bump, obstacle, plank, pothole or ramp, wavelength "
                   "of sine (a washboard)", "m", positive=True),

@@ -72,8 +72,8 @@ def _through_zero(law: Characteristic, name: str) -> Characteristic:
     if abs(rest) > 1e-9 * max(abs(piece.coefficients[0]) for piece in law.pieces):
         raise ParameterError(
             f"{name}: gives {rest:g} N at 0; forces are measured from static equilibrium, "
-            "so the table must pass through 0:0; take a constant force, such as that of a gas damper, "
-            "away (offset, in a table from a file)"
+            "so the table must pass through 0:0; subtract a constant force, such as that of a gas "
+            "damper (with offset, for a table from a file)"
         )
     return law
 

@@ -312,7 +312,7 @@ class Session:
             self.messages.append(
                 (
                     "info",
-                    f"errors add up: by {self._integrator.time:.6g} s the energy balance is off by "
+                    f"errors accumulate: at {self._integrator.time:.6g} s the energy balance is off by "
                     f"{part:.2g} of all energy; reduce solver.tolerance, or a fixed solver.step, for "
                     "a long run",
                 )
@@ -325,8 +325,9 @@ class Session:
             self.messages.append(
                 (
                     "info",
-                    f"switches follow one another without time between them, the first by "
-                    f"{self._integrator.time:.6g} s: passed over, results may be less exact there",
+                    f"switches follow one another without time between them, first before "
+                    f"{self._integrator.time:.6g} s: they are passed over; results may be less "
+                    "accurate there",
                 )
             )
 

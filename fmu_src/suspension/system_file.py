@@ -294,8 +294,8 @@ def _raise_unread(name: str, system: System) -> None:
         except Exception:  # a reading may fail in any way
             known = ", ".join(f"{c}_displacement".lstrip("_") for c in system.coordinates)
             raise ParameterError(
-                f"MODEL.variables: the system has nothing for the output {output.name}; coordinates "
-                f"give {known} and their rates"
+                f"MODEL.variables: the system does not provide the output {output.name}; coordinates "
+                f"provide {known} and their rates"
             ) from None
 
 
@@ -554,7 +554,7 @@ def _table(said: object, where: str) -> Mapping[str, Any]:
 def _word(name: object, where: str) -> None:
     if not isinstance(name, str) or not _WORD.match(name):
         raise ParameterError(
-            f"{where}: {name!r} must be a word in small letters, such as 'front_left'"
+            f"{where}: {name!r} must be a word in lower case, such as 'front_left'"
         )
 
 

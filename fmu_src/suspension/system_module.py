@@ -40,7 +40,7 @@ def model_name(stem: str) -> str:
     ParameterError : if the file cannot be a module.
     """
     if not _STEM.fullmatch(stem):
-        raise ParameterError(f"{stem}.py: name the file in small letters, such as my_car.py")
+        raise ParameterError(f"{stem}.py: name the file in lower case, such as my_car.py")
     return stem.title().replace("_", "")
 
 
@@ -60,7 +60,7 @@ def model_in(source: str) -> Model:
     names = [v.name for v in model.variables]
     twice = [name for name in names if names.count(name) > 1]
     if twice:
-        raise ParameterError(f"MODEL.variables: {twice[0]} is there twice")
+        raise ParameterError(f"MODEL.variables: {twice[0]} is declared twice")
     for words, needed in (
         ("*SOLVER_PARAMETERS of phaseplane.suspension.declared", SOLVER_PARAMETERS),
         ("*SOLVER_OUTPUTS of phaseplane.suspension.outputs", SOLVER_OUTPUTS),

@@ -23,7 +23,7 @@ from phaseplane.constructions.switching import first_end
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.readings import Reading
 
-RIGHT, READING, METHOD = "right", "reading error", "error of method"
+RIGHT, READING, METHOD = "right", "reading error", "method error"
 _DOUBTFUL = 3.0  # tolerances: up to there an error that nothing explains is one of reading
 
 
@@ -33,7 +33,7 @@ class Mark(NamedTuple):
     Parameters
     ----------
     number : of the point
-    verdict : `right`, `reading error` or `error of method`
+    verdict : `right`, `reading error` or `method error`
     distance : from where it should be, mm of paper; the largest of all planes
     said : what is wrong, or empty
     expected : where the state points should be, from the student's previous point
@@ -214,9 +214,9 @@ def _judged(
     else:
         verdict = READING if distance <= _DOUBTFUL * tolerance else METHOD
         said = (
-            "a little beside the point: measure again"
+            "slightly off: measure again"
             if verdict == READING
-            else f"no known mistake leads here; construct the step from point {before.number} again"
+            else f"not explained by a known mistake; construct the step from point {before.number} again"
         )
     return Mark(number, verdict, 1e3 * distance, lettered(said), expected)
 
@@ -259,10 +259,10 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
         return stepped(other)
 
     cases: list[tuple[str, Callable[[], States | None]]] = [
-        ("the normal was turned the other way", lambda: turned(-1.0)),
+        ("the normal was turned in the wrong direction", lambda: turned(-1.0)),
         ("the turn angle was laid off twice", lambda: turned(2.0)),
         ("only half of the turn angle was laid off", lambda: turned(0.5)),
-        ("the point was left where it was", lambda: step.states[:count]),
+        ("the point was not moved", lambda: step.states[:count]),
     ]
     cases += [
         (f"the step follows the rule {name.replace('_', ' ')}, not {rule.name.replace('_', ' ')}",
@@ -279,7 +279,7 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
             other = Stepper(construction, rule)
             other.rates = tuple(-r if k == i else r for k, r in enumerate(other.rates))
             cases.append(
-                (f"the normal of plane {plane.number} was turned the other way",
+                (f"the normal of plane {plane.number} was turned in the wrong direction",
                  lambda other=other: stepped(other))  # type: ignore[misc]
             )  # fmt: skip
     for words, find in cases:
@@ -306,8 +306,8 @@ def _misreadings(planes: Sequence[Plane], states: States) -> Iterator[tuple[str,
 _MISREAD: tuple[tuple[str, Callable[[complex], complex]], ...] = (
     ("the sign of the displacement is wrong", lambda z: complex(-z.real, z.imag)),
     ("the sign of the velocity is wrong", lambda z: z.conjugate()),
-    ("displacement and velocity are exchanged", lambda z: complex(z.imag, z.real)),
-    ("millimetres were given for centimetres", lambda z: 10.0 * z),
+    ("displacement and velocity are interchanged", lambda z: complex(z.imag, z.real)),
+    ("the values are in millimetres, not in centimetres", lambda z: 10.0 * z),
 )
 
 
@@ -331,23 +331,23 @@ def _wrong_feet(
         feet(lambda p, n: _mirrored(construction, p, n)),
     )
     yield (
-        "D was taken in the foot of P: the auxiliary curve was not used",
+        "D was placed at the foot of P: the auxiliary curve was not used",
         feet(lambda p, n: p[f"Q{n}"]),
     )
     yield (
-        "D was taken in the origin: delta was left out",
+        "D was placed at the origin: delta was omitted",
         feet(lambda _, n: _origin(construction, n)),
     )
     yield (
-        "the excitation was left out: D taken in A*",
+        "the excitation was omitted: D was placed at A*",
         feet(lambda p, n: p[f"A{n}*"]),
     )
     yield (
-        "the excitation was laid off in the wrong sense",
+        "the excitation was laid off in the wrong direction",
         feet(lambda p, n: 2.0 * p[f"A{n}*"] - p[_foot(construction, n)]),
     )
     yield (
-        "A was taken where P is mirrored about the axis: the wrong branch of the auxiliary curve",
+        "A was found from the mirror image of P: the wrong branch of the auxiliary curve",
         _other_branch(construction, step),
     )
 

@@ -42,8 +42,8 @@ _LINES: dict[str, tuple[str, float, Literal["-", "--", ":", "-."], str]] = {  # 
     "separatrix": (style.RED, 1.5, "-", "separatrices"),
     "attracting": (style.BLUE, 2.2, "-", "limit cycle, attracting"),
     "repelling": (style.ORANGE, 2.2, "--", "limit cycle, repelling"),
-    "semistable": (style.PINK, 2.2, "-.", "limit cycle, attracting from one side"),
-    "rest": (style.GREEN, 4.0, "-", "stretch of rest"),
+    "semistable": (style.PINK, 2.2, "-.", "limit cycle, semi-stable"),
+    "rest": (style.GREEN, 4.0, "-", "interval of rest"),
 }
 
 

@@ -34,7 +34,7 @@ _EVENTS = {
     "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
     "touchdown": ("V {}touchdown", "The {}wheel touches down (V)."),
     "sticking": ("F {}sticking", "Dry friction holds the {}suspension (F)."),
-    "jolt": ("jump of the road", "The road jumps, and the state points with it."),
+    "jolt": ("jump of the road", "The road jumps, and so do the state points."),
 }
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 

@@ -49,7 +49,7 @@ class Cycle:
     def kind(self) -> str:
         """Its stability, as a phrase."""
         if self.semistable:
-            return "attracts from one side"
+            return "semi-stable"
         return "attracts" if self.attracts else "repels"
 
 

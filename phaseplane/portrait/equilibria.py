@@ -22,7 +22,7 @@ _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
-STRETCH = "stretch of rest"
+STRETCH = "interval of rest"
 CUSP, SADDLE_NODE = "cusp", "saddle-node"
 
 

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 @click.option(
     "--native",
     is_flag=True,
-    help="Pack FMUs that need no Python. Tables, road shape and other structure keep their values.",
+    help="Pack FMUs that need no Python. Tables, the road shape and other structure are fixed.",
 )
 @click.option(
     "--fmi",
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 @click.option(
     "--platforms",
     metavar="NAMES",
-    help="Platforms of native FMUs, separated by commas, or all. Other platforms than this one need "
+    help="Platforms of native FMUs, separated by commas, or all. Platforms other than this one need "
     "the extra `native`.",
 )
 @click.option(
@@ -75,10 +75,10 @@ def build(
     settings: tuple[str, ...],
     as_data: bool,
 ) -> None:
-    """Pack FMUs: the given MODELs, or all.
+    """Pack the given MODELs, or all models, as FMUs.
 
-    MODEL is also a scene or the file of a system: its FMU has the parameters of the scene as start
-    values. Write a reference result beside each FMU.
+    MODEL can also be a scene or the file of a system; the start values of the FMU are then the
+    parameters of the scene. A reference result is written next to each FMU.
     """
     if native:
         if ssp:

@@ -202,13 +202,6 @@ set_option = click.option(
     help="Set a key of the scene or a parameter, e.g. 'road.height=8 cm'. Repeatable.",
 )
 json_option = click.option("--json", "as_data", is_flag=True, help="Print JSON only.")
-output_option = click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for the results; replaced as a whole. [default: out/SCENE]",
-)
 
 
 class FiniteRange(click.FloatRange):
@@ -222,6 +215,17 @@ class FiniteRange(click.FloatRange):
 
     def _describe_range(self) -> str:  # click's own says x<=None of a range without bounds
         return "" if self.min is self.max is None else super()._describe_range()
+
+
+def output_option(default: str) -> Callable[[Any], Any]:
+    """Return the option `--output DIR`, with its default in the help."""
+    return click.option(
+        "-o",
+        "--output",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help=f"Folder for the results; replaced as a whole. [default: {default}]",
+    )
 
 
 def figure_option(what: str, more: str = "") -> Callable[[Any], Any]:

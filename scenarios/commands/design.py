@@ -9,15 +9,9 @@ import click
 from ..design.job import Study, fit_parameters
 from ..design.job import optimise as find_optimum
 from ..results.plain import as_json
-from .console import DONE, FAILED, complain, json_option, progress_bar
+from .console import DONE, FAILED, complain, json_option, output_option, progress_bar
 
-_output = click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for the results; replaced as a whole. [default: out/studies/FILE]",
-)
+_output = output_option("out/studies/FILE")
 
 
 @click.command()
@@ -36,7 +30,7 @@ def optimise(file: Path, output: Path | None, as_data: bool) -> int:
     _tell(study, as_data)
     if study.summary["feasible"]:
         return DONE
-    complain(f"{file.stem}: no point keeps all bounds")
+    complain(f"{file.stem}: no point satisfies all bounds")
     return FAILED
 
 

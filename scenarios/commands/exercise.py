@@ -19,7 +19,7 @@ _LARGEST = 1_000_000  # characters of readings
 @click.command()
 @click.argument("scene")
 @set_option
-@output_option
+@output_option("out/exercises/SCENE")
 @click.option("--steps", type=int, default=10, show_default=True, help="Steps to construct.")
 @click.option(
     "--paper",
@@ -56,10 +56,9 @@ def exercise(
 ) -> int:
     """Write an exercise: construct the first steps of SCENE by hand.
 
-    The folder holds a sheet at true scale, a marking sheet, a table for the readings, a page on which the
-    points can be clicked instead, the protocol and a GeoGebra file. With --mark,
-    each point read is judged from the student's own previous one; the exit status is 1 unless all points
-    are right.
+    The folder contains a sheet at true scale, a sheet with the solution, a table for the readings, a page
+    on which the points can be clicked instead, the protocol and a GeoGebra file. With --mark, each point
+    is judged from the student's previous point; the exit status is 1 unless all points are right.
     """
     loaded = load_scene(scene, overrides, expect=False)
     made = exercises.exercise(loaded, steps, paper)

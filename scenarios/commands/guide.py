@@ -27,7 +27,7 @@ _TOP = {
     "duration": ("s", "time to simulate"),
 }
 _SECTIONS: dict[str, tuple[str, type]] = {
-    "show": ("what to compute, read and write, and nothing else", Show),
+    "show": ("what to compute, read and write; nothing else is", Show),
     "construction": ("settings of the graphical construction", Construction),
     "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
     "expect.reference": ("a table of results that the run must agree with", Reference),
@@ -90,7 +90,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     }
     return {
         "$schema": _DIALECT,
-        "title": f"A scene that drives {fmu.model}",
+        "title": f"A scene that runs {fmu.model}",
         "type": "object",
         "properties": properties | sections,
     }

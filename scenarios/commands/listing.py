@@ -18,8 +18,8 @@ from .console import json_option
 def list_cases(fmu: str | None, as_data: bool) -> None:
     """List the package's scenes and sweeps, or the parameters of FMU.
 
-    FMU is a file or a model. Parameters are listed by when they can be set: never, if a native FMU was
-    packed with them, before a run, or during it.
+    FMU is a file or a model. Its parameters are grouped by the time at which they can be set: when a
+    native FMU is packed, before a run, or during a run.
     """
     if fmu is not None:
         _list_parameters(fmu_named(fmu), as_data)
@@ -38,7 +38,7 @@ def list_cases(fmu: str | None, as_data: bool) -> None:
 def _list_parameters(fmu: Fmu, as_data: bool) -> None:
     parameters = fmu.parameters().values()
     groups: dict[str, list[Variable]] = {
-        "chosen when the FMU was packed": [v for v in parameters if v.name in fmu.fixed],
+        "fixed when the FMU was packed": [v for v in parameters if v.name in fmu.fixed],
         "set before a run": [v for v in parameters if v.name not in fmu.fixed and not v.tunable],
         "also set during a run": [v for v in parameters if v.name not in fmu.fixed and v.tunable],
     }

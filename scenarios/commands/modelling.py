@@ -40,8 +40,8 @@ def ladder(
     """Find the smallest model that is accurate for SCENE.
 
     Run SCENE with every smaller model of the package that has its outputs, and with the scenes
-    or systems SMALLER, and compare the results. SCENE can be a system of your own if SMALLER are
-    given; outputs of the same name are compared, and --set applies to all.
+    or systems SMALLER, and compare the results. If SMALLER are given, SCENE can also be
+    a system of your own. Outputs of the same name are compared; --set applies to all models.
     """
     whole, *named = (load_scene(name, overrides, expect=False) for name in (scene, *smaller))
     for loaded in (whole, *named):

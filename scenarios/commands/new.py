@@ -11,7 +11,7 @@ from .template import write_template
 
 @click.command()
 @click.argument("path", metavar="FILE.toml", type=click.Path(path_type=Path))
-@click.option("--model", default="QuarterCar", show_default=True, help="The FMU of the scene.")
+@click.option("--model", default="QuarterCar", show_default=True, help="Model of the scene.")
 def new(path: Path, model: str) -> None:
     """Write a commented scene to start from."""
     write_template(path, model)

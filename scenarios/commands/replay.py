@@ -52,7 +52,7 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
     "--construction",
     "rule",
     metavar="RULE",
-    help="How a step ends in Liénard's construction, e.g. delta; `phaseplane schema` explains the rules.",
+    help="Step rule of Liénard's construction, e.g. delta; `phaseplane schema` explains the rules.",
 )
 @click.option("--step", metavar="TIME", help="Step of the construction, e.g. '2.5 ms'.")
 @save_option
@@ -62,10 +62,10 @@ from .viewing import look_options, page, save_option, until_interrupted, viewer_
     default="phase_planes",
     show_default=True,
     metavar="NAME",
-    help="Figure to draw: phase_planes, construction_sheet, storyboard, or one of AP57: figure1 to "
-    "figure16, of which 4 is figure4a and figure4b.",
+    help="Figure to draw: phase_planes, construction_sheet, storyboard, or a figure of AP57: "
+    "figure1 to figure16 (figure4a and figure4b for 4).",
 )
-@click.option("--at-step", type=int, metavar="N", help="Step that a figure of one step shows.")
+@click.option("--at-step", type=int, metavar="N", help="Step to show in a figure of a single step.")
 @look_options
 @viewer_options
 @json_option

@@ -103,8 +103,8 @@ def compare(
 ) -> int:
     """Compare the results A and B column by column.
 
-    B may also be a TOML file with a table [measured], such as that of a fit: it gives a file of measured
-    signals with columns, units, offsets and a time shift of its own.
+    B may also be a TOML file with a table [measured], such as that of a fit, which gives a file of
+    measured signals with its columns, units, offsets and time shift.
 
     Rows, times and columns that only one of them has also count as differences. Exit status 1 if they
     differ.

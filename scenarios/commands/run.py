@@ -63,7 +63,7 @@ def _silent(_label: str) -> AbstractContextManager[None]:
 @click.option(
     "--no-expect", is_flag=True, help="Skip the expectations of SCENE; check only those of --set."
 )
-@output_option
+@output_option("out/SCENE")
 @viewer_options
 @save_option
 @click.option("--realtime", is_flag=True, help="Run in real time.")

@@ -12,7 +12,7 @@ from ..scene.loading import load_scene
 from ..studies import rules as study
 from ..studies.problems import PROBLEMS
 from ..studies.reports import study_accuracy, study_stability
-from .console import json_option, progress_bar, set_option, warn
+from .console import json_option, output_option, progress_bar, set_option, warn
 
 
 @click.command(
@@ -31,13 +31,7 @@ from .console import json_option, progress_bar, set_option, warn
     show_default=True,
     help="Number of timings of each run.",
 )
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for data, tables and picture; replaced as a whole. [default: out/accuracy]",
-)
+@output_option("out/accuracy")
 @json_option
 def accuracy(
     *, scenes: tuple[str, ...], peers: bool, repeats: int, output: Path | None, as_data: bool
@@ -68,23 +62,17 @@ def rules(scene: str, overrides: tuple[str, ...], as_data: bool) -> None:
 
 @click.command()
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for data, tables and picture; replaced as a whole. [default: out/stability]",
-)
+@output_option("out/stability")
 @json_option
 def stability(*, scenes: tuple[str, ...], output: Path | None, as_data: bool) -> None:
-    """Find unstable steps, in theory and in runs.
+    """Find the largest stable steps, in theory and in runs.
 
-    The runs are those of SCENEs, or the test problems of the package. Also run a table of extreme
-    cases; exit status 1 if one of them fails.
+    Each SCENE is a scene or a test problem of the package; default: all test problems with switches.
+    A table of extreme cases is run, too; the exit status is 1 if one of them fails.
     """
     with progress_bar("stability") as progress:
         data, table, folder = study_stability(scenes, output, progress)
     click.echo(as_json(data) if as_data else f"{table}\n\nfiles  {folder}")
     wrong = [case["name"] for case in data["extremes"] if case["outcome"] == "wrong"]
     if wrong:
-        raise RunError(f"went wrong: {', '.join(wrong)}")
+        raise RunError(f"wrong results: {', '.join(wrong)}")

@@ -9,18 +9,20 @@ import click
 from ..results.plain import as_json
 from ..sweeps.job import run_sweep
 from ..sweeps.report import format_sweep
-from .console import DONE, FAILED, complain, json_option, progress_bar, warn
+from .console import (
+    DONE,
+    FAILED,
+    complain,
+    json_option,
+    output_option,
+    progress_bar,
+    warn,
+)
 
 
 @click.command()
 @click.argument("file", metavar="SWEEP")
-@click.option(
-    "-o",
-    "--output",
-    type=click.Path(path_type=Path),
-    metavar="DIR",
-    help="Folder for the results; replaced as a whole. [default: out/sweeps/SWEEP]",
-)
+@output_option("out/sweeps/SWEEP")
 @click.option(
     "--through",
     type=click.Choice(["process", "fmu"]),
@@ -44,7 +46,7 @@ def sweep(
     table: str,
     as_data: bool,
 ) -> int:
-    """Run a scene many times, varied as in SWEEP.
+    """Run a scene many times with varied parameters.
 
     SWEEP is a sweep of the package (see `list`) or a file that gives a grid, a list or a random
     sample of parameters (see `schema --sweep`). Start an interrupted sweep again to continue it.

@@ -22,9 +22,9 @@ _NARROWEST, _WIDEST = 0.04, 1.0  # m
 _OPTIONS = (
     click.option(
         "--connect", "viewer", default="", metavar="URL",
-        help="Show it in this running viewer, e.g. rerun+http://127.0.0.1:9876/proxy.",
+        help="Display in the running viewer at this address, e.g. rerun+http://127.0.0.1:9876/proxy.",
     ),
-    click.option("--serve", "served", is_flag=True, help="Show it on a web page, until Ctrl-C."),
+    click.option("--serve", "served", is_flag=True, help="Display on a web page, until Ctrl-C."),
     click.option(
         "--address", default=_LOOPBACK, show_default=True, metavar="ADDRESS",
         help="Address to serve the page on; any but a loopback address opens it to other machines.",
@@ -41,7 +41,7 @@ _LOOK = (
     click.option("--dark", is_flag=True, help="Use a dark background."),
     click.option(
         "--no-title", "headed", is_flag=True, flag_value=False, default=True,
-        help="Draw no heading, for a caption of your own; it becomes the title of the file.",
+        help="Omit the heading, in favour of a caption; it is stored as the title of the file.",
     ),
     click.option("--width", metavar="WIDTH", help="Width of the figure, e.g. 85mm."),
     click.option("--font", default="", metavar="FAMILY", help="Typeface, e.g. serif or STIXGeneral."),

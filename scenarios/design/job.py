@@ -208,7 +208,7 @@ def _format_optimum(found: Optimum) -> list[str]:
         measured.append((name, *values, ", ".join([*([role] if role else []), *limits])))
     lines = [*aligned(rows), "", *aligned(measured), "", f"{len(found.points)} runs"]
     if not found.feasible:
-        lines.append("no point keeps all bounds; the one found breaks them least")
+        lines.append("no point satisfies all bounds; the one found violates them least")
     return lines
 
 
@@ -288,7 +288,7 @@ def _format_fit(found: Fit) -> list[str]:
     lines = [*aligned(rows), "", *aligned(left)]
     lines += [f"{name} ends at a bound of its range" for name in found.at_bound]
     lines += [
-        f"the signals hardly tell {a} and {b} apart: their correlation is {r:.3f}"
+        f"the signals hardly distinguish {a} and {b}: their correlation is {r:.3f}"
         for a, b, r in found.alike()
     ]
     return lines

@@ -126,7 +126,7 @@ def overlay_run(
     missing = [name for name in ("time", *shown) if name not in columns]
     if missing:
         raise InputError(
-            f"no column {missing[0]}; add it to show.outputs and run again, or to the table; "
+            f"no column {missing[0]}; add it to show.outputs and run again, or add it to the table; "
             f"the construction needs time, {', '.join(shown)}"
         )
     flying = [name for name in columns if name.endswith("airborne")]

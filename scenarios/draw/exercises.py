@@ -270,7 +270,7 @@ def marked(made: Exercise, text: str, tolerance: float) -> dict[str, Any]:
 
 def format_marks(summary: Mapping[str, Any]) -> str:
     """Return marks as text for a terminal."""
-    within = f"within {summary['tolerance_mm']:g} mm of paper, each from your own point before it"
+    within = f"within {summary['tolerance_mm']:g} mm of paper, each judged from your previous point"
     lines = [
         f"{summary['right']} of {summary['points']} points right (rule {summary['rule']}, {within})",
         "",
@@ -288,7 +288,7 @@ def format_marks(summary: Mapping[str, Any]) -> str:
         )
     lines += [
         "",
-        f"the last point is {summary['final_mm']:.2f} mm from that of a faultless construction",
+        f"the last point is {summary['final_mm']:.2f} mm from that of the correct construction",
     ]
     return "\n".join(lines)
 

@@ -194,8 +194,10 @@ def _format_section(summary: Mapping[str, Any], x_unit: str, v_unit: str) -> lis
     for states in summary["attractors"]:
         x, v = states[-1]
         m = len(states)
-        every = "the forcing period" if m == 1 else f"{m} forcing periods"
-        lines.append(f"attracts     a motion of {every}, at {x:.6g}{x_unit}, {v:.6g}{v_unit}")
+        every = "one forcing period" if m == 1 else f"{m} forcing periods"
+        lines.append(
+            f"attractor    motion with a period of {every}, at {x:.6g}{x_unit}, {v:.6g}{v_unit}"
+        )
     return lines
 
 
@@ -219,7 +221,7 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
     found = period or formula.period
     if found is None:
         raise ValueError(
-            "no forcing period was found in the equation; give it with --period, or give --frozen TIME"
+            "the equation has no recognisable forcing period; give it with --period, or use --frozen TIME"
         )
     jumps = formula.switching.jumps
     system = computed.PhaseSystem(

@@ -136,8 +136,8 @@ def compared(ours: Columns, other: Columns, names: Iterable[str] | None = None) 
         shared = [name for name in wanted if name in shared]
     if not shared:
         raise ValueError(
-            "no column in common; a TOML file with a table [measured] tells which columns of a "
-            "measurement are which"
+            "no column in common; a TOML file with a table [measured] assigns the columns of a "
+            "measurement to outputs"
         )
     time, then = ours["time"].astype(float), other["time"].astype(float)
     for instants in (time, then):

@@ -103,7 +103,7 @@ class Show:
     )
     staged: tuple[int, ...] = entry(
         list_of(whole(0), "a list of numbers of steps"),
-        "steps that the recording tells stage by stage; telling ones, lift-off and touchdown if "
+        "steps that the recording shows stage by stage; some steps, lift-off and touchdown if "
         "left out",
         (),
     )
@@ -147,7 +147,7 @@ class Construction:
     )
     plane_distance: float | None = entry(
         METRES,
-        "distance between the planes' axes on paper; 25 cm, or as much as they need, if left out",
+        "distance between the planes' axes on paper; 25 cm, or as much as needed, if left out",
         None,
     )
     plane_scales: tuple[float, float] | None = entry(

@@ -269,6 +269,8 @@ def _columns(columns: Columns, complaint: str) -> Columns:
     rows = len(well) if well.all() else int(well.argmin())
     if rows == 0:
         unfit = [name for name, column in columns.items() if not np.isfinite(column[:1]).all()]
-        why = complaint or f"not a number at the start: {', '.join(unfit) or 'ok is false'}"
-        raise RunError(f"no run: {why}")
+        why = (
+            complaint or f"outputs are not finite at the start: {', '.join(unfit) or 'ok is false'}"
+        )
+        raise RunError(f"the run could not start: {why}")
     return columns | {name: column[:rows] for name, column in over_time.items()}

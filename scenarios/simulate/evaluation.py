@@ -70,15 +70,15 @@ def evaluate(scene: Scene, rows: Columns, own: Solution | None = None) -> Measur
                 f"they differ from this version's solution by up to {agreement:.2g} of the peaks; the "
                 "FMU may be of another version"
             )
-            remarks.append(f"measured at the rows: {one_line(why)}")
+            remarks.append(f"measures are taken from the rows: {one_line(why)}")
             own = None
     if own is not None and len(own.columns["time"]) > 1:
         interval = float(own.columns["time"][1] - own.columns["time"][0])
         run = Run(own.columns, parameters, model, own.details)
     elif own is None and not scene.fmu.is_ours:
         remarks.append(
-            f"measured at the communication points, every {1e3 * interval:g} ms; extremes between "
-            "them are not seen"
+            f"measures are taken at the communication points, every {1e3 * interval:g} ms; extremes "
+            "between them are not detected"
         )
     remarks += _too_coarse(over_time, interval)
     taken = take(known, scene.measures, run, Run(rows, parameters, model))

@@ -143,7 +143,7 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
         taken = [one for one in measures if not one.at_rows]
         own = next(solved(model, [given], time, taken, expected, wanted, going_on))
     if not len(own.columns["time"]):
-        raise RunError(f"no run: {own.failure}")
+        raise RunError(f"the run could not start: {own.failure}")
     at = own.rows(parts)
     rows = {name: column[at] for name, column in own.columns.items()}
     if at_rows:
@@ -271,10 +271,9 @@ def _closely(run: Run, output: str) -> dict[str, Any]:
 
 def _in_this_process(scene: Scene) -> str:
     """Return why a scene is not run through an FMU."""
-    why = (
-        "a controller sets its inputs" if scene.controller is not None else "it is a system's file"
-    )
-    return f"run in this process, with the same bits as through an FMU: {why}"
+    has_controller = scene.controller is not None
+    why = "a controller sets its inputs" if has_controller else "the model is a user-defined system"
+    return f"run in this process, with the same results as through an FMU: {why}"
 
 
 def _remarks(scene: Scene) -> Iterator[str]:

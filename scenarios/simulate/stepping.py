@@ -328,7 +328,7 @@ def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> b
             return True
         returns = 0 if reached > time else returns + 1
         if returns > _MOST_RETURNS:
-            raise RunError(f"the FMU keeps returning from its steps at {time:.9g} s")
+            raise RunError(f"the FMU keeps returning early without progress at {time:.9g} s")
         time = reached
 
 

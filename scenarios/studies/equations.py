@@ -102,7 +102,9 @@ class Equations:
 
     def _law(self, law: Characteristic, *, yields: bool = False) -> Law:
         if any(piece.power or piece.own for piece in law.pieces):
-            raise ValueError("powers and functions of one's own are not written as source text")
+            raise ValueError(
+                "power laws and user-defined functions cannot be written as source text"
+            )
         degrees = (0, 1) if yields else degrees_of(piece.coefficients for piece in law.pieces)
         made = Law(law.pieces, degrees, any(piece.saturation for piece in law.pieces))
         if len(law.pieces) == 1 and not yields:

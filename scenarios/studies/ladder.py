@@ -98,11 +98,11 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
         _check(each)
     if scene.fmu.model not in _DESCENDS and not smaller:
         raise InputError(
-            f"{scene.fmu.model} has no smaller model; allowed: {', '.join(_DESCENDS)}, or name the "
-            f"files of smaller models: phaseplane ladder {scene.name} SMALLER..."
+            f"{scene.fmu.model} has no smaller model in the package; allowed: {', '.join(_DESCENDS)}, "
+            f"or name the files of smaller models: phaseplane ladder {scene.name} SMALLER..."
         )
     names = _outputs_compared(scene, smaller)
-    whole = _as_it_stands(scene, "as it stands")
+    whole = _as_it_stands(scene, "unchanged")
     try:
         truth, seconds = _run(whole, scene, (*names, *_telling(scene)))
     except Exception as error:
@@ -140,12 +140,12 @@ _MOTION = ("displacement", "velocity", "acceleration", "deflection")
 def _check(scene: Scene) -> None:
     if not scene.fmu.is_ours or scene.fmu.path is not None:
         raise InputError(
-            f"{scene.name}: {scene.fmu.model} cannot be on a ladder; allowed: models of this package, "
+            f"{scene.name}: {scene.fmu.model} cannot be compared; allowed: models of this package, "
             "and systems in .toml or .py files"
         )
     if scene.controller is not None:
         raise InputError(
-            f"{scene.name} has a controller, without which the ladder would run; remove [controller]"
+            f"{scene.name} has a controller, but the ladder runs models without one; remove [controller]"
         )
 
 
@@ -171,7 +171,7 @@ def _outputs_compared(scene: Scene, smaller: Sequence[Scene]) -> tuple[str, ...]
     if not names:
         raise InputError(
             f"{scene.name}: the models have no displacement, velocity, acceleration or deflection of "
-            "the same name; give coordinates that are the same motion the same name"
+            "the same name; give coordinates that describe the same motion the same name"
         )
     return tuple(names)
 
@@ -243,7 +243,7 @@ def _two(model: str, p: Mapping[str, Value], argument: str) -> Rung:
                 and f".{axle}_" in name}  # fmt: skip
         own |= {"sprung_mass": float(p["sprung_mass"]) * arm / (a + b), **more}
         parts.append(Part(model, _only(model, own), f"{axle}_"))
-    name = "two quarter cars" if model == "QuarterCar" else "two of one degree"
+    name = "two quarter cars" if model == "QuarterCar" else "two single-mass models"
     return Rung(name, tuple(parts), 2 * _DEGREES[model], argument)
 
 
@@ -258,7 +258,7 @@ def _format_coupling(p: Mapping[str, Value]) -> str:
         *(float(p[name]) for name in
           ("sprung_mass", "pitch_radius_of_gyration", "cg_to_front", "cg_to_rear"))
     )  # fmt: skip
-    return f"coupling mass M3 = {coupling:.3g} kg beside M1 = {front:.3g} and M2 = {rear:.3g} kg"
+    return f"coupling mass M3 = {coupling:.3g} kg, with M1 = {front:.3g} and M2 = {rear:.3g} kg"
 
 
 def _format_frequency(model: str, p: Mapping[str, Value]) -> str:
@@ -311,7 +311,7 @@ def _run(rung: Rung, scene: Scene, names: Sequence[str]) -> tuple[Columns, float
 
 def format_ladder(summary: Mapping[str, Any]) -> str:
     """Return the ladder as text for a terminal."""
-    rows = [("rung", "degrees", "error", "time", "accurate")]
+    rows = [("model", "DOF", "error", "time", "accurate")]
     for rung in summary["rungs"]:
         error = "" if rung["error"] is None else f"{rung['error']:.2g}"
         seconds = "" if rung["seconds"] is None else f"{1e3 * rung['seconds']:.2f} ms"

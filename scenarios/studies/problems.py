@@ -340,7 +340,7 @@ def find_problem(name: str) -> Problem:
         for piece in (*element.spring.pieces, *element.damper.pieces)
     ):
         raise InputError(
-            f"{name}: there is no independent solution with power laws to measure errors from"
+            f"{name}: there is no independent solution for power laws with which to measure errors"
         )
     smooth = not any(
         element.limit < inf

@@ -66,7 +66,7 @@ def study_stability(
     progress: Callable[[float], None] | None = None,
     size: int = 32,
 ) -> tuple[dict[str, Any], str, Path]:
-    """Find unstable steps, and write data, a table and a picture to a folder.
+    """Find the largest stable steps, and write data, a table and a picture to a folder.
 
     Parameters
     ----------

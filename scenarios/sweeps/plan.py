@@ -117,7 +117,7 @@ class SweepFile:
     )
     seed: int = entry(whole(0), "seed of the random sample", 1)
     measures: tuple[str, ...] = entry(
-        names_of("measures"), "names of the measures to take of each run"
+        names_of("measures"), "names of the measures to take from each run"
     )
     vary: Mapping[str, Range | tuple[Any, ...]] = entry(
         _VARIED,

@@ -240,14 +240,14 @@ def test_a_misread_point_does_not_spoil_the_step_after_it(task, change, words):
 @pytest.mark.parametrize(
     ("mistake", "words"),
     [
-        ("turned", "turned the other way"),
+        ("turned", "turned in the wrong direction"),
         ("twice", "laid off twice"),
         ("tangent", "follows the rule tangent, not delta"),
         ("mirrored", "wrong side of the axis"),
         ("no_curve", "the auxiliary curve was not used"),
-        ("no_delta", "delta was left out"),
+        ("no_delta", "delta was omitted"),
         ("sign", "sign of the velocity is wrong"),
-        ("exchanged", "displacement and velocity are exchanged"),
+        ("exchanged", "displacement and velocity are interchanged"),
     ],
 )
 def test_the_rule_that_was_broken_is_named(task, mistake, words):

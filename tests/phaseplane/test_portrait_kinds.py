@@ -130,7 +130,7 @@ def test_v3_minus_x2v_by_its_averaged_dissipation() -> None:
 def test_a_dead_zone_is_one_stretch_of_rest() -> None:
     system = of(lambda v, x: 0.1 * v + np.sign(x) * np.maximum(np.abs(x) - 0.5, 0.0))
     (rest,) = equilibria(system, WIDE)
-    assert rest.kind == "stretch of rest"
+    assert rest.kind == "interval of rest"
     assert (rest.x, rest.until) == (pytest.approx(-0.5), pytest.approx(0.5))
 
 
@@ -236,7 +236,7 @@ def test_close_cycles_are_told_apart(
 )
 def test_a_cycle_that_attracts_from_one_side_is_found_and_said(radius: float) -> None:
     (cycle,) = limit_cycles(radial(radius, power=2), WIDE)
-    assert cycle.kind == "attracts from one side"
+    assert cycle.kind == "semi-stable"
     assert cycle.crossing == pytest.approx(radius, abs=1e-3)
     assert not cycle.attracts
 

@@ -123,7 +123,7 @@ def test_the_notebook_runs_from_top_to_bottom() -> None:
             else:
                 exec(compile(ast.Module([last], []), "cell", "exec"), scope)
     assert isinstance(shown, Figure)
-    assert "turned the other way" in scope["marks"].marks[-1].said
+    assert "turned in the wrong direction" in scope["marks"].marks[-1].said
 
 
 # In a browser.

@@ -114,7 +114,9 @@ def test_an_equation_has_no_controller():
 
 
 def test_a_force_that_is_no_number_from_the_start_is_no_run():
-    with pytest.raises(RunError, match=r"no run: .*controller.actuator_force is nan at 0 s"):
+    with pytest.raises(
+        RunError, match=r"could not start: .*controller.actuator_force is nan at 0 s"
+    ):
         phaseplane.run(with_controller(actuator_force="sqrt(-1)"))
 
 

@@ -173,7 +173,7 @@ def test_the_portrait_of_friction_shows_where_it_can_rest(pendulum: str) -> None
     assert told.exit_code == 0, told.output
     shown = json.loads(told.output)
     middle = min(shown["equilibria"], key=lambda at: abs(at["x"] + at.get("until", 0.0)))
-    assert middle["kind"] == "stretch of rest"
+    assert middle["kind"] == "interval of rest"
     assert "R = 2.5" in shown["title"]
 
 

@@ -54,6 +54,15 @@ def answers(folder: Path, change: int | None = None) -> Path:
     return path
 
 
+def test_the_help_names_the_folder_that_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "[default: out/exercises/SCENE]" in " ".join(called("--help").output.split())
+    assert called("van_der_pol", *SETTINGS).exit_code == 0
+    assert {path.name for path in (tmp_path / "out/exercises/van_der_pol").iterdir()} == FILES
+
+
 @pytest.mark.parametrize("scene", ["van_der_pol", "h83_example23", "ap57"])
 def test_no_text_of_a_sheet_covers_another(scene: str) -> None:
     loaded = load_scene(scene, ["construction.step=0.1 s"] if scene != "ap57" else [])

@@ -58,7 +58,7 @@ def test_what_acts_is_not_left_out_and_what_cannot_be_told_does_not_serve(tmp_pa
         tmp_path, 'extends="ap57"\n[show]\noutputs=["contact_force","body_displacement"]\n'
     )
     rungs = by_name(told)
-    assert list(rungs) == ["as it stands", "rigid tyre"]  # the wheel leaves the road; no stops
+    assert list(rungs) == ["unchanged", "rigid tyre"]  # the wheel leaves the road; no stops
     assert rungs["rigid tyre"]["serves"] is False
     assert rungs["rigid tyre"]["note"] == "has no contact_force"
 
@@ -97,12 +97,12 @@ def test_a_system_of_ones_own_is_compared_with_the_systems_named(tmp_path: Path)
     assert equal["compared"] == [f"bounce_{what}" for what in ("displacement", "velocity",
                                                               "acceleration")]  # fmt: skip
     assert [(rung["name"], rung["degrees"]) for rung in equal["rungs"]] == [
-        ("as it stands", 2), ("bounce", 1)
+        ("unchanged", 2), ("bounce", 1)
     ]  # fmt: skip
     assert equal["proposal"] == "bounce"
     assert by_name(equal)["bounce"]["error"] < 1e-4
     uneven = climbed(tmp_path, system("Uneven", (20e3, 40e3)), smaller)
-    assert uneven["proposal"] == "as it stands"
+    assert uneven["proposal"] == "unchanged"
     assert by_name(uneven)["bounce"]["error"] > 0.02
 
 
@@ -110,7 +110,7 @@ def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
     """It runs for as long as the scene does, and an output it has not is told."""
     (tmp_path / "long.toml").write_text('extends="ap57"\nduration="9 s"')
     told = climbed(tmp_path, 'extends="ap57"\nduration="0.2 s"', str(tmp_path / "long.toml"))
-    assert list(by_name(told)) == ["as it stands", "rigid tyre", "long"]
+    assert list(by_name(told)) == ["unchanged", "rigid tyre", "long"]
     assert by_name(told)["long"]["error"] == 0.0
 
 
@@ -118,9 +118,9 @@ def test_a_file_stands_beside_the_models_of_the_package(tmp_path: Path) -> None:
     ("arguments", "words"),
     [
         (["own.toml"], "name the files of smaller models: phaseplane ladder own SMALLER..."),
-        (["own.toml", "ap57"], "give coordinates that are the same motion the same name"),
-        (["own.toml", "van_der_pol"], "van_der_pol: Equation cannot be on a ladder"),
-        (["skyhook"], "skyhook has a controller, without which the ladder would run"),
+        (["own.toml", "ap57"], "give coordinates that describe the same motion the same name"),
+        (["own.toml", "van_der_pol"], "van_der_pol: Equation cannot be compared"),
+        (["skyhook"], "skyhook has a controller, but the ladder runs models without one"),
     ],
 )
 def test_what_cannot_be_on_a_ladder_is_refused(arguments: list[str], words: str) -> None:

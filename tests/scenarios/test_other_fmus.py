@@ -127,5 +127,5 @@ def test_a_slave_that_ends_the_run_has_its_last_row_read() -> None:
 
 
 def test_a_slave_that_never_goes_on_is_left() -> None:
-    with pytest.raises(RunError, match="keeps returning from its steps at 0 s"):
+    with pytest.raises(RunError, match="keeps returning early without progress at 0 s"):
         rows_of(Slave([(True, False, True, 0.0)]))

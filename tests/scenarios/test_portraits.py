@@ -47,7 +47,7 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     words = of_equation(DUFFING).stdout
     assert "section      once per forcing period, 5.23599 s: " in words
     assert " states of each motion after " in words
-    assert words.count("attracts     a motion of the forcing period, at ") == 2
+    assert words.count("attractor    motion with a period of one forcing period, at ") == 2
 
 
 def test_a_driven_equation_is_frozen_on_demand() -> None:

@@ -243,7 +243,8 @@ def test_a_foreign_fmu_is_measured_at_its_communication_points_which_is_said(
     monkeypatch.setattr("phaseplane.scenarios.scene.fmus.Fmu.is_ours", False)
     summary = run(scene).summary
     assert summary["remarks"] == [
-        "measured at the communication points, every 10 ms; extremes between them are not seen",
+        "measures are taken at the communication points, every 10 ms; extremes between them are not "
+        "detected",
         "body_weighted_acceleration is taken from points 10 ms apart; it needs points at most 2 ms apart",
     ]
     row = abs(run(scene).columns["body_acceleration"]).max()

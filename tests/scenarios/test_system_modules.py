@@ -117,8 +117,8 @@ def test_commands_take_it(folder):
         ('p["rate"]', 'p["raet"]', "line 21: MODEL.variables has no 'raet'"),
         ("return System(", "return dict(", "MODEL.system returned"),
         ("    *SOLVER_OUTPUTS,\n", "", r"add \*SOLVER_OUTPUTS of phaseplane"),
-        ('*motion("upper"', '*motion("middle"', "nothing for the output middle_displacement"),
-        ('*motion("upper"', '*motion("lower"', "lower_displacement is there twice"),
+        ('*motion("upper"', '*motion("middle"', "does not provide the output middle_displacement"),
+        ('*motion("upper"', '*motion("lower"', "lower_displacement is declared twice"),
         ("((2.0, 0.0)", "((2.0, 3.0)", "mass: not symmetric"),
         ('SCENE = {"duration": "0.5 s"', 'SCENE = {"duraton": "0.5 s"', "unknown key 'duraton'"),
     ],
@@ -132,7 +132,7 @@ def test_what_is_wrong_is_said_once_with_the_file_and_the_line(folder, before, a
 
 def test_a_module_needs_the_name_of_a_model(folder):
     Path("My-Masses.py").write_text(MODULE)
-    with pytest.raises(InputError, match=r"in small letters, such as my_car\.py"):
+    with pytest.raises(InputError, match=r"in lower case, such as my_car\.py"):
         load_scene("My-Masses.py")
     Path("half_car.py").write_text(MODULE)
     with pytest.raises(InputError, match="HalfCar is a model of this package"):

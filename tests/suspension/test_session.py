@@ -165,7 +165,7 @@ def test_errors_that_add_up_are_told_once(tolerance: float) -> None:
         session = Session("QuarterCar", {**car, "lift_off": False, "solver.tolerance": tolerance})
         for k in range(1, 201):
             session.advance(0.5 * k)
-        said.append([text for _, text in session.messages if "errors add up" in text])
+        said.append([text for _, text in session.messages if "errors accumulate" in text])
     assert len(said[0]) == 1
     assert "energy balance is off by" in said[0][0]
     assert said[1] == []

@@ -134,7 +134,7 @@ def test_a_file_that_changes_replaces_its_model():
         ("spring = {", "friction = 10\nbreakaway = 5\nspring = {", "breakaway = 5 must be at least"),
         ("[system]", "[system", "not TOML"),
         ("[system]", "[sys]", "must be one word"),
-        ("[system.coordinates]\nx", "[system.coordinates]\nX", "small letters"),
+        ("[system.coordinates]\nx", "[system.coordinates]\nX", "lower case"),
     ],
 )  # fmt: skip
 def test_what_is_no_system_is_refused_in_words(before, after, words):

@@ -231,11 +231,11 @@ def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
     session = Session("QuarterCar", undamped)
     for k in range(1, 201):
         session.advance(0.5 * k)
-    (wanted,) = [text for _, text in session.messages if "errors add up" in text]
+    (wanted,) = [text for _, text in session.messages if "errors accumulate" in text]
     fmu = native_fmu("QuarterCar", *undamped.items(), fmi=fmi)
     simulate_fmu(str(fmu), stop_time=100.0, output_interval=0.5, debug_logging=True)
     said = capfd.readouterr().out
-    assert said.count("errors add up") == 1
+    assert said.count("errors accumulate") == 1
     assert wanted in said
 
 

@@ -253,12 +253,12 @@ static int step(Instance *one, double until, int stop) {
     }
     if (integrator->state->overruns && !now->passed_over) {
         now->passed_over = 1;
-        say(one, WARNING, "switches follow one another without time between them, the first by "
-            "%.6g s: passed over, results may be less exact there", integrator->state->time);
+        say(one, WARNING, "switches follow one another without time between them, first before "
+            "%.6g s: they are passed over; results may be less accurate there", integrator->state->time);
     }
     drift = Account_find_drift(now->conduct.run.account, now->conduct.run.integrator);
     if (drift > 0.0) {
-        say(one, WARNING, "errors add up: by %.6g s the energy balance is off by %.2g of all energy; "
+        say(one, WARNING, "errors accumulate: at %.6g s the energy balance is off by %.2g of all energy; "
             "reduce solver.tolerance, or a fixed solver.step, for a long run", integrator->state->time, drift);
     }
     if (status == 0) return 0;
