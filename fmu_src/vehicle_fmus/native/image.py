@@ -2,7 +2,8 @@
 
 An uncompiled integrator shows all of its fields. Walked by the declared types, they give the definition
 of one record, its initial value, and a function that sets the pointers within it. A copy of that record
-is a new integrator, and also its whole state.
+is a new integrator, and also its whole state. What the kernel calls its state, from which all else
+follows, is a record within it: a copy of that is short.
 """
 
 from __future__ import annotations
@@ -19,13 +20,20 @@ from .kernel_sources import Sources
 from .statements import constants, in_lines
 from .translate import in_c
 
+_STATE = "snapshot."  # the record of the state
 _LONGEST = 1000  # numbers of an array within the record's initial value
 
 
 @dataclass(slots=True)
 class _Found:
-    """What has been found so far: objects and arrays by identity, each with its name in the record."""
+    """What has been found so far: objects and arrays by identity, each with its name in the record.
 
+    Parameters
+    ----------
+    state : what is in the record of the state, by identity
+    """
+
+    state: frozenset[int]
     objects: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
     arrays: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
     pointers: list[str] = field(default_factory=list)
@@ -39,7 +47,7 @@ class Image:
 
     Parameters
     ----------
-    text : definition of the record, its initial value, and the function that wires it
+    text : definition of the record, or of both, its initial value, and the function that wires it
     noted : fields, as in `integrator.fixed_step`, that hold a number that notes what is done to it
     arrays : the names of the arrays in the record, by identity
     """
@@ -50,7 +58,12 @@ class Image:
 
 
 def image(
-    root: Any, name: str, kernel: Sources, record: str, outside: Collection[object] = ()
+    root: Any,
+    name: str,
+    kernel: Sources,
+    record: str,
+    outside: Collection[object] = (),
+    state: Any = None,
 ) -> Image:
     """Return the record of an object and all that it refers to, its initial value, and its wiring.
 
@@ -61,20 +74,30 @@ def image(
     kernel : the declarations
     record : name of the record in C
     outside : objects that are elsewhere; pointers to them are left to others
+    state : the `KernelState` of an integrator, which with the arrays of its memory becomes a record
+        `Snapshot`, the field `snapshot` of the whole one
 
     Raises
     ------
     TypeError : a field that does not hold what is declared.
     """
-    found = _Found(objects={id(one): ("", "", one) for one in outside})
+    lasting = [state, *state.memory.blocks] if state else []
+    found = _Found(frozenset(map(id, lasting)), {id(one): ("", "", one) for one in outside})
     _walk(root, type(root).__name__, name, kernel, found)
-    parts = [f"typedef struct {record} {{"]
-    parts += [f"    {kind} {at};" for at, kind, _ in found.objects.values() if at]
-    parts += [
-        f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
-        for at, kind, values in found.arrays.values()
-    ]
-    parts += [f"}} {record};", ""]
+    fields = {at: f"    {kind} {at};" for at, kind, _ in found.objects.values() if at}
+    for at, kind, values in found.arrays.values():
+        fields[at] = f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
+    within = [text.replace(_STATE, "") for at, text in fields.items() if at.startswith(_STATE)]
+    parts = []
+    if state:
+        parts = [
+            "/* What a snapshot copies; all else follows from it. */",
+            "typedef struct Snapshot {",
+        ]
+        parts += [*within, "} Snapshot;", ""]
+    parts += [f"typedef struct {record} {{"]
+    parts += [text for at, text in fields.items() if not at.startswith(_STATE)]
+    parts += ["    Snapshot snapshot;"] * bool(state) + [f"}} {record};", ""]
     long = {}  # apart from the record: compilers would look through it for every field
     inside = []
     for at, kind, numbers in found.arrays.values():
@@ -131,14 +154,15 @@ def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> Non
 
 def _place(value: Any, declared: str, name: str, kernel: Sources, found: _Found) -> str:
     """Return where an object or array is, which is entered if it is new."""
+    within = _STATE if id(value) in found.state else ""
     if declared.endswith("*"):
         if id(value) not in found.arrays:
-            found.arrays[id(value)] = name, declared[:-1], value
+            found.arrays[id(value)] = within + name, declared[:-1], value
         return f"of->{found.arrays[id(value)][0]}"
     if id(value) not in found.objects:
         short = name.split("_", 1)[1]
         taken = {at for at, _, _ in found.objects.values()}
-        _walk(value, declared, name if short in taken else short, kernel, found)
+        _walk(value, declared, within + (name if short in taken else short), kernel, found)
     at = found.objects[id(value)][0]
     return f"&of->{at}" if at else ""
 

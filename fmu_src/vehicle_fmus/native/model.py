@@ -44,13 +44,17 @@ _ROOTS = [
     *(("Integrator", name) for name in (
         "begin_row", "take_laws", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
         "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
+        "_enter_branches",
     )),
     *(("Run", name) for name in (
         "begin", "set_input", "sets_in", "hand_over", "find_rest", "hand_on",
     )),
     *(("Contacts", name) for name in ("begin", "note", "compare", "next", "forget_waiting")),
     *(("Account", name) for name in ("begin", "carry", "find", "find_drift")),
-    *(("Network", name) for name in ("signal_at", "next_corner", "set_datum")),
+    *(("Network", name) for name in (
+        "signal_at", "next_corner", "set_datum", "take_moving", "put_moving_back", "list_stuck",
+    )),
+    ("SwitchLog", "start"),
 ]  # fmt: skip
 _Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name
 _REFUSING = {True: "if (!({value})) return {at};", False: "if ({value}) return {at};"}
@@ -130,7 +134,7 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         plain, 0.0, len(inputs), driven(system, inputs, sampled),
         [system.element(axle.tyre) for axle in tyres], sampled,
     )  # fmt: skip
-    machine = image(plain, "integrator", kernel, "Machine")
+    machine = image(plain, "integrator", kernel, "Machine", state=plain.state)
     conduct = image(run, "run", kernel, "Conduct", outside=[plain, plain.net])
     rest = [0.0] * plain.n
     names = (name for names in initial_names(system.coordinates) for name in names)
@@ -141,7 +145,8 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
     fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     row = plain.row(system, rest, rest)
     laws = len(row) - len(plain_module("network").laws_of(packed))
-    setting = _set_up(tape, row, laws, starts, (read, rates), fields, references)
+    tunable = frozenset(v.name for v in declared if v.tunable)
+    setting = _set_up(tape, row, laws, starts, (read, rates), fields, references, tunable)
     continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
         translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
@@ -310,6 +315,7 @@ def _set_up(
     read: tuple[_Expressions, _Expressions],
     fields: Mapping[str, Number],
     references: Sequence[str],
+    tunable: Collection[str],
 ) -> str:
     """Return what turns parameters into the numbers of a system, and what finds outputs and rates."""
     derived = [tape.node(x) for x in starts]
@@ -332,12 +338,17 @@ def _set_up(
             for k, node in enumerate(nodes)
             if node.of or array != "row"
         )
-    setting = written(tape.nodes.values(), statements)
+    changing = [s for s in statements if not s.node.of.isdisjoint(tunable)]
+    staying = [s for s in statements if s.node.of.isdisjoint(tunable)]
+    before = written(tape.nodes.values(), staying)
+    during = written(tape.nodes.values(), changing, before)
+    tuned = [str(s.at) for s in changing if s.form.startswith("row[")]
     lines = [
         f"#define ROW {len(row)}",
         f"#define LAWS {laws} /* where those of the elements begin, up to the end of the row */",
         f"#define FIELDS {max(len(set_fields), 1)}",
         f"#define DERIVED {len(derived)}",
+        f"#define TUNED {len(tuned)}",
         "",
         "/* What is said if a guard of the set-up does not hold. */",
         "static const char *const guards[] = {",
@@ -353,24 +364,31 @@ def _set_up(
         " */",
         constants("row_as_packed", plain),
         "",
-        *(table + "\n" for table in setting.tables),
+        "/* The places in it of what depends on parameters that may change during a run. */",
+        constants("tuned", tuned or ["0"], "int"),
+        "",
+        *(table + "\n" for table in during.tables),
         "/* Where the set-up computes. */",
         "typedef struct Work {",
-        *(f"    {array}" for array in setting.arrays or ["char none;"]),
+        *(f"    {array}" for array in during.arrays or ["char none;"]),
         "} Work;",
         "",
         "/* Find the numbers of the system, as recorded from the set-up in Python.",
         " *",
-        " * Return 0, or the number of the guard that does not hold, counted from 1.",
+        " * Return 0, or the number of the guard that does not hold, counted from 1. Those of the first",
+        " * function do not change during a run.",
         " */",
-        "static int set_up(const double *p, double *row, double *fields, double *derived, Work *work) {",
-        "    memcpy(row, row_as_packed, sizeof row_as_packed);",
-        "    (void) fields, (void) work;",
-        *(f"    {line}" for line in setting.lines),
-        "    return 0;",
-        "}",
-        "",
     ]
+    for name, part in (("set_up_what_stays", before), ("set_up_what_changes", during)):
+        lines += [
+            f"static int {name}(const double *p, double *row, double *fields, double *derived,",
+            "        Work *work) {",
+            "    (void) p, (void) row, (void) fields, (void) derived, (void) work;",
+            *(f"    {line}" for line in part.lines),
+            "    return 0;",
+            "}",
+            "",
+        ]
     lines += [
         "/* Set the fields that depend on parameters, and that no row has. */",
         "static void enter_fields(const double *fields, Machine *of) {",

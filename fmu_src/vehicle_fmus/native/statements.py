@@ -77,22 +77,28 @@ class _Place:
     place: int
 
 
-def written(order: Iterable[Node], statements: Sequence[Statement]) -> Written:
+def written(
+    order: Iterable[Node], statements: Sequence[Statement], earlier: Written | None = None
+) -> Written:
     """Return statements in C, after those for the numbers that they have in common.
 
     Parameters
     ----------
     order : the nodes of a tape, operands before what is made of them
     statements : what is to be done
+    earlier : statements of another function, whose tables and arrays are followed by those of these
     """
-    return _Writer(order, statements).found
+    known = earlier or Written()
+    return _Writer(order, statements, Written([], [*known.tables], [*known.arrays])).found
 
 
 class _Writer:
     """What is known while statements are written."""
 
-    def __init__(self, order: Iterable[Node], statements: Sequence[Statement]) -> None:
-        self.found = Written()
+    def __init__(
+        self, order: Iterable[Node], statements: Sequence[Statement], found: Written
+    ) -> None:
+        self.found = found
         self._shared = _shared(order, [s.node for s in statements])
         self._places: dict[int, _Place] = {}  # of shared numbers
         self._names: dict[int, str] = {}  # of those outside arrays
@@ -145,12 +151,10 @@ class _Writer:
                     p = self._places.get(id(leaf))
                     if p and p.group.count > 1 and (p.group, p.iteration) != here:
                         p.group.arrays.setdefault(p.place, "")
-        count = 0
         for group in groups:
             for place in sorted(group.arrays):
-                count += 1
-                group.arrays[place] = f"a{count}"
-                self.found.arrays.append(f"double a{count}[{group.count}];")
+                name = group.arrays[place] = f"a{len(self.found.arrays) + 1}"
+                self.found.arrays.append(f"double {name}[{group.count}];")
 
     # -- writing -------------------------------------------------------------------------------------
 

@@ -87,6 +87,9 @@ STRUCTURES: dict[str, Structure] = {
         {"road.shape": "random", "road.profile_length": 30.0, "spring.cubic": 1e6,
          "damper.saturation_force": 800.0},
     ),
+    "on a road high above zero": Structure(
+        "HalfCar", {"road.shape": "table", "road.table": "0:100, 5:100.2, 9:100, 30:102"}
+    ),
     "HalfCarRigidTyres": Structure("HalfCarRigidTyres", {"road.shape": "sine"}),
     "HalfCar": Structure("HalfCar"),
     "Elastoplastic": Structure("Elastoplastic", {"hardening": 500.0}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import re
 import subprocess
 from collections.abc import Sequence
 from math import sin
@@ -102,7 +103,24 @@ def test_a_long_chain_of_operations_is_cut_into_statements() -> None:
 def test_a_random_road_is_set_up_by_loops() -> None:
     """Its spline of 960 points gives ten thousand numbers, and comparisons that need one message."""
     text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
-    body = text[text.index("static int set_up(") : text.index("static void enter_fields(")]
+    body = text[
+        text.index("static int set_up_what_stays(") : text.index("static void enter_fields(")
+    ]
     assert body.count("\n") < 250
     guards = text[text.index("guards[] = {") : text.index("row_as_packed[")]
     assert guards.count("road.start, speed: ") == 1
+
+
+def test_what_follows_parameters_in_a_run_is_set_up_apart_from_the_road() -> None:
+    text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
+    change = text[text.index("static int set_up_what_changes(") : text.index("enter_fields(")]
+    assert "p[V_SPRING_RATE]" in change
+    assert "p[V_SPEED]" not in change
+    assert "for (" not in change
+
+
+def test_what_is_noted_before_steps_is_short_on_a_long_road() -> None:
+    text = model_in_c("QuarterCar", {"road.shape": "random", "road.profile_length": 30.0}).text
+    snapshot = text[text.index("typedef struct Snapshot {") : text.index("} Snapshot;")]
+    assert sum(map(int, re.findall(r"\[(\d+)\]", snapshot))) < 300
+    assert "net_segment" in text[text.index("typedef struct Machine {") : text.index("} Machine;")]

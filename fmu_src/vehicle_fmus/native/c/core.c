@@ -2,7 +2,7 @@
  * One instance: parameters and inputs in, communication steps, outputs out.
  *
  * It calls the kernel as `Session` in Python does, in the same order. The whole state is one record: a
- * copy of it is a snapshot.
+ * copy of it is the state of the FMU.
  */
 
 #define AT_REST 1e-12 /* s by which a communication point may precede the present, from rounding */
@@ -12,7 +12,8 @@ enum { FINE, WARNING, REFUSED = 3 }; /* what a message is, as in both versions o
 #define DUE 4 /* instants that can wait: at most two of one step, and one of the inputs */
 
 typedef struct State {
-    Machine machine, behind; /* behind: before the step in which the integrator went ahead */
+    Machine machine;
+    Snapshot behind; /* before the step in which the integrator went ahead */
     Conduct conduct;
     double parameters[VARIABLES], used[VARIABLES]; /* by value reference; as set, and as in use */
     double inputs[VARIABLES];                      /* set before the end of initialisation */
@@ -41,6 +42,7 @@ typedef struct Instance {
     double roads[SIGNALS + 1][4];
     double row[ROW], fields[FIELDS]; /* as found last; those in use are in the state */
     Work work;
+    Machine other; /* that takes the place of the present one */
     void *host;
 } Instance;
 
@@ -111,11 +113,14 @@ static int check_parameters(Instance *one, const double *p) {
     return 0;
 }
 
-/* Find the numbers of the system with the present parameters; the host's tolerance replaces the default. */
-static int find_numbers(Instance *one) {
+/* Find the numbers of the system with the present parameters; the host's tolerance replaces the default.
+ *
+ * During a run only those that depend on parameters that may change are found; see `tuned`.
+ */
+static int find_numbers(Instance *one, int in_run) {
     State *now = &one->now;
     double p[VARIABLES];
-    int guard;
+    int guard = 0;
     memcpy(p, now->parameters, sizeof p);
 #ifdef DEFAULT_TOLERANCE
     if (now->tolerance != 0.0 && p[V_SOLVER_TOLERANCE] == DEFAULT_TOLERANCE) {
@@ -123,7 +128,13 @@ static int find_numbers(Instance *one) {
     }
 #endif
     if (check_parameters(one, p)) return 1;
-    guard = set_up(p, one->row, one->fields, now->derived, &one->work);
+    if (in_run) {
+        memcpy(one->fields, now->fields, sizeof one->fields);
+    } else {
+        memcpy(one->row, row_as_packed, sizeof one->row);
+        guard = set_up_what_stays(p, one->row, one->fields, now->derived, &one->work);
+    }
+    if (!guard) guard = set_up_what_changes(p, one->row, one->fields, now->derived, &one->work);
     if (guard) return fail(one, "%s", guards[guard - 1]);
     memcpy(now->used, now->parameters, sizeof now->used);
     return 0;
@@ -137,11 +148,11 @@ static int find_first_numbers(Instance *one) {
     State *now = &one->now;
     const double given = now->tolerance;
     char why[sizeof one->reason];
-    if (find_numbers(one) == 0) return 0;
+    if (find_numbers(one, 0) == 0) return 0;
     if (given == 0.0) return 1;
     memcpy(why, one->reason, sizeof why);
     now->tolerance = 0.0;
-    if (find_numbers(one)) {
+    if (find_numbers(one, 0)) {
         now->tolerance = given;
         return 1;
     }
@@ -149,10 +160,23 @@ static int find_first_numbers(Instance *one) {
     return 0;
 }
 
-/* Use the numbers found from now on. */
+/* Use the numbers found at the start. */
 static void use_numbers(Instance *one) {
     memcpy(one->now.row, one->row, sizeof one->row);
     memcpy(one->now.fields, one->fields, sizeof one->fields);
+}
+
+/* Use the numbers found during a run; return whether they differ in the laws of elements alone. */
+static int use_changes(Instance *one) {
+    State *now = &one->now;
+    int laws = memcmp(one->fields, now->fields, sizeof one->fields) == 0;
+    memcpy(now->fields, one->fields, sizeof one->fields);
+    for (int k = 0; k < TUNED; k++) {
+        const int at = tuned[k];
+        if (at < LAWS && memcmp(&one->row[at], &now->row[at], sizeof one->row[at]) != 0) laws = 0;
+        now->row[at] = one->row[at];
+    }
+    return laws;
 }
 
 /* Make a machine of the numbers found, at a time; on failure it is as good as none. */
@@ -274,13 +298,34 @@ static void look_at_pace(Instance *one) {
     Integrator__look_at_pace(integrator);
 }
 
+/* Note the state of a machine. */
+static void take_snapshot(Machine *of, Snapshot *to) {
+    Network_take_moving(&of->net);
+    *to = of->snapshot;
+}
+
+/* Return to a state noted before, as `March._resume` does. */
+static void go_back(Machine *of, const Snapshot *to) {
+    const double datum = of->snapshot.state.datum;
+    of->snapshot = *to;
+    of->snapshot.state.datum = datum; /* of the roads as they are */
+    Network_set_datum(&of->net, to->state.datum);
+    Network_put_moving_back(&of->net);
+    of->dense.start = to->state.step_start;
+    of->dense.end = to->state.time;
+    of->dense.known = 0;
+    SwitchLog_start(&of->noted);
+    Network_list_stuck(&of->net);
+    Integrator__enter_branches(&of->integrator);
+    of->snapshot = *to;
+}
+
 /* Return to the present: repeat the steps up to now if the integrator has gone ahead. */
 static int stop_here(Instance *one) {
     State *now = &one->now;
     int status;
     if (now->machine.integrator.state->time <= now->conduct.run.time) return 0;
-    now->machine = now->behind;
-    machine_wire(&now->machine);
+    go_back(&now->machine, &now->behind);
     one->quiet = 1; /* what happened up to now was reported when it was first passed */
     look_at_pace(one);
     status = step(one, now->conduct.run.time, 1);
@@ -294,10 +339,10 @@ static int stop_here(Instance *one) {
 static int replace_machine(Instance *one) {
     State *now = &one->now;
     int counterpart[ELEMENTS];
-    if (make_machine(one, &now->behind, now->conduct.run.time)) return 1;
+    if (make_machine(one, &one->other, now->conduct.run.time)) return 1;
     for (int e = 0; e < ELEMENTS; e++) counterpart[e] = e;
-    Run_hand_on(&now->conduct.run, &now->behind.integrator, counterpart);
-    now->machine = now->behind;
+    Run_hand_on(&now->conduct.run, &one->other.integrator, counterpart);
+    now->machine = one->other;
     machine_wire(&now->machine);
     return 0;
 }
@@ -309,16 +354,12 @@ static int replace_machine(Instance *one) {
 static int take_parameters(Instance *one) {
     State *now = &one->now;
     Run *run = &now->conduct.run;
-    int same;
     now->tuned = 0;
     if (memcmp(now->parameters, now->used, sizeof now->used) == 0) return 0;
     if (stop_here(one)) return 1;
     Account_find(run->account, run->integrator, run->time);
-    if (find_numbers(one)) return 1;
-    same = memcmp(one->row, now->row, LAWS * sizeof *one->row) == 0 &&
-        memcmp(one->fields, now->fields, sizeof one->fields) == 0;
-    use_numbers(one);
-    if (same) {
+    if (find_numbers(one, 1)) return 1;
+    if (use_changes(one)) {
         Integrator_take_laws(&now->machine.integrator, now->row, LAWS);
     } else if (replace_machine(one)) {
         return 1;
@@ -351,7 +392,7 @@ static int start_moving(Instance *one) {
     }
     if (!same) {
         Integrator__enter_state(integrator, state, 0);
-        now->behind = now->machine;
+        take_snapshot(&now->machine, &now->behind);
     }
     Contacts_begin(now->conduct.run.contacts, now->conduct.run.integrator);
     Account_begin(now->conduct.run.account, now->conduct.run.integrator);
@@ -397,7 +438,7 @@ static int go_on(Instance *one, double until) {
             seen = time;
         }
         if (integrator->state->time >= until) break;
-        if (!run->sampled && !now->kept) now->behind = now->machine;
+        if (!run->sampled && !now->kept) take_snapshot(&now->machine, &now->behind);
         now->kept = 1;
         if (step(one, until, run->sampled)) return 1;
     }
@@ -449,7 +490,7 @@ static int begin(Instance *one) {
     if (find_first_numbers(one)) return 1;
     use_numbers(one);
     if (make_machine(one, &now->machine, now->start)) return 1;
-    now->behind = now->machine;
+    take_snapshot(&now->machine, &now->behind);
     conduct_make(&now->conduct);
     wire(one);
     Run_begin(run, now->start);
