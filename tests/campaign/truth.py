@@ -8,7 +8,6 @@ a millisecond and, between two such instants, where it has a minimum.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from math import ceil, inf
@@ -56,7 +55,7 @@ class Truth:
     jumps: list[float]
 
 
-@dataclass(frozen=True)
+@dataclass
 class Leg:
     """A part of a run: its end, the state there, the states at the instants asked for, whether a guard
     ended it.
@@ -72,7 +71,7 @@ def solve(
     system: System,
     state: Array,
     times: Array,
-    disturb: Callable[[int, Array], Array] | None = None,
+    kick: tuple[int, Array] | None = None,
 ) -> Truth:
     """The motion of a system from a state at times[0].
 
@@ -80,7 +79,7 @@ def solve(
     ----------
     state : displacements and velocities at times[0]
     times : ascending, s
-    disturb : what becomes of the state at times[k], from which it is read then, given k and the state
+    kick : k and what is added to the state at times[k], from which it is read then
 
     Raises
     ------
@@ -108,15 +107,16 @@ def solve(
             k += 1
             continue
         joint = branches.next_joint(t)
-        end = min(joint, float(times[k if disturb else -1]))
+        at = kick[0] if kick and k <= kick[0] else -1
+        end = min(joint, float(times[at]))
         last = int(times.searchsorted(end + _SAME))
         wanted = np.minimum(times[k:last], end)
         method = straight if straight.enters(branches, t) else curved
         leg = method.advance(t, end, y, branches, wanted)
         for row in leg.rows:
-            if disturb:
-                leg = Leg(leg.end, disturb(k, leg.state), leg.rows, leg.switched)
-            read(k, float(times[k]), leg.state if disturb else row)
+            if kick and k == kick[0]:
+                leg.state = leg.state + kick[1]
+            read(k, float(times[k]), leg.state if kick and k == kick[0] else row)
             k += 1
         t, y = leg.end, leg.state.copy()
         if leg.switched:
@@ -124,7 +124,7 @@ def solve(
         elif t == joint:
             jumps.append(t)
             branches.pass_joint(t, y)
-        elif disturb:
+        elif at >= 0:
             branches.settle(t, y)
         if len(branches.events) > _MOST_SWITCHES:
             raise NoTruthError(f"more than {_MOST_SWITCHES} switches by {t:.6g} s")

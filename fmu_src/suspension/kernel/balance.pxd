@@ -8,7 +8,7 @@ from .network cimport Network
 cdef class Balance:
     cdef Network net
     cdef Bends bends
-    cdef int n, instants, last
+    cdef int n, instants, last, half
     cdef bint loads_hold
     cdef double *fraction, *tangent_k, *tangent_c
     cdef double *constant, *loads, *load_rate, *under, *carrier
@@ -33,9 +33,11 @@ cdef class Balance:
                   double *j) noexcept nogil
     cdef void end_step(self, double t, double *q, double *v, double *a,
                        double *j) noexcept nogil
-    @cython.locals(i=int)
     cdef void accelerations(self, double t, double *q, double *v,
                             double *a) noexcept nogil
+    cdef void halfway(self, double *q, double *v, double *a) noexcept nogil
+    @cython.locals(i=int)
+    cdef void _accelerate(self, int k, double *q, double *v, double *a) noexcept nogil
     cdef void _solve_rows(self, double *q, double *v, double *a,
                           double *j) noexcept nogil
     @cython.locals(i=int)

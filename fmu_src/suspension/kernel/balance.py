@@ -37,6 +37,7 @@ class Balance:
         self.instants = len(fractions)
         self.fraction = memory.doubles(fractions)
         self.last = n * (self.instants - 1)
+        self.half = fractions.index(0.5) if 0.5 in fractions else self.instants
         # of all, at the state last asked for
         self.tangent_k, self.tangent_c = memory.zeros(n * n), memory.zeros(n * n)
         self.constant, self.load_rate = memory.zeros(n), memory.zeros(n)
@@ -182,9 +183,17 @@ class Balance:
             self.net.stick(self.net.mass_factor, 0, a, self.net.zero, 2, self.net.kick)
             return
         self._find_loads(self.instants, False)
+        self._accelerate(self.instants, q, v, a)
+
+    def halfway(self, q, v, a):
+        """Find accelerations at any state halfway in the step that `prepare` has found the loads of."""
+        self._accelerate(self.half, q, v, a)
+
+    def _accelerate(self, k, q, v, a):
+        """Find accelerations at any state, with the loads at instant k."""
         for i in range(self.n):
             self.q[i], self.v[i] = q[i], v[i]
-        self._find_force(self.n, self.instants)
+        self._find_force(self.n, k)
         multiply(self.flexibility, 0, self.f, 0, self.n, self.a, 0)
         for i in range(self.n):
             a[i] = self.a[i]

@@ -6,7 +6,7 @@ from .modes cimport Modes
 from .motion cimport Motion
 from .network cimport Network
 
-cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _LONG_PHASE, _STRONG
+cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
 
 @cython.final
 cdef class Errors:
@@ -33,10 +33,14 @@ cdef class Errors:
     cdef void find_jerks(self, double h) noexcept nogil
     @cython.locals(i=int, v=double, a=double, j=double)
     cdef void read_middle(self, double h) noexcept nogil
-    @cython.locals(i=int)
     cdef void find_lack(self, double h) noexcept nogil
-    @cython.locals(i=int, rounding=double, lack=double)
+    @cython.locals(i=int)
+    cdef void _compare_middle(self) noexcept nogil
     cdef void note_middle(self, double h) noexcept nogil
+    @cython.locals(phase=double, cube=double)
+    cdef void note_reading(self, double h) noexcept nogil
+    @cython.locals(i=int, rounding=double, lack=double)
+    cdef void _note_lack(self, double h) noexcept nogil
     @cython.locals(i=int, decay=double)
     cdef double of_reading(self, double h) noexcept nogil
     @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)

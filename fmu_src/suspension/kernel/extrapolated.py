@@ -99,6 +99,8 @@ class Extrapolated(Method):
         self._expect_better(h)
         if self.balance.bends.count:
             self.errors.note_middle(h)
+        else:
+            self.errors.note_reading(h)
         if h * self.modes.quickest > _STIFF_PHASE:
             self._check_reading(h)
         self.errors.error /= self.errors.allowed
