@@ -31,6 +31,7 @@ from .server import listens
 _INTERVAL = 0.1  # s of wall time between two batches
 _MOST_ROWS = 250  # in a batch
 _PATIENCE = 20.0  # longest wait for a viewer before and after a run, s
+_UNLIMITED = 1e7  # s: no machine is so busy
 
 
 class RowsSoFar(Protocol):
@@ -50,7 +51,8 @@ class Live:
     url : of a running viewer, such as rerun+http://127.0.0.1:9876/proxy; empty for none
     path : of an `.rrd` file, written whole when the run is complete; until then the drawing is in
         `<name>.part.rrd` beside it, which stays readable if the process is stopped
-    patience : longest wait for a viewer before and after the run, s
+    patience : longest wait for a viewer before and after the run, s; by default 20; without a
+        viewer there is no limit, so that a file is not lost on a busy machine
 
     Raises
     ------
@@ -63,9 +65,10 @@ class Live:
         url: str = "",
         path: str | os.PathLike[str] | None = None,
         *,
-        patience: float = _PATIENCE,
+        patience: float | None = None,
     ) -> None:
-        self.content, self.url, self.path, self.patience = content, url, path, patience
+        self.content, self.url, self.path = content, url, path
+        self.patience = patience or (_PATIENCE if url else _UNLIMITED)
         self.problem = ""
         self.filed = False  # whether the file is written
         self.rows_drawn = 0

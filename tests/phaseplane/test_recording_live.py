@@ -66,6 +66,12 @@ def test_a_file_is_complete_in_the_end(tmp_path: Path) -> None:
         assert len(made.rows[path]) == len(rows)
 
 
+def test_a_file_alone_is_waited_for_however_busy_the_machine_is(tmp_path: Path) -> None:
+    """Twenty seconds are for a viewer, which may never answer."""
+    assert Live(BEFORE, path=tmp_path / "live.rrd").patience > HANGS
+    assert Live(BEFORE, "rerun+http://127.0.0.1:1/proxy").patience == 20.0
+
+
 @pytest.mark.slow
 def test_what_was_drawn_stays_readable_and_the_old_file_stays(tmp_path: Path) -> None:
     target = tmp_path / "live.rrd"

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hosting import HANGS
 from matplotlib.figure import Figure
 from phaseplane.scenarios.draw.classroom import OWN, answered
 from phaseplane.scenarios.draw.constructions import draw_construction
@@ -105,7 +106,7 @@ for name in ("own", "ap57", "h83_example28"):
         told = json.loads(answered(json.dumps({"what": what, "scene": name, **fields})))
         assert "error" not in told, told
 """
-    subprocess.run([sys.executable, "-P", "-c", program], check=True, timeout=300)
+    subprocess.run([sys.executable, "-P", "-c", program], check=True, timeout=HANGS)
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
+from hosting import HANGS
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands import console
 from phaseplane.scenarios.draw import pictures
@@ -131,7 +132,7 @@ def test_an_interrupted_process_says_so_and_ends_with_its_status(fmu: Path) -> N
         assert process.stdout is not None
         assert process.stdout.readline() == "time_histories\n"
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=60)
+        _, said = process.communicate(timeout=HANGS)
     assert process.returncode == console.INTERRUPTED
     assert said.lstrip().startswith("phaseplane: interrupted while drawing time_histories.png")
     assert names() == RESULTS

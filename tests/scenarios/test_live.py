@@ -30,13 +30,19 @@ from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.simulate.stepping import Rows
 from rerun.chunk import RrdReader
 
-from phaseplane.recording import serving
+from phaseplane.recording import live, serving
 
 ROOT = Path(__file__).parents[2]
 PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])
 BARE = ("--set", "show.figures=[]", "--set", "show.recording=false")
 DEFLECTION = "suspension_deflection"
 PAIR = f"{DEFLECTION},{DEFLECTION}_rate"
+
+
+@pytest.fixture(autouse=True)
+def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine may be slow to show a run."""
+    monkeypatch.setattr(live, "_PATIENCE", HANGS)
 
 
 def entities(path: Path) -> set[str]:

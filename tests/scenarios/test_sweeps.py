@@ -427,7 +427,7 @@ def test_an_interrupt_waits_for_the_run_under_way_alone(monkeypatch: pytest.Monk
         for k, run in enumerate(runs):
             if k == 2:
                 os.kill(os.getpid(), signal.SIGINT)
-                assert running._STOPPING.wait(60.0)
+                assert running._STOPPING.wait(HANGS)
             yield Row(run, (123.0, 45))
 
     monkeypatch.setattr(running, "_in_process", interrupted)
