@@ -56,7 +56,9 @@ async function ask(what) {
   const asked = await ready;
   tell("Working …");
   await new Promise(done => setTimeout(done));
-  const began = performance.now(), found = asked(request);
+  const began = performance.now();
+  let found;
+  try { found = asked(request); } catch (error) { found = { error: `${error.message}`.trim().split("\n").pop() }; }
   if (found.error) { tell(found.error, true); return null; }
   tell(`Done in ${Math.round(performance.now() - began)} ms. Arrow keys go from stage to stage.`);
   return found;

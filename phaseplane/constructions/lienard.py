@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from cmath import isfinite
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -146,15 +147,18 @@ class Lienard:
 
         def curve(y: float) -> tuple[complex, ...]:
             places = sorted({*heights, *self._broken(heights, y)}) if self.guards else heights
-            return tuple(plane.displacement.at(-self.epsilon(v, y)) + up * v for v in places)
+            points = (plane.displacement.at(-self.epsilon(v, y)) + up * v for v in places)
+            return tuple(z for z in points if isfinite(z))
 
         values = self.levels or _round_values(*reach(plane.displacement, points))
-        family = [curve(y) for y in values]
-        size = abs(family[0][-1] - family[0][0])
+        # where f has a pole there is no curve
+        family = {y: vertices for y in values if len(vertices := curve(y)) > 1}
+        first = next(iter(family.values()), (0j,))
+        size = abs(first[-1] - first[0])
         axis = plane.displacement
         factor, unit = (100.0, " cm") if axis.unit == "m" else (1.0, f" {axis.unit}".rstrip())
         found: list[tuple[tuple[complex, ...], list[str]]] = []
-        for vertices, y in zip(family, values, strict=True):
+        for y, vertices in family.items():
             known = (labels for other, labels in found if _same(vertices, other, _DRAWN * size))
             label = f"{axis.label} = {factor * y:g}{unit}"
             here = next(known, None)
@@ -162,8 +166,8 @@ class Lienard:
                 found.append((vertices, [label]))
             else:
                 here.append(label)
-        if len(found) == 1:
-            return (Curve("auxiliary", family[0]),)
+        if len(found) == 1 and len(family) == len(values):
+            return (Curve("auxiliary", first),)
         return tuple(
             Curve("auxiliary", vertices, " and ".join(labels)) for vertices, labels in found
         )

@@ -40,12 +40,15 @@ _DEFAULTS: dict[str, Any] = {
 
 
 def catalogue() -> dict[str, Any]:
-    """Return the scenes that have a construction, with their titles, and the rules."""
+    """Return the scenes that can be constructed by their steps, with their titles, and the rules."""
     scenes = {OWN: "Your own equation"}
     for name, title in case_titles().items():
-        tables = read_layers(find_scene(name)).tables()
-        model = tables.get("fmu")
-        if model in CONSTRUCTED:
+        if read_layers(find_scene(name)).tables().get("fmu") in CONSTRUCTED:
+            fields = described(name)
+            try:
+                drawn({"scene": name, **fields, "duration": fields["step"]})
+            except ValueError:  # too long a step, and no shorter one would do: a wheel of 1 g
+                continue
             scenes[name] = title
     return {"scenes": scenes, "rules": list(RULES)}
 
@@ -94,9 +97,9 @@ def answered(request: str) -> str:
                 found = _ran(asked)
             case _:
                 found = exercises.sheet_data(drawn(asked))
+        return json.dumps(found, ensure_ascii=False, allow_nan=False)
     except (ArithmeticError, ValueError, InputError) as error:
         return json.dumps({"error": one_line(str(error))})
-    return json.dumps(found, ensure_ascii=False)
 
 
 def drawn(asked: Mapping[str, Any]) -> Drawing:
