@@ -75,7 +75,10 @@ class EquationPlane(SwitchedPlane):
     def schemes(self) -> Mapping[str, Scheme]:
         """How the points are joined; along switches and at rest, too, if there are switches."""
         plain = one_plane_scheme(
-            "From A* along the x axis by the change of f since the start, averaged over the step: D.",
+            "f does not change with time: D is A*."
+            if self.switching.autonomous
+            else "From A* along the x axis by the change of f since the start, averaged over the "
+            "step: D.",
             "x",
         )
         return schemes_with_switches(plain) if self.switching.guards else {CONTACT: plain}

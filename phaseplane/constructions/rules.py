@@ -39,6 +39,8 @@ class Rule:
 
     def drawn_after(self, scheme: Scheme, planes: Sequence[Plane]) -> Scheme:
         """Return the scheme of a construction followed by the stages of this rule in these planes."""
+        if any(mark.role == SUCCESSOR for mark in scheme.marks):  # rest: there is no step
+            return scheme
         first = len(scheme.stages)
         again = () if self.repeats is None else tuple(
             Stroke("construction", s.start + REPEATED, s.end + REPEATED, first + self.repeats)
@@ -77,7 +79,9 @@ def _named(template: str, plane: Plane) -> str:
     return template.format(n=plane.number, foot=plane.foot[0])
 
 
-_SUCCESSOR = "successor"
+SUCCESSOR = "successor"
+"""The role of the points at which steps end."""
+
 _PREDICTED = (
     Mark("construction", "P{n}~", 0, "P{n}'*"),
     Mark("construction", "{foot}{n}~", 1, "{foot}{n}'*"),
@@ -91,7 +95,7 @@ _CENTRE = Mark("construction", "S{n}", 2, "S{n}")
 
 
 def _successor(stage: int) -> Mark:
-    return Mark(_SUCCESSOR, "P{n}'", stage, "P{n}'")
+    return Mark(SUCCESSOR, "P{n}'", stage, "P{n}'")
 
 
 tangent = Rule(
@@ -100,7 +104,7 @@ tangent = Rule(
     steps.tangent,
     ("The lengths of the arcs on the tangents: the successors P'.",),
     (_successor(0),),
-    (Stroke(_SUCCESSOR, "P{n}", "P{n}'", 0),),
+    (Stroke(SUCCESSOR, "P{n}", "P{n}'", 0),),
 )
 """P' on the tangent at the distance DP dtau (AP57 eq. 8)."""
 
@@ -113,7 +117,7 @@ velocity = Rule(
     (
         Stroke("construction", "Q{n}", "Q{n}'", 0),
         Stroke("construction", "Q{n}'", "P{n}'", 0),
-        Stroke(_SUCCESSOR, "P{n}", "P{n}'", 0),
+        Stroke(SUCCESSOR, "P{n}", "P{n}'", 0),
     ),
 )
 """P' on the tangent where y has changed by y-bar dtau (AP57 section 3): the point of `tangent`, found
@@ -129,7 +133,7 @@ mean_normal = Rule(
         "On the first tangents, a length given by the mean of both normals: the successors P'.",
     ),
     (*_PREDICTED, _successor(2)),
-    (_ON_TANGENT, _NEW_NORMAL, Stroke(_SUCCESSOR, "P{n}", "P{n}'", 2)),
+    (_ON_TANGENT, _NEW_NORMAL, Stroke(SUCCESSOR, "P{n}", "P{n}'", 2)),
     repeats=1,
 )
 """P' on the tangent at the mean of the distances DP and `D'*P'*`, times dtau (AP57 figure 4a)."""

@@ -9,13 +9,14 @@ on the switch. Dry friction at rest is such a motion, with D = Q.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 
 from phaseplane.constructions.construction import CONTACT, Window
 from phaseplane.constructions.one_plane import OnePlane
 from phaseplane.constructions.primitives import Scheme
-from phaseplane.constructions.schemes import marks, scheme, strokes, turn_arcs
+from phaseplane.constructions.rules import SUCCESSOR
+from phaseplane.constructions.schemes import Part, marks, scheme, strokes, turn_arcs
 from phaseplane.constructions.steps import Points, States
 from phaseplane.equations.switching import Mode, Switching
 
@@ -27,8 +28,34 @@ GAUSS = ((0.11270166537925831, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.88729833462074
 """Places in a step and weights of the mean over it, by Gauss."""
 
 
-def on_switch_scheme(words: str) -> Scheme:
-    """Return the drawing of a step along a switch; `words` say where D is."""
+def on_switch_schemes() -> dict[str, Scheme]:
+    """Return the schemes of steps along a switch, and of rest on it."""
+    return {
+        SLIDING: _on_switch(
+            (
+                "The normal DP is perpendicular to the switch: D.",
+                marks("normal", "D"),
+                strokes("excitation", "A*-D"),
+            ),
+            ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
+            (
+                "Its length on the arm of the turn angle: the arc is the length of the step.",
+                turn_arcs(("",)),
+            ),
+        ),
+        REST: _on_switch(
+            (
+                "The forces are in balance: D is Q, where P is. There is no normal, and P stays: P'.",
+                marks("normal", "D"),
+                marks(SUCCESSOR, "P'"),
+                strokes("excitation", "A*-D"),
+            ),
+        ),
+    }
+
+
+def _on_switch(*rest: tuple[str, *tuple[Iterator[Part], ...]]) -> Scheme:
+    """Return the drawing of a step on a switch, from the stage that finds D."""
     return scheme(
         (
             "The state point P, on the switch, and its foot Q on the axis.",
@@ -42,21 +69,8 @@ def on_switch_scheme(words: str) -> Scheme:
             marks("construction", "A A*"),
             strokes("construction", "P-A A-A*"),
         ),
-        (words, marks("normal", "D"), strokes("excitation", "A*-D")),
-        ("DP is the normal of the integral curve.", strokes("normal", "D-P")),
-        (
-            "Its length on the arm of the turn angle: the arc is the length of the step.",
-            turn_arcs(("",)),
-        ),
+        *rest,
     )
-
-
-def on_switch_schemes() -> dict[str, Scheme]:
-    """Return the schemes of steps along a switch, and of rest on it."""
-    return {
-        SLIDING: on_switch_scheme("The normal DP is perpendicular to the switch: D."),
-        REST: on_switch_scheme("The forces are in balance: D = Q, and P stays where it is."),
-    }
 
 
 class SwitchedPlane(OnePlane):

@@ -143,6 +143,24 @@ def test_protocols_of_two_planes_tell_each_point_in_its_plane():
         assert f"= {y:.4g} cm" in entries[lettered(f"P{number}")].value
 
 
+def test_a_protocol_of_rest_turns_nothing():
+    """A driven mass with friction: it waits until the drive is stronger, and then steps."""
+    plane = EquationPlane(Formula("0.5*sign(v) - sin(t)").switching)
+    entries = protocol(construct_motion(plane, DELTA, step=0.1, duration=1.0))
+    resting = [e for e in entries if e.step == 0]
+    assert [e.point for e in resting] == ["P", "Q", "A", "A*", "D", "P'"]
+    assert "There is no normal, and P stays: P'." in resting[-1].found
+    assert all("normal of" not in e.found and "turned" not in e.found for e in resting)
+    moving = [e for e in entries if e.step == entries[-1].step]
+    assert "P turned about Dm by the turn angle: the successor P'." in moving[-1].found
+    assert any("change of f since the start" in e.found for e in moving)
+
+
+def test_without_a_drive_d_is_said_to_be_the_foot_of_a():
+    entries = protocol(construct_motion(plane_of("0.2*v + x"), DELTA, step=STEP, steps=1))
+    assert {e.found for e in entries if e.point == "D"} == {"f does not change with time: D is A*."}
+
+
 def test_pages_carry_the_construction_and_an_exercise_not_its_solution():
     drawing = construct_motion(plane_of("(x^2 - 1)*v + x"), DELTA, step=STEP, steps=4)
     page = protocol_page(drawing)

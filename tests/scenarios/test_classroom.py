@@ -219,6 +219,13 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     assert told("first") is not None  # a sheet is there before Python is
     assert "stage 1 of" in find(".now").text
     wait.until(lambda _: told("ready"))
+    bottom = (
+        "return document.querySelector('#player svg').getBoundingClientRect().bottom - innerHeight"
+    )
+    assert browser.execute_script(bottom) <= 0  # the form and the whole sheet in one window
+    written = [text.text for text in browser.find_elements(By.CSS_SELECTOR, ".paper text")]
+    assert "\N{MINUS SIGN}2" in written
+    assert not any("-" in text for text in written)
     Select(find("select[name=scene]")).select_by_value("ap57")
     wait.until(lambda _: (told("shown") or "").startswith("Quarter car"))
     body = find("body")

@@ -23,6 +23,7 @@ function phaseplanePlayer(root, data) {
     return one;
   };
   const xy = ([x, y]) => `${x},${-y}`;
+  const minus = text => text.replace(/-(?=[\d.])/g, "\u2212");
 
   root.replaceChildren();
   html("h1", root, data.title);
@@ -46,7 +47,7 @@ function phaseplanePlayer(root, data) {
   const letters = (parent, role, words, at, size = 1) => make("text", {
     x: at[0], y: -at[1], fill: colour(role), "font-size": size * em, "font-family": "serif",
     "paint-order": "stroke", stroke: "#fff", "stroke-width": em / 6,
-  }, parent, words);
+  }, parent, minus(words));
   const dot = (parent, role, at, size = 1) => make("circle", { cx: at[0], cy: -at[1], r: size * em / 5, fill: colour(role) }, parent);
 
   const still = make("g", {}, svg);
@@ -56,7 +57,9 @@ function phaseplanePlayer(root, data) {
     const seen = curve.points.filter(inside);
     if (!curve.label) return;
     if (curve.role !== "auxiliary" || !seen.length) {
-      letters(still, curve.role, curve.label, curve.points[curve.points.length - 1], 0.75);
+      // further integral curves are named where they begin, as many of them end together
+      const [x, y] = curve.points[curve.role === "trail" ? 0 : curve.points.length - 1];
+      letters(still, curve.role, curve.label, curve.role === "axis" ? [x - em / 3, y - 1.1 * em] : [x, y], 0.75);
       return;
     }
     // at the end in view that is farther from the axis, where the curves are farther apart; in three rows
@@ -105,7 +108,7 @@ function phaseplanePlayer(root, data) {
     const body = html("tbody", table);
     const rows = data.protocol.map(([step, stage, point, length, value]) => {
       const row = html("tr", body);
-      for (const cell of [step, point, length, value]) html("td", row, String(cell));
+      for (const cell of [step, point, length, value]) html("td", row, minus(String(cell)));
       row.dataset.state = stage === 0 && point[0] === "P" ? "state" : "";
       row.onclick = () => { at = Math.max(0, stages.findIndex(([i, k]) => data.steps[i].step === step && k === stage)); show(); };
       return [row, step, stage];
