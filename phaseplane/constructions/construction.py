@@ -94,6 +94,10 @@ class Construction(Protocol):
         """Return the mode that follows when these states have reached a limit of the mode."""
         return self.succeeding(mode, limit)
 
+    def mode_with(self, mode: str, limit: int) -> str:
+        """Return the mode if an independent limit has been reached at the same time."""
+        return mode
+
     def scheme_of(self, mode: str) -> str:
         """Return the key of the scheme by which the points of a mode are joined."""
         return mode

@@ -269,6 +269,10 @@ class HalfCarPlanes(Construction):
         front, rear = MODES[mode]
         return _MODE_OF[(not front, rear) if limit == 0 else (front, not rear)]
 
+    def mode_with(self, mode: str, limit: int) -> str:
+        """Return the mode if the other wheel lifts off or touches down at the same time."""
+        return self.succeeding(mode, limit)
+
     def event(self, mode: str, successor: str) -> str:
         """Return the event of each wheel that has lifted off or touched down."""
         return ", ".join(

@@ -111,6 +111,8 @@ def _frames(
         old_mode = mode
         if found:
             mode = construction.mode_after(mode, found.limit, states, time)
+            for limit in found.others:
+                mode = construction.mode_with(mode, limit)
             states = construction.remembered(states, states)
         if time == jolt:
             jolt, readings, event = next(jolts), None, JOLT

@@ -10,14 +10,23 @@ from phaseplane.constructions.stepping import Stepper
 from phaseplane.constructions.steps import Points, States
 
 _SAMPLES = (0.25, 0.5, 0.75)  # parts of a step at which margins are sampled
+_AT_ONCE = 1e-9  # part of a window within which limits are reached at the same time
 _DOUBTFUL = 0.05  # of the largest margin: dips that stay above it are ignored
 
 
 class End(NamedTuple):
-    """The limit at which a mode ends, and the time from the start of the window, s."""
+    """The end of a mode.
+
+    Parameters
+    ----------
+    limit : the limit that is reached
+    part : time from the start of the window, s
+    others : further limits that are reached at the same time
+    """
 
     limit: int
     part: float
+    others: tuple[int, ...] = ()
 
 
 def first_end(
@@ -49,7 +58,7 @@ def first_end(
         return margins(mode, at, window.start + part * window.duration)
 
     rows = (margins(mode, states, window.start), *map(between, _SAMPLES), last)
-    found: End | None = None
+    found: list[End] = []
     for limit, course in enumerate(zip(*rows, strict=True)):
 
         def left(part: float, limit: int = limit) -> float:
@@ -58,9 +67,14 @@ def first_end(
             return margins(mode, at, within.end)[limit]
 
         part = _end_of(course, left, window.duration, fresh=fresh)
-        if part is not None and (found is None or part < found.part):
-            found = End(limit, part)
-    return found
+        if part is not None:
+            found.append(End(limit, part))
+    if not found:
+        return None
+    first = min(found, key=lambda end: end.part)
+    at_once = first.part + _AT_ONCE * window.duration
+    others = tuple(end.limit for end in found if end is not first and end.part <= at_once)
+    return first._replace(others=others)
 
 
 def _end_of(

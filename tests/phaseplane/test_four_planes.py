@@ -218,3 +218,21 @@ def test_an_axle_that_cannot_be_drawn_is_refused():
         AxleData(30.0, linear(1e4), linear(1e3))
     with pytest.raises(ValueError, match="four finite numbers"):
         AxleData(30.0, linear(1e4), linear(1e3), 1e5, initial=(0.0, 0.0, 0.0, float("inf")))
+
+
+@pytest.mark.parametrize("contact", ["gap", "force"])
+def test_wheels_that_leave_and_meet_the_road_together_do_so_in_one_event(contact: str) -> None:
+    """Two equal halves thrown upwards: both axles move alike, to rounding."""
+    axle = AxleData(
+        28.0, linear(14000.0), damper(1800.0, 600.0), 150e3, 800.0, 3000.0, roads.constant(),
+        initial=(0.0, 0.0, 0.0, 3.0),
+    )  # fmt: skip
+    planes = HalfCarPlanes(280.0, 280.0, 0.0, front=axle, rear=axle, contact=contact)
+    drawing = construct_motion(planes, RULES["delta"], step=0.0025, duration=1.0)
+    events = [frame.event for frame in drawing.frames if frame.event]
+    assert events[:2] == ["front_lift_off, rear_lift_off", "front_touchdown, rear_touchdown"]
+    assert all(event.count(",") == 1 for event in events)
+    for frame in drawing.frames:
+        for name in ("suspension_deflection", "wheel_displacement"):
+            front, rear = (frame.readings[f"{axle}_{name}"] for axle in ("front", "rear"))
+            assert front == pytest.approx(rear, abs=1e-9)
