@@ -29,6 +29,8 @@ from .reading import read_scene
 from .schema import Scene
 from .sections import Construction
 
+_NO_STOP_TIME = "; the FMU has no default stop time, so give one, such as --set 'duration=10 s'"
+
 
 def load_scene(
     reference: str | Mapping[str, Any],
@@ -57,7 +59,9 @@ def load_scene(
     try:
         scene = read_scene(name, layers.tables(), layers.folders)
     except RefusedError as error:
-        hint = meant(name, "scene") if path is None and error.key == "duration" else ""
+        hint = ""
+        if error.key == "duration":
+            hint = meant(name, "scene") if path is None else _NO_STOP_TIME * (path.suffix == ".fmu")
         raise SceneError(f"{_told(error, layers, reference)}{hint}") from None
     return replace(scene, file=path, unchecked=layers.unchecked, idle=tuple(_idle(scene, layers)))
 
