@@ -83,8 +83,8 @@ def section(
     starts = np.array([[*(x + x0), start[0]], [*(v + v0), start[1]]]).T
     rows = [starts]
     for row in islice(_by_periods(system, window, starts), periods):
-        rows.append(row)
-        apart = np.abs(rows[-1] - rows[-2]) / [window.width, window.height]
+        rows.append(np.column_stack([x0 + system.wrapped(row[:, 0] - x0), row[:, 1]]))
+        apart = _apart(system, rows[-1], rows[-2]) / [window.width, window.height]
         apart = apart[np.isfinite(apart).all(axis=1)]
         # all have settled in motions of the drive's period: what follows is the same again
         if not len(apart) or apart.max() < _SETTLED:
@@ -95,7 +95,7 @@ def section(
     points = kept.reshape(-1, 2)
     return Section(
         system.period, points[np.isfinite(points).all(axis=1)], transient, len(kept),
-        _attractors(states, window) if transient else (),
+        _attractors(system, states, window) if transient else (),
     )  # fmt: skip
 
 
@@ -110,6 +110,7 @@ def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[G
     x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
     steps = 0
     for k in count(1):
+        going.x[:] = system.wrapped(going.x)  # an angle that goes round and round stays near
         steps += _go_on(system, going, k)
         far = np.abs(going.x - x0) > _GONE * window.width
         far |= np.abs(going.v - v0) > _GONE * window.height
@@ -117,6 +118,13 @@ def _by_periods(system: PhaseSystem, window: Window, starts: Grid) -> Iterator[G
         yield np.where(going.active[:, None], np.array([going.x, going.v]).T, np.nan)
         if steps > _MOST:
             return
+
+
+def _apart(system: PhaseSystem, one: Grid, other: Grid) -> Grid:
+    """Return the differences of states, the shorter way round where x is an angle."""
+    difference = one - other
+    difference[..., 0] = system.wrapped(difference[..., 0])
+    return np.abs(difference)
 
 
 def _centred(window: Window) -> tuple[Grid, Grid]:
@@ -136,18 +144,19 @@ def _dissipates(system: PhaseSystem, window: Window) -> bool:
     return float(np.nanmean(slopes)) / (2.0 * dv) > 1e-9 / system.period
 
 
-def _attractors(states: Grid, window: Window) -> tuple[Grid, ...]:
+def _attractors(system: PhaseSystem, states: Grid, window: Window) -> tuple[Grid, ...]:
     """Return the different periodic motions that motions end in; states by period, motion, (x, x')."""
     sides = np.array([window.width, window.height])
     found: list[Grid] = []
     for motion in states.transpose(1, 0, 2):
         for m in range(1, min(_LONGEST, len(motion) // 2) + 1):
             # over twice as many periods, so that a slow approach is not taken for a return
-            if not np.abs((motion[-m:] - motion[-2 * m : -m]) / sides).max() < _CLOSES:
+            if not (_apart(system, motion[-m:], motion[-2 * m : -m]) / sides).max() < _CLOSES:
                 continue
             turn = motion[-m:]
             known = any(
-                len(other) == m and np.abs((other - turn[-1]) / sides).max(axis=1).min() < _SAME
+                len(other) == m
+                and (_apart(system, other, turn[-1]) / sides).max(axis=1).min() < _SAME
                 for other in found
             )
             if not known:

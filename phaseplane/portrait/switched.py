@@ -111,7 +111,7 @@ def samples(
     for step in _steps(system, start, 1.0, _OF_SECTION, longest=0.25 * system.period):
         while step.end >= due * (1.0 - 1e-12):
             x, v = step.at(min(due, step.end))
-            if not window.holds(x, v, farthest):
+            if not window.holds(system.wrapped(np.array(x)), v, farthest):
                 return
             yield x, v
             due = (round(due / system.period) + 1) * system.period

@@ -33,6 +33,7 @@ class PhaseSystem:
     on_arrays : f of three arrays of equal shape; by default `function` is called with arrays, or
         number by number if it does not accept them
     switching : the same f with its switches, if it jumps: motions are then followed through them
+    turn : of x after which f is the same again, as of a pendulum's angle; 0 if there is none
     """
 
     function: Function
@@ -41,11 +42,28 @@ class PhaseSystem:
     period: float = 0.0
     on_arrays: Function | None = None
     switching: Switching | None = None
+    turn: float = 0.0
 
     @property
     def driven(self) -> bool:
         """Whether f depends on time."""
         return self.period > 0.0
+
+    def wrapped(self, x: Grid) -> Grid:
+        """Return angles within half a turn of zero; x itself where f has no turn."""
+        return x - self.turn * np.round(x / self.turn) if self.turn else x
+
+    def repeats(self, turn: float) -> bool:
+        """Return whether f depends on x, and is the same a turn further."""
+        places = np.random.default_rng(1).uniform(-1.0, 1.0, (3, 64))
+        x, v, t = turn * places[0], 3.0 * places[1], (self.period or 1.0) * places[2]
+        here, there, between = (self.forces(x + part * turn, v, t) for part in (0.0, 1.0, 0.37))
+        known = np.isfinite(here) & np.isfinite(there) & np.isfinite(between)
+        if not known.any():
+            return False
+        here, there, between = here[known], there[known], between[known]
+        size = 1e-9 * max(1.0, np.abs(here).max())
+        return bool(np.abs(there - here).max() <= size < np.abs(between - here).max())
 
     def rates(self, t: float, state: npt.ArrayLike) -> list[float]:
         """Return (x', x'') at a state (x, x'), for an integrator."""

@@ -93,14 +93,21 @@ def enlarged(window: Window, points: npt.ArrayLike) -> Window:
     )
 
 
-def fitted_window(shown: Section, otherwise: Window) -> Window:
-    """Return a window that fits the points of a section."""
+def fitted_window(shown: Section, otherwise: Window, turn: float = 0.0) -> Window:
+    """Return a window that fits the points of a section.
+
+    Parameters
+    ----------
+    turn : of an angle x, which is shown as a whole; 0 if x is none
+    """
     if not len(shown.points):
         return otherwise
     low, high = shown.points.min(axis=0), shown.points.max(axis=0)
     sides = np.array([otherwise.width, otherwise.height])
     half = np.maximum(0.5 * _ROOM * (high - low), _LEAST * sides)
     (left, bottom), (right, top) = 0.5 * (low + high) - half, 0.5 * (low + high) + half
+    if turn:
+        left, right = -0.5 * turn, 0.5 * turn
     return Window(*map(float, (left, right, bottom, top)))
 
 

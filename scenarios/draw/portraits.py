@@ -112,7 +112,7 @@ def portrait(
                 system, shown, starts=starts, periods=_PERIODS, frozen=frozen, fits=not window
             )
         if made.section is not None and not window:
-            made = replace(made, window=computed.fitted_window(made.section, shown))
+            made = replace(made, window=computed.fitted_window(made.section, shown, system.turn))
     except (ValueError, OverflowError) as error:
         raise InputError(f"portrait of {scene.name}: {one_line(error)}") from None
     title = scene.title or scene.name
@@ -230,6 +230,8 @@ def _of_equation(parameters: Mapping[str, Value], period: float) -> _Subject:
         on_arrays=formula.on_arrays,
         switching=formula.switching if jumps else None,
     )
+    if system.repeats(2.0 * pi):
+        system = replace(system, turn=2.0 * pi)
     start = float(parameters["displacement_start"]), float(parameters["velocity_start"])
     unit = str(parameters["unit"])
     units = (unit, "1" if unit == "1" else f"{unit}/s")

@@ -50,6 +50,28 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     assert words.count("attractor    motion with a period of one forcing period, at ") == 2
 
 
+def test_a_driven_pendulum_that_goes_round_is_shown_once_round() -> None:
+    """Period 1 by turns of 2 pi, which is one attractor; and the chaotic one stays in view."""
+    told = json.loads(of_equation("0.2*v + sin(x) - 0.5*cos(0.7*t)", "--json").stdout)
+    assert told["window"][:2] == pytest.approx([-pi, pi])
+    ((state,),) = told["section"]["attractors"]
+    assert state == pytest.approx([-1.83591, 1.24755], abs=1e-4)
+    chaos = json.loads(of_equation("0.5*v + sin(x) - 1.5*cos(2/3*t)", "--json").stdout)
+    assert chaos["section"]["attractors"] == []
+    assert chaos["window"][3] < 3.0  # rad/s: motions of the attractor, and none that has gone
+    assert chaos["section"]["periods"] >= 40
+
+
+@pytest.mark.parametrize(
+    ("f", "turns"),
+    [("sin(x)", True), ("0.1*v*cos(2*x) - cos(t)", True), ("0.3*sign(v) + sin(x)", True),
+     ("x + sin(x)", False), ("0.2*v - cos(t)", False), ("sin(x/2)", False), ("1/x", False)],
+)  # fmt: skip
+def test_an_angle_is_known_by_its_equation(f: str, turns: bool) -> None:
+    subject = _of_scene(load_scene("van_der_pol", [f"equation={f}"]), "", 0.0)
+    assert subject.system.turn == (2.0 * pi if turns else 0.0)
+
+
 def test_a_driven_equation_is_frozen_on_demand() -> None:
     told = of_equation(DUFFING, "--frozen", "0").stdout
     assert "frozen at t = 0 s" in told
