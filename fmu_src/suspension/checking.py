@@ -226,7 +226,7 @@ def _shapes(system: System) -> Iterator[str]:
     if len(system.scales) != n or not all(0.0 < scale < inf for scale in system.scales):
         yield f"scales: must be {n} positive displacements, {system.scales} given"
     names = [element.name for element in system.elements]
-    for name in {name for name in names if names.count(name) > 1}:
+    for name in dict.fromkeys(name for name in names if names.count(name) > 1):
         yield f"{name}: two elements have this name"
     for element in system.elements:
         if (
@@ -249,6 +249,23 @@ def _shapes(system: System) -> Iterator[str]:
             yield f"load {load.signal}: direction must have {n} numbers"
         if load.signal not in system.signals:
             yield f"load {load.signal}: is not among the signals"
+    yield from _readings(system)
+
+
+def _readings(system: System) -> Iterator[str]:
+    """Check what further outputs are read from."""
+    n, names = len(system.coordinates), [element.name for element in system.elements]
+    for k, axle in enumerate(system.axles, 1):
+        of = f"axle {axle.prefix.rstrip('_') or k}"
+        if axle.road not in system.signals:
+            yield f"{of}: its road {axle.road!r} is not among the signals"
+        if axle.tyre and axle.tyre not in names:
+            yield f"{of}: its tyre {axle.tyre!r} is not among the elements"
+        if len(axle.suspension) != n:
+            yield f"{of}: suspension must have {n} numbers"
+    for motion in system.motions:
+        if len(motion.direction) != n:
+            yield f"{motion.names[0]}: direction must have {n} numbers"
 
 
 def _mass(mass: Sequence[Sequence[float]]) -> Iterator[str]:

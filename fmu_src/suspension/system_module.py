@@ -22,7 +22,9 @@ from . import models
 from .declared import SOLVER_PARAMETERS
 from .model import Model
 from .outputs import SOLVER_OUTPUTS
-from .systems import System
+from .signals import Signal
+from .systems import Element, System
+from .units import UNITS, nearest
 from .variable import ParameterError, Value
 
 _PACKAGE = __name__.rpartition(".")[0]
@@ -61,6 +63,19 @@ def model_in(source: str) -> Model:
     twice = [name for name in names if names.count(name) > 1]
     if twice:
         raise ParameterError(f"MODEL.variables: {twice[0]} is declared twice")
+    for v in model.variables:
+        if v.unit and v.unit not in UNITS:
+            raise ParameterError(
+                f"MODEL.variables: {v.name} has the unit {v.unit!r}, which is unknown"
+                f"{nearest(v.unit, UNITS)}"
+            )
+        if v.display and (not v.unit or v.display not in UNITS[v.unit].display):
+            raise ParameterError(
+                f"MODEL.variables: {v.name} is displayed in {v.display!r}, which is no unit beside "
+                f"{v.unit!r}"
+            )
+        if v.causality == "parameter":
+            v.checked(v.start)
     for words, needed in (
         ("*SOLVER_PARAMETERS of phaseplane.suspension.declared", SOLVER_PARAMETERS),
         ("*SOLVER_OUTPUTS of phaseplane.suspension.outputs", SOLVER_OUTPUTS),
@@ -80,6 +95,15 @@ def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value
         raise _told(error) from None
     if not isinstance(made, System):
         raise ParameterError(f"MODEL.system returned {made!r}: it must return a System")
+    for what, kind, found in (
+        ("elements", Element, made.elements),
+        ("signals", Signal, made.signals.values()),
+    ):
+        for one in found:
+            if not isinstance(one, kind):
+                raise ParameterError(
+                    f"MODEL.system: among the {what} is {one!r}: it must be of the class {kind.__name__}"
+                )
     return made
 
 

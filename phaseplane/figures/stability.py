@@ -25,6 +25,8 @@ _COLOURS = (
     style.ORANGE, style.GREY,
 )  # fmt: skip
 _GROWTH = LinearSegmentedColormap.from_list("growth", ["#cfe3f5", "#ffffff", "#f3b199", "#b52a1a"])
+_GROWING, _GROWN = 1.01, 10.0  # what a line surrounds: growth of a step, and of a run
+_END = 4.5  # of the axis of ratios
 _LARGEST = 2.0  # largest growth on the colour scale, as a power of ten
 
 
@@ -39,6 +41,7 @@ class GrowthMap:
     label : of the second quantity
     growth : per step or run, shape (len(up), len(across)); 1: none
     limit : omega h of the theoretical limit
+    of_runs : whether growth is that of whole runs, whose energy goes up and down a little
     """
 
     title: str
@@ -47,6 +50,7 @@ class GrowthMap:
     label: str
     growth: Values
     limit: float
+    of_runs: bool = False
 
 
 def stability_sheet(
@@ -125,20 +129,25 @@ def _found(
     colours: Mapping[str, str],
     palette: Palette,
 ) -> None:
-    _style(axes, palette, "Largest stable step of systems with switches, measured / theory")
+    _style(axes, palette, "Largest stable step in runs, measured / theory (▸: none found)")
     problems = list(dict.fromkeys(problem for problem, *_ in found))
     methods = list(dict.fromkeys(method for _, method, *_ in found))
     axes.axvline(1.0, color=palette.ink, linewidth=0.8, linestyle=":")
     for k, method in enumerate(methods):
-        points = [
-            (measured / theory, problems.index(problem) + 0.09 * (k - (len(methods) - 1) / 2))
+        aside = 0.09 * (k - (len(methods) - 1) / 2)
+        places = [
+            (measured and measured / theory, problems.index(problem) + aside)
             for problem, one, theory, measured in found
-            if one == method and measured is not None
+            if one == method
         ]
-        across, up = [x for x, _ in points], [y for _, y in points]
-        axes.plot(across, up, "o", color=colours.get(method, style.GREY), markersize=4.5)
+        points = [(ratio, up) for ratio, up in places if ratio is not None]
+        endless = [(0.96 * _END, up) for ratio, up in places if ratio is None]
+        colour = colours.get(method, style.GREY)
+        for marker, which in (("o", points), (">", endless)):
+            across, up = [x for x, _ in which], [y for _, y in which]
+            axes.plot(across, up, marker, color=colour, markersize=4.5)
     axes.set_xscale("log")
-    axes.set_xlim(0.22, 4.5)
+    axes.set_xlim(0.22, _END)
     axes.xaxis.set_major_locator(FixedLocator([0.25, 0.5, 1.0, 2.0, 4.0]))
     axes.xaxis.set_minor_locator(NullLocator())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
@@ -156,7 +165,8 @@ def _map(axes: Axes, one: GrowthMap, palette: Palette) -> QuadMesh:
         one.across, one.up, growth, cmap=_GROWTH, norm=Normalize(-1.0, _LARGEST), shading="nearest",
         rasterized=True,
     )  # fmt: skip
-    axes.contour(one.across, one.up, growth, levels=[log10(1.01)], colors=palette.ink, linewidths=1)
+    level = log10(_GROWN if one.of_runs else _GROWING)
+    axes.contour(one.across, one.up, growth, levels=[level], colors=palette.ink, linewidths=1)
     axes.axvline(one.limit, color="#222222", linewidth=0.9, linestyle=":")
     axes.set_yscale("log")
     axes.set_ylim(one.up[0], one.up[-1])

@@ -11,9 +11,10 @@ from ..errors import InputError, one_line
 from ..scene.fmus import fmu_named
 from ..scene.sections import FIGURES
 
-_USUAL = ("sprung_mass", "unsprung_mass", "spring.rate", "damper.rebound_rate", "damper.bump_rate",
+_USUAL = ("sprung_mass", "payload", "unsprung_mass", "spring.rate", "damper.rebound_rate",
+          "damper.bump_rate", "damper.table", "friction", "bump_stop.gap", "bump_stop.stiffness",
           "tyre.stiffness", "mass", "damping", "yield_force", "road.shape", "road.height",
-          "road.length", "speed", "force.table")  # fmt: skip
+          "road.length", "road.class", "speed", "force.table")  # fmt: skip
 
 
 def write_template(path: Path, model: str) -> None:
@@ -47,8 +48,12 @@ def _lines(model: str) -> Iterator[str]:
     yield 'title = "My scene"'
     yield f'fmu = "{model}"'
     yield 'duration = "1 s"  # values are in SI, or texts with a unit'
+    yield "# It can build on another scene, whose name or file the key extends gives in place of fmu."
+    if "body_displacement" in outputs:
+        yield '# construction = { rule = "delta", step = "2.5 ms" }  # drawn if figures ask for it'
     yield ""
-    yield "# Parameters that differ from the FMU's defaults, which are shown here."
+    yield "# Parameters that differ from the FMU's defaults, which are shown here. A table can be read"
+    yield "# from a file: its keys are then file, columns and units."
     yield "[parameters]"
     usual = [
         v for name, v in parameters.items() if name.split(".", 1)[-1] in _USUAL or name in _USUAL

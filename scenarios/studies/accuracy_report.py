@@ -117,7 +117,7 @@ def _failures(points: Sequence[Point]) -> Iterator[str]:
                 who.append(f"all {family}s")
             else:
                 who += [f"{_label(solver, family)}{count}" for solver, count in counts.items()]
-        yield f"failed: {', '.join(who)}: {kind}"
+        yield f"no result: {', '.join(who)}: {kind}"
 
 
 def panels(problems: Sequence[Problem], points: Sequence[Point]) -> list[tuple[str, list[Any]]]:

@@ -50,7 +50,8 @@ class Happened:
 
     Parameters
     ----------
-    outcome : `right` or `wrong` at the tolerances at which it runs, `refused` if it runs at none
+    outcome : `right` or `wrong` at the tolerances at which it runs, `refused` if it runs at none; with
+        fixed steps `bounded` or `wrong`
     errors : largest differences from the truth relative to the peak, by tolerance, without those at
         which it is refused; empty if there is no truth
     compared_with : the solution taken as the truth
@@ -167,7 +168,7 @@ def run_case(case: Extreme) -> Happened:
         error < (_MOST_FIXED if fixed else _MOST * case.magnifies * tolerance)
         for tolerance, error in errors.items()
     )
-    outcome = "right" if right else "wrong"
+    outcome = ("bounded" if fixed else "right") if right else "wrong"
     if fixed:
         said = f"fixed steps: off by {max(errors.values()):.2g} of the peak"
     return Happened(case.name, outcome, errors, other, steps, seconds, said, fixed)

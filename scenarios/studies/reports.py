@@ -104,7 +104,7 @@ def study_stability(
             figures.GrowthMap("Linear acceleration, two masses: of a step", made.grid, made.ratios,
                       "ratio of the springs", made.coupled, study.LINEAR),
             figures.GrowthMap("Linear acceleration between stops: energy", made.grid, made.ratios,
-                      "stop over spring", made.bounced, study.LINEAR),
+                      "stop over spring", made.bounced, study.LINEAR, of_runs=True),
         ],
         [
             (one.problem, one.method, one.theory, one.measured)

@@ -106,8 +106,8 @@ def test_what_fails_says_why_and_the_others_go_on(frame: Problem) -> None:
     assert by_name["lost"].failure.startswith("no solution")
     assert [p.error for p in points if not p.failure] == pytest.approx([0.1])
     told = table(frame, points)
-    assert "failed: wrong (1 of 2 runs), lost: no solution" in told
-    assert "failed: absent: not installed: no_such_package" in told
+    assert "no result: wrong (1 of 2 runs), lost: no solution" in told
+    assert "no result: absent: not installed: no_such_package" in told
 
 
 def test_what_a_library_prints_does_not_reach_the_output(
@@ -142,7 +142,7 @@ def test_a_family_that_fails_alike_is_told_once(frame: Problem) -> None:
         return Point("frame", name, "construction", "step", 1.0, None, None, "not drawn at 3 s")
 
     told = table(frame, [point("tangent"), point("delta")])
-    assert "failed: all constructions: not drawn" in told.splitlines()
+    assert "no result: all constructions: not drawn" in told.splitlines()
 
 
 def test_methods_of_the_project_converge_on_the_truth(bench: Workbench) -> None:

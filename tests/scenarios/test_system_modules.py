@@ -120,11 +120,30 @@ def test_commands_take_it(folder):
         ('*motion("upper"', '*motion("middle"', "does not provide the output middle_displacement"),
         ('*motion("upper"', '*motion("lower"', "lower_displacement is declared twice"),
         ("((2.0, 0.0)", "((2.0, 3.0)", "mass: not symmetric"),
+        ('"N/m")', '"N/mm")', "rate has the unit 'N/mm', which is unknown"),
+        (
+            '"N/m")',
+            '"N/m", display="kN")',
+            "rate is displayed in 'kN', which is no unit beside 'N/m'",
+        ),
+        ('800.0, "rate of both springs", "N/m"', '-1.0, "", "N/m", minimum=0.0', "rate = -1: must"),
+        (
+            "signals={}",
+            'signals={"road": 3}',
+            "among the signals is 3: it must be of the class Signal",
+        ),
+        (
+            "signals={}",
+            "signals={}, axles=(Axle('', (1.0, 0.0), 'rod'),)",
+            "its road 'rod' is not among",
+        ),
+        ("elements=(", "elements=(None,", "among the elements is None"),
         ('SCENE = {"duration": "0.5 s"', 'SCENE = {"duraton": "0.5 s"', "unknown key 'duraton'"),
     ],
 )
 def test_what_is_wrong_is_said_once_with_the_file_and_the_line(folder, before, after, words):
-    Path("two_masses.py").write_text(MODULE.replace(before, after))
+    module = MODULE.replace("import Element", "import Axle, Element")
+    Path("two_masses.py").write_text(module.replace(before, after))
     with pytest.raises(SceneError, match=words) as refused:
         load_scene("two_masses.py")
     assert str(refused.value).count("two_masses.py") == 1

@@ -12,7 +12,7 @@ from phaseplane.suspension import checking, roads
 from phaseplane.suspension.characteristics import Characteristic, Piece
 from phaseplane.suspension.checking import check_characteristic, check_system, raise_if_any
 from phaseplane.suspension.models import build
-from phaseplane.suspension.systems import Element, System, damper_family
+from phaseplane.suspension.systems import Axle, Element, Motion, System, damper_family
 from phaseplane.suspension.variables import MODELS
 
 RIGHT = {
@@ -133,6 +133,10 @@ def with_strut(**changes: object) -> System:
             strut(signals={"road": roads.constant(nan)}),
             "signal road: from -inf s on it is not finite",
         ),
+        (strut(axles=(Axle("", (1.0, -1.0), "rod"),)), "axle 1: its road 'rod' is not among"),
+        (strut(axles=(Axle("rear_", (1.0, -1.0), "road", "tire"),)), "axle rear: its tyre 'tire'"),
+        (strut(axles=(Axle("", (1.0,), "road"),)), "axle 1: suspension must have 2 numbers"),
+        (strut(motions=(Motion(("a", "b", "c"), (1.0,)),)), "a: direction must have 2 numbers"),
         (with_strut(direction=(1.0,)), "must have 2 finite numbers"),
         (with_strut(direction=(1.0, nan)), "must have 2 finite numbers"),
         (with_strut(limit=-1.0), "limit = -1 must be positive"),

@@ -137,7 +137,7 @@ def register(name: str, model: Model) -> None:
     ParameterError : if a model of this package has the name.
     """
     if name in FILES:
-        raise ParameterError(f"{name} is a model of this package")
+        raise ParameterError(f"{name} is a model of this package; give yours another name")
     ALL[name], MODELS[name] = model, model.variables
     for known in (outputs, inputs, declared_parameters, _defaults, _built):
         known.cache_clear()
