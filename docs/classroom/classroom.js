@@ -47,7 +47,7 @@ function drawAnew(answered) {
   const same = JSON.stringify(sheet) === JSON.stringify(first.sheet);
   if (!same && form.scene.value === first.scene) show(sheet);
   document.documentElement.dataset.ready = Math.round(performance.now());
-  tell("Ready. Arrow keys go from stage to stage.");
+  tell("Ready. Use the arrow keys to go from stage to stage.");
 }
 
 async function ask(what) {
@@ -60,7 +60,7 @@ async function ask(what) {
   let found;
   try { found = asked(request); } catch (error) { found = { error: `${error.message}`.trim().split("\n").pop() }; }
   if (found.error) { tell(found.error, true); return null; }
-  tell(`Done in ${Math.round(performance.now() - began)} ms. Arrow keys go from stage to stage.`);
+  tell(`Done in ${Math.round(performance.now() - began)} ms. Use the arrow keys to go from stage to stage.`);
   return found;
 }
 

@@ -36,7 +36,7 @@ def good_window(system: PhaseSystem, reach: float) -> Window:
     x = np.linspace(-reach, reach, 401)
     force = system.forces(x, 0.0 * x)
     most = _STEEP * float(np.nanmedian(np.abs(force))) if np.isfinite(force).any() else 0.0
-    # a stop as hard as a rail is no measure of height: nothing goes far into it
+    # a very stiff stop is not used for the height: the motion hardly enters it
     energy = potential(system, x, most or inf)
     known = energy[np.isfinite(energy)]
     height = sqrt(2.0 * float(known.max())) if len(known) else 0.0

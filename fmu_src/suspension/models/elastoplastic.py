@@ -88,7 +88,7 @@ def _check_start(p: Mapping[str, Value], rate: float, yield_force: float, harden
 
 
 _PAGE = """\
-<p>A mass on a damper and a spring that yields, such as a frame whose columns yield under a short load. The
+<p>A mass on a damper and a spring that yields, such as a frame whose columns yield under a load pulse. The
 start values are those of example 40 of H83, with the loads of CP75. Displacement and force are positive in
 the same direction; the spring force opposes a positive displacement.</p>
 <p class="equation"><i>m</i> u&#776; + <i>C</i> u&#775; + <i>q</i>(<i>u</i>) = <i>f</i>(<i>t</i>)</p>

@@ -105,7 +105,7 @@ def system(p: Mapping[str, Value]) -> System:
 
 _PAGE = """\
 <p>A body and two wheels on tyres that cannot pull on the road: four degrees of freedom (AP57 sections 1
-and 7). Each wheel may leave the road independently. The start values are two quarter cars of the worked
+and 7). The wheels leave the road independently. The start values are two quarter cars of the worked
 example of AP57 section 8, joined by a body that does not couple them. Displacements are positive upwards
 and, like the forces, measured from static equilibrium; forces are positive in extension, that is, they
 pull the body down and the wheels up.</p>

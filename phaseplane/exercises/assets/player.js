@@ -181,7 +181,7 @@ function phaseplanePlayer(root, data) {
       half.forEach(z => dot(moving, "successor", z));
       const left = data.count + 1 - points.length;
       const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
-      words.textContent = left > 0 ? `Click the point ${points.length}${plane}; ${left} left. Backspace takes the last one back.` : "All points are there: save the readings.";
+      words.textContent = left > 0 ? `Click the point ${points.length}${plane}; ${left} left. Backspace removes the last one.` : "All points are complete: save the readings.";
       body.replaceChildren();
       for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, String(cell))); }
     }
