@@ -38,9 +38,9 @@ _VERTICES = 1000  # of a motion in each tick
 _TOLD = ("lift_off", "touchdown")
 _EMPTY = "The empty sheet: axes and auxiliary curves"
 _HELP = (
-    "**How to use this view.** Space plays and stops, the arrow keys go one tick back or on; the "
-    "timeline *stage* tells how a few steps are drawn, *step* and *t* go through all of them. Drag to "
-    "move the sheet, turn the wheel to zoom, double-click to see all of it again."
+    "**How to use this view.** Space plays and pauses, the arrow keys go one tick back or forward. "
+    "The timeline *stage* shows how a few steps are drawn, *step* and *t* go through all of them. Drag "
+    "to move the sheet, turn the mouse wheel to zoom, double-click to reset the view."
 )
 
 

@@ -40,12 +40,12 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
         left.append((below, _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
-        right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="what is drawn")))
+        right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
         box = view_box(vehicle, content.histories)
-        beside.append(_view([f"+ {VEHICLE}/**"], "from the side", box))
+        beside.append(_view([f"+ {VEHICLE}/**"], "side view", box))
     if recorder.arms_page is not None and content.detail != "trail":
         beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
     if beside:

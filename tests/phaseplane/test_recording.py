@@ -119,7 +119,7 @@ def test_views_show_what_is_there(recorded: Recorded) -> None:
         "velocity [m/s], 0 to 2": "/histories/velocity",
         "acceleration [m/s\N{SUPERSCRIPT TWO}], 0 to 20": "/histories/acceleration",
         "force [N], 0 to 2e+03": "/histories/force",
-        "what is drawn": "/words",
+        "construction step": "/words",
     }
     paths = {"/" + path.split("/")[1] for path in recorded.rows}
     assert {"/" + origin.split("/")[1] for origin in views.values()} - {"/"} <= paths
@@ -317,7 +317,7 @@ def test_the_whole_protocol_is_there_with_the_present_line_bold(recorded: Record
     assert "3. the successors" in first
     assert "D\N{SUBSCRIPT ONE}P\N{SUBSCRIPT ONE} = " in first  # a length, measured
     assert "m/s\N{SUPERSCRIPT TWO}" in first  # and what it gives
-    assert "Space plays and stops" in texts[0]
+    assert "Space plays and pauses" in texts[0]
 
 
 def test_axes_carry_values_and_names(recorded: Recorded) -> None:

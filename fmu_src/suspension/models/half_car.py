@@ -129,9 +129,10 @@ pull the body down and the wheels up.</p>
 <i>M</i>/<i>L</i><sup>2</sup>, &emsp; <i>M</i><sub>3</sub> = (<i>a b</i> &minus; &rho;<sup>2</sup>)
 <i>M</i>/<i>L</i><sup>2</sup>.</p>
 <p>At rest the tyres carry <i>N</i><sub>1</sub> = (<i>b M</i>/<i>L</i> + <i>m</i><sub>1</sub>) <i>g</i> and
-<i>N</i><sub>2</sub> = (<i>a M</i>/<i>L</i> + <i>m</i><sub>2</sub>) <i>g</i>. A wheel leaves the road when
-its contact force <i>N<sub>i</sub></i> &minus; <i>T<sub>i</sub></i> falls to zero and touches down when
-the same expression becomes positive; in flight <i>T<sub>i</sub></i> = <i>N<sub>i</sub></i>. The rear axle
+<i>N</i><sub>2</sub> = (<i>a M</i>/<i>L</i> + <i>m</i><sub>2</sub>) <i>g</i>. With <code>contact</code> =
+<code>gap</code> (the default) a wheel leaves the road when its contact force <i>N<sub>i</sub></i> &minus;
+<i>T<sub>i</sub></i> falls to zero or a gap opens under the tyre, and touches down when the gap closes; with
+<code>force</code> it is on the road whenever that force is positive. In flight <i>T<sub>i</sub></i> = <i>N<sub>i</sub></i>. The rear axle
 meets the road of the front axle <i>L</i>/<i>v</i> later. For &rho;<sup>2</sup> = <i>a b</i> the two axles
 are two <code>QuarterCar</code>.</p>
 <table>
