@@ -48,7 +48,7 @@ def pareto(
     axes.plot(x, y, ".", color=GREY, markersize=3.5, alpha=0.55, label="runs", zorder=2)
     if np.size(front[0]):
         axes.plot(
-            *front, ".-", color=BLUE, linewidth=1.6, markersize=7, label="trade-off", zorder=3
+            *front, ".-", color=BLUE, linewidth=1.6, markersize=5, label="trade-off", zorder=3
         )
     for (label, (a, b)), colour, marker in zip(
         (marked or {}).items(), (ORANGE, RED), ("s", "*"), strict=False

@@ -251,7 +251,7 @@ def _draw_optimum(found: Optimum, draft: Path) -> None:
         x, y = scaled(numbers)
         marked[label] = (float(x[0]), float(y[0]))
     picture = figures.pareto(
-        scaled(found.measured), (labels[0], labels[1]), front=scaled(found.front[1]),
+        scaled(found.measured), (labels[0], labels[1]), front=scaled(found.envelope),
         marked=marked, limits=(limits[0], limits[1]), title=space.plan.title,
     )  # fmt: skip
     figures.save(picture, draft / PICTURE)

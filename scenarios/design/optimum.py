@@ -96,6 +96,17 @@ class Optimum:
     measured: Points
     made: int
 
+    @property
+    def envelope(self) -> Points:
+        """The measures of the runs within all bounds that no other one beats, along the trade-off."""
+        if not len(self.front[1]):
+            return self.front[1]
+        problem = self.problem
+        kept = (problem.violations(self.measured) <= _CLOSE).all(axis=1)
+        table: Points = np.vstack([self.front[1], self.measured[kept]])
+        costs = np.column_stack([problem.cost(table), problem.cost(table, problem.against)])
+        return table[undominated(costs)]
+
 
 def read_problem(path: Path) -> Problem:
     """Read an optimisation.

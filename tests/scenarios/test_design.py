@@ -16,6 +16,7 @@ from phaseplane.scenarios.results.folder import read_summary
 from phaseplane.scenarios.results.signals import read_signals
 
 import phaseplane
+from phaseplane import figures
 
 CAR = """
 fmu = "QuarterCar"
@@ -75,6 +76,26 @@ def test_bounds_are_kept_and_the_trade_off_falls(folder):
     assert {"runs.csv", "scene.toml", "study.png", "summary.json"} == set(found.summary["files"])
 
 
+def test_no_run_lies_beyond_the_trade_off_that_is_drawn(folder, monkeypatch):
+    drawn = {}
+    plain = figures.pareto
+    monkeypatch.setattr(
+        figures, "pareto", lambda *of, **more: drawn.update(more) or plain(*of, **more)
+    )
+    found = phaseplane.optimise(study(
+        'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
+        "damper = { rebound_rate = { from = 300, to = 6000 }, bump_rate = { from = 300, to = 6000 } }\n"
+        + SEARCH
+    ))  # fmt: skip
+    runs = phaseplane.read(found.folder / "runs.csv")
+    x, y = drawn["front"]
+    assert len(x) >= len(found.summary["trade_off"])
+    for a, b in zip(runs["rms.body_acceleration"], runs["dynamic_load_coefficient"], strict=True):
+        assert not ((a < x - 1e-12) & (b < y - 1e-12)).any()
+    assert (np.diff(x) > 0).all()
+    assert (np.diff(y) < 0).all()
+
+
 def test_what_cannot_be_met_is_said(folder):
     name = study('minimise = "rms.body_acceleration"\n[vary]\n'
                  "damper.rebound_rate = { from = 300, to = 6000 }\n"
@@ -115,6 +136,34 @@ def test_a_study_that_is_interrupted_repeats_no_run(folder):
         assert runs.at(np.array([[1.0], [0.5]])).tolist() == [[20.0], [12.5]]
     assert made == [(5.0,), (20.0,), (12.5,)]
     assert not (folder / "journal").exists()
+
+
+def interrupted_after(calls):
+    """Return a progress that is interrupted at one of its calls."""
+    left = iter(range(calls))
+
+    def progress(_):
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+
+    return progress
+
+
+def test_a_search_that_was_interrupted_ends_where_another_does(folder):
+    name = study(
+        'minimise = "rms.body_acceleration"\nagainst = "dynamic_load_coefficient"\n[vary]\n'
+        "damper.rebound_rate = { from = 300, to = 6000 }\n[constrain]\n"
+        "suspension_travel = { max = '40 mm' }\n" + SEARCH
+    )
+    whole = phaseplane.optimise(name)
+    table = (whole.folder / "runs.csv").read_bytes()
+    with pytest.raises(KeyboardInterrupt):
+        phaseplane.optimise(name, progress=interrupted_after(3))
+    again = phaseplane.optimise(name)
+    assert again.summary["made"] < whole.summary["made"]
+    assert again.values == whole.values
+    assert again.summary["trade_off"] == whole.summary["trade_off"]
+    assert (again.folder / "runs.csv").read_bytes() == table
 
 
 TRUE = {"damper.rebound_rate": 1500.0, "damper.bump_rate": 700.0}
