@@ -193,7 +193,7 @@ def exercise_sheet(
     _axes(texts, sheet, moved)
     _curves(axes, sheet, moved, clip)
     _turn(axes, sheet, np.array([left + 0.6, bottom + 0.6]) + moved)
-    _solution(texts, filled, moved)
+    _solution(texts, sheet, filled, moved)
     _labels(texts, sheet, moved, clip)
     _table(axes, head, filled.rows, width)
     _ruler(axes, width)
@@ -300,11 +300,15 @@ def _turn(axes: Axes, sheet: Mapping[str, Any], corner: np.ndarray) -> None:
                 )
 
 
-def _solution(texts: _Texts, filled: Filled, moved: np.ndarray) -> None:
+def _solution(texts: _Texts, sheet: Mapping[str, Any], filled: Filled, moved: np.ndarray) -> None:
     axes = texts.axes
-    for points in filled.right:
+    for i, points in enumerate(filled.right):
         at = np.array(points) + moved
-        axes.plot(*at.T, color=BLUE, linewidth=0.9, marker="o", markersize=2.6, zorder=4.0)
+        # from point to point as the rule steps
+        way = [p for step in sheet["steps"][: len(points) - 1] for p in step["ways"][i]]
+        if way:
+            axes.plot(*(np.array(way) + moved).T, color=BLUE, linewidth=0.9, zorder=4.0)
+        axes.plot(*at.T, color=BLUE, marker="o", markersize=2.6, linestyle="", zorder=4.0)
         names = range(len(at)) if len(at) > 1 else ["P₀"]
         for name, place in zip(names, at, strict=True):
             texts.beside(str(name), [place], 6.5, BLUE)
@@ -344,8 +348,9 @@ def _table(axes: Axes, head: Sequence[str], rows: Sequence[Sequence[str]], width
         for i, row in enumerate([head, *mine]):
             for j, text in enumerate(row):
                 axes.text(
-                    0.5 * (edges[j] + edges[j + 1]), top - _ROW * (i + 0.5), text, ha="center",
-                    va="center", fontsize=7.5 if i else 7.0, weight="normal" if i else "bold",
+                    0.5 * (edges[j] + edges[j + 1]), top - _ROW * (i + 0.5),
+                    text.replace("-", MINUS), ha="center", va="center",
+                    fontsize=7.5 if i else 7.0, weight="normal" if i else "bold",
                 )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from io import StringIO
 from pathlib import Path
 from zipfile import ZipFile
 
+import numpy as np
 import pytest
 from worked_example import ap57
 
@@ -38,6 +39,8 @@ from phaseplane.exercises import (
 from phaseplane.exercises.letters import lettered
 from phaseplane.exercises.marking import METHOD, READING, RIGHT
 from phaseplane.exercises.readings import Reading
+from phaseplane.figures.exercise import Filled, exercise_sheet
+from phaseplane.figures.style import BLUE
 
 DELTA = rule_named("delta")
 STEP = 0.15
@@ -159,6 +162,22 @@ def test_a_protocol_of_rest_turns_nothing():
 def test_without_a_drive_d_is_said_to_be_the_foot_of_a():
     entries = protocol(construct_motion(plane_of("0.2*v + x"), DELTA, step=STEP, steps=1))
     assert {e.found for e in entries if e.point == "D"} == {"f does not change with time: D is A*."}
+
+
+def test_marking_sheets_and_pages_draw_the_arcs_of_the_steps():
+    """x'' + x = 0: the steps are arcs about the origin, not chords."""
+    plane = EquationPlane(lambda v, x, t: x, initial_displacement=2.0)
+    drawing = construct_motion(plane, DELTA, step=0.5, steps=6)
+    sheet = sheet_data(drawing)
+    points = [[step["state"][0] for step in sheet["steps"]]]
+    figure = exercise_sheet(sheet, points[0], head=["point"], filled=Filled([["0"]] * 6, points))
+    drawn = max(
+        (line.get_xydata() for line in figure.axes[0].lines if line.get_color() == BLUE), key=len
+    )
+    assert len(drawn) > 5 * 4
+    centre = drawn[0] - [100.0 * 2.0 * plane.scale, 0.0]
+    assert np.hypot(*(drawn - centre).T) == pytest.approx(200.0 * plane.scale, rel=1e-3)
+    assert drawn.tolist()[-1] == pytest.approx((points[0][5] + drawn[0] - points[0][0]).tolist())
 
 
 def test_pages_carry_the_construction_and_an_exercise_not_its_solution():

@@ -177,13 +177,13 @@ function phaseplanePlayer(root, data) {
     const csv = () => [data.columns.join(","), ...rows().map(r => r.join(",") + ",".repeat(data.planes.length))].join("\n") + "\n";
     function show() {
       moving.replaceChildren();
-      for (const p of points) p.forEach((z, n) => { dot(moving, "state", z); letters(moving, "state", `P${data.planes[n].number}`, [z[0] + em / 3, z[1] + em / 3], 0.8); });
+      points.forEach((p, i) => p.forEach(z => { dot(moving, "state", z); letters(moving, "state", String(i), [z[0] + em / 3, z[1] + em / 3], 0.8); }));
       half.forEach(z => dot(moving, "successor", z));
       const left = data.count + 1 - points.length;
       const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
       words.textContent = left > 0 ? `Click the point ${points.length}${plane}; ${left} left. Backspace removes the last one.` : "All points are complete: save the readings.";
       body.replaceChildren();
-      for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, String(cell))); }
+      for (const row of rows()) { const tr = html("tr", body); row.forEach(cell => html("td", tr, minus(String(cell)))); }
     }
     svg.addEventListener("click", event => {
       if (points.length > data.count) return;
