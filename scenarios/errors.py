@@ -18,7 +18,7 @@ class SceneError(InputError):
 
 
 class SystemFileError(InputError):
-    """The file of a system of one's own that cannot be used; the message begins with its path."""
+    """The file of a user-defined system that cannot be used; the message begins with its path."""
 
 
 class DrawingError(InputError):
@@ -50,11 +50,11 @@ def shown(value: object, limit: int = 80) -> str:
 
 
 def refuse_unknown_keys(given: Iterable[str], known: Sequence[str], where: str = "") -> None:
-    """Reject keys of a table that it cannot have.
+    """Reject unknown keys of a table.
 
     Parameters
     ----------
-    given, known : the keys that it has, and those that it may have
+    given, known : its keys, and the allowed keys
     where : its file or key, with which the message begins
 
     Raises

@@ -246,7 +246,7 @@ class _Bench:
         return found
 
     def _enter_together(self, sets: Sequence[Mapping[str, object]]) -> set[int]:
-        """Add the runs whose systems differ in their numbers alone, by whole columns; return which."""
+        """Add the runs whose systems differ only in their numbers, column by column; return which."""
         first = sets[0]
         if len(sets) < _MANY or any(given.keys() != first.keys() for given in sets):
             return set()
@@ -274,7 +274,7 @@ class _Bench:
     def _slots(
         self, first: Mapping[str, object], varied: Sequence[str]
     ) -> tuple[Slots, _Kind] | None:
-        """Return how rows follow from the parameters that vary; None if each system is to be built."""
+        """Return how rows depend on the varied parameters; None if each system must be built."""
         model = self._task.model
         try:
             parameters = checked_parameters(model, first)

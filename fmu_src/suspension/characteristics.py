@@ -1,7 +1,7 @@
 """Force characteristics of springs, dampers, stops and tyres, as chains of pieces.
 
 Every law of an element (a line, a cubic spring, a damper with blow-off, a table, an end stop) is a
-chain of cubic pieces, each with an optional saturating term, a power, or a function of one's own. One
+chain of cubic pieces, each with an optional saturating term, power law, or user-defined function. One
 representation therefore gives force, tangent, potential and corners, and the integrator evaluates the
 same numbers.
 
@@ -25,7 +25,7 @@ _PARTS = 6  # of a quadrature between two corners; with five nodes each, order 1
 
 
 class Own(NamedTuple):
-    """A function of one's own: its value, its derivative, and its integral from 0; see `function`."""
+    """A user-defined function: its value, its derivative, and its integral from 0; see `function`."""
 
     force: Callable[[float], float]
     tangent: Callable[[float], float]
@@ -106,7 +106,7 @@ def log_cosh(u: float) -> float:
 class Characteristic:
     """A continuous force law made of pieces in ascending order.
 
-    What follows from the pieces is found once: systems built one after the other share their laws.
+    Properties of the pieces are computed once, because successive systems share their laws.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ class Characteristic:
         """All pieces as the integrator reads them, one after the other.
 
         Start, origin, four coefficients, saturation, scale, the energy stored up to the piece, power,
-        exponent, and whether there is a function of one's own.
+        exponent, and whether there is a user-defined function.
         """
         return tuple(
             number
@@ -175,7 +175,7 @@ class Characteristic:
 
     @cached_property
     def functions(self) -> tuple[Own | None, ...]:
-        """The function of one's own of each piece, or None."""
+        """The user-defined function of each piece, or None."""
         return tuple(piece.own for piece in self.pieces)
 
     @cached_property
@@ -187,9 +187,9 @@ class Characteristic:
         )
 
     def argument(self, force: float) -> float:
-        """Return the least x at which a rising law has this force; infinite if there is none.
+        """Return the smallest x at which a rising law has this force; infinite if there is none.
 
-        It is found directly on straight pieces, by bisection on others.
+        It is computed directly on straight pieces, by bisection on others.
         """
         for k, piece in enumerate(self.pieces):
             end = self.pieces[k + 1].start if k + 1 < len(self.pieces) else inf
@@ -232,9 +232,9 @@ class Characteristic:
         return Characteristic(tuple(pieces))
 
     def resting(self) -> Characteristic:
-        """The same law through the origin, where rounding alone keeps it from there.
+        """The same law through the origin, if it misses it only by rounding.
 
-        What rests stays to the bit where it is.
+        A system at rest then stays exactly where it is.
         """
         here = bisect_right(self.corners, 0.0)
         piece = self.pieces[here]
@@ -250,7 +250,7 @@ class Characteristic:
         Raises
         ------
         ValueError : both saturate, about different points or over different scales, or both have powers
-            or functions of one's own; use two elements.
+            or user-defined functions; use two elements.
         """
         starts = (-inf, *sorted({*self.corners, *other.corners}))
         return Characteristic(
@@ -404,10 +404,10 @@ def function(
     corners: Sequence[float] = (),
     potential: Callable[[float], float] | None = None,
 ) -> Characteristic:
-    """Return a law given by functions of one's own.
+    """Return a law given by user-defined functions.
 
-    The integrator calls them from its steps, which take some ten times as long as with the other laws.
-    What they raise ends the run and is raised there.
+    The integrator calls them in every step, which takes about ten times as long as with the other laws.
+    An exception in them ends the run and is raised there.
 
     Parameters
     ----------

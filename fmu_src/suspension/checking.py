@@ -58,7 +58,7 @@ def check_system(system: System) -> list[str]:
 
 
 def check_numbers(system: System) -> list[str]:
-    """Return the errors that other numbers can bring into a system of a sound form.
+    """Return the errors that depend on the numbers in a system, not on its form.
 
     A small part of `check_system`, cheap enough for every set of parameters: shapes and finite numbers,
     the mass matrix, dampers that add energy, and the stability of rest.

@@ -1,4 +1,4 @@
-"""Gaussian elimination for small symmetric matrices; an FMU has no numpy."""
+"""Gaussian elimination for small symmetric matrices; FMUs do not use numpy."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""The extent of a road: where it fades out, where it ends, and the waves that a short one lacks.
+"""The extent of a road: where it fades out, where it ends, and the waves that a short road lacks.
 
-Everything follows from the parameters; no road is made.
+Everything is computed from the parameters; no road is made.
 """
 
 from __future__ import annotations

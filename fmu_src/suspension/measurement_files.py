@@ -1,4 +1,4 @@
-"""Columns of CSV files as measuring programs write them: units, decimal comma, comments."""
+"""Columns of CSV files as written by measuring programs: units, decimal comma, comments."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Wanted(NamedTuple):
     Parameters
     ----------
     heading : its heading in the file
-    kinds : the SI units of which it may be one
-    unit : its unit in the file; "" for that of the row below the heading, or else SI
+    kinds : the SI units that are allowed for it
+    unit : its unit in the file; "" for the one in the row below the heading, or else SI
     offset : added to the values, in SI
     """
 
@@ -48,7 +48,7 @@ def read_columns(
     path : of the file, UTF-8
     wanted : the columns
     delimiter : separator of the columns
-    decimal : "." or ","; whichever separates no columns
+    decimal : "." or ",", but not the delimiter
     ascending : whether the first column must ascend from row to row
 
     Raises

@@ -12,7 +12,7 @@ from .variable import Value, Variable
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A model: all that its FMU, its page, scenes and tables say of it.
+    """A model: the source of its FMU, its page, scenes and tables.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class Model:
     picture : content of an SVG of 256 by 256, with the symbols of `vehicle_fmus.pictures`; the file
         `<module>.png` is the same picture, rendered by a browser and reduced to 32 colours
     signals : of a source of signals: makes them by name, from all parameters, checked
-    check : raises a ParameterError for a system whose parameters do not go together; None for none
+    check : raises a ParameterError if the parameters of a system are inconsistent; None for no check
     """
 
     summary: str

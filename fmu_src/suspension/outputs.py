@@ -1,4 +1,4 @@
-"""The table of outputs: name, meaning and unit of each, and how a system is read for it.
+"""The table of outputs: the name, meaning and unit of each, and how it is computed from a system.
 
 `Variable.reading` resolves an entry for one system. A session reads present values from it, a batch
 whole columns; model descriptions, scenes and printed tables take name and meaning from the same entry.
@@ -87,7 +87,7 @@ Reading = Line | OfContact | OfFlow | OfLedger | OfRun
 
 
 def reading_of(output: Variable, system: System) -> Reading:
-    """Return how a system is read for an output of its model."""
+    """Return how an output of a model is computed from its system."""
     assert output.reading is not None, output.name
     reading: Reading = output.reading(system, output)
     return reading
@@ -210,7 +210,7 @@ def output(
     reading: Callable[[System, Variable], Reading] | None = None,
     **more: object,
 ) -> Variable:
-    """Return an output, of the type of `start`; without `reading` it is read by other means."""
+    """Return an output, of the type of `start`; without `reading` it is computed by other means."""
     return Variable(
         name, description, "output", start, unit, reading=reading, **more  # type: ignore[arg-type]
     )  # fmt: skip
@@ -256,7 +256,7 @@ def _deflection(
 
 
 def suspension_deflection(between: str) -> tuple[Variable, ...]:
-    """Return the deflection of a suspension and its rate; `between` says of what."""
+    """Return the deflection of a suspension and its rate; `between` describes it."""
     return _deflection("suspension", between, _suspension_deflects)
 
 

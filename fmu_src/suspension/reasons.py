@@ -1,4 +1,4 @@
-"""Why a run has ended early, in a sentence with numbers: which motion or element, what step."""
+"""The reason why a run ended early, as a sentence with numbers: motion or element, and step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A road as a source of signals for external vehicles: the FMU `Road` without FMI."""
+"""A road as a source of signals for external vehicles: the content of the FMU `Road`."""
 
 from __future__ import annotations
 

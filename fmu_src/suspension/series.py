@@ -46,7 +46,7 @@ def is_over_time(reading: Reading) -> bool:
 
 
 def is_at_end(reading: Reading) -> bool:
-    """Return whether `Series.ends` can tell an output."""
+    """Return whether `Series.ends` can return an output."""
     return isinstance(reading, OfContact) or reading == OfRun("step_count")
 
 
@@ -220,7 +220,7 @@ def joints(system: System) -> list[float]:
 
 
 def _upright(numbers: Any) -> Column:
-    """Return a number of each run as a factor of the columns, (runs, 1)."""
+    """Return one number per run as a factor for the columns, (runs, 1)."""
     return np.array([*numbers])[:, None]
 
 

@@ -1,9 +1,9 @@
-"""One model being stepped: parameters in, communication steps, named outputs out.
+"""A model that is stepped: parameters in, communication steps, named outputs out.
 
-This is an FMU without FMI. With an internal road the integrator chooses its steps freely, ahead of
-the communication points, and outputs are interpolated. With inputs it stops at every communication
-point, because the inputs after it are unknown, and extrapolates them within each step (see
-`kernel.run`).
+This is the content of an FMU, without the FMI interface. With an internal road the integrator chooses
+its steps freely, ahead of the communication points, and outputs are interpolated. With inputs it stops
+at every communication point, because the inputs after it are unknown, and extrapolates them within each
+step (see `kernel.run`).
 """
 
 from __future__ import annotations
@@ -73,8 +73,8 @@ class Session:
     model : a key of `variables.MODELS`, such as `QuarterCar`
     parameters : public parameters by name, in SI or as texts with units; the others at their defaults
     start_time : s
-    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A host may give
-        any: one outside the range of `solver.tolerance` is not used, and a message says so
+    tolerance : the host's tolerance; used if `solver.tolerance` is left at its default. A
+        tolerance outside the range of `solver.tolerance` is ignored, with a message
 
     Raises
     ------
@@ -218,7 +218,7 @@ class Session:
     def advance(self, until: float, *, to_switch: bool = False) -> None:
         """Step to the time `until`, s, or to the first switch of an element before it.
 
-        Where a run stops changes nothing in its motion unless something is set there.
+        Stopping a run does not change its motion unless a value is set there.
 
         Parameters
         ----------
@@ -306,7 +306,7 @@ class Session:
             )
 
     def _note_drift(self) -> None:
-        """Say once that errors have added up: in a long run without damping nothing forgets them."""
+        """Report once that errors have accumulated, as they do in a long run without damping."""
         part = self._run.account.find_drift(self._integrator)
         if part > 0.0:
             self.messages.append(
@@ -319,7 +319,7 @@ class Session:
             )
 
     def _note_overruns(self) -> None:
-        """Say once that switches had to be passed over."""
+        """Report once that switches had to be passed over."""
         if self._integrator.overruns and not self._passed_over:
             self._passed_over = True
             self.messages.append(
@@ -334,7 +334,7 @@ class Session:
     def _take_parameters(self) -> None:
         """Continue from the present state with the parameters set.
 
-        Laws of elements are replaced where they are. What changes more needs another integrator.
+        Laws of elements are replaced in place. Any other change requires a new integrator.
         """
         tuned, self._tuned = self._tuned, {}
         parameters = Checked(self.model, {**self.parameters, **tuned})
@@ -490,7 +490,7 @@ class Session:
     def many(self, names: Sequence[str]) -> ReadMany:
         """Return the function that reads variables by their indices in `names`, many in one call.
 
-        It is of use while `ok`, and until `readers` is another.
+        It is valid while `ok` is true and `readers` is not replaced.
         """
         of: list[Any] = []
         lines: list[Any] = []
@@ -577,7 +577,7 @@ def _has_other_laws_alone(system: System, other: System) -> bool:
 
 
 def _wheel(axle: Axle) -> str:
-    """Return which wheel, as a word before it."""
+    """Return a word that identifies the wheel, such as "front "."""
     return axle.prefix.replace("_", " ")
 
 

@@ -1,8 +1,8 @@
-"""The numbers of many systems at once: what varies from run to run is written into its slots.
+"""The numbers of many systems at once: values that vary between runs are written into their slots.
 
-A system is built once from numbers that note what is done to them (see `trace`). What was noted is
-repeated for all runs by whole columns, with the bits that building each system would give. Runs for which
-a comparison would come out differently are left to be built one by one.
+A system is built once from numbers that record the operations on them (see `trace`). The record is then
+evaluated for all runs, column by column, bit-identical to building each system. Runs for which a
+comparison has a different result are built one by one.
 """
 
 from __future__ import annotations

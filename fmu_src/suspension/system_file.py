@@ -1,4 +1,4 @@
-"""A system of one's own, described by a file: parameters, coordinates, wheels, elements, loads.
+"""A user-defined system, described by a file: parameters, coordinates, wheels, elements, loads.
 
 [system]
 name = "FullCar"
@@ -177,7 +177,7 @@ class Definition:
 
         Raises
         ------
-        ParameterError : an expression that is none, or a value that fits no system.
+        ParameterError : an invalid expression, or a value that is not allowed.
         """
         names = self._all_coordinates()
         mass = self._mass(p, names)
@@ -255,7 +255,7 @@ class Definition:
 def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> str:
     """Read a system, make it a model, and return the name of the model.
 
-    Every set of parameters is checked for what numbers alone can break, see `check_numbers`.
+    Checks that depend on numbers are repeated for every set of parameters, see `check_numbers`.
 
     Parameters
     ----------
@@ -529,7 +529,7 @@ def _value(said: object, p: Mapping[str, Value], where: str) -> float:
 
 
 def _worked_out(node: ast.expr, values: Sequence[float]) -> float:
-    """Return the value of an expression; in place of floats the values may note what is done to them."""
+    """Return the value of an expression; its values may be floats or numbers that record operations."""
     match node:
         case ast.Constant(value=int() | float() as value):
             return float(value)

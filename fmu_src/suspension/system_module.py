@@ -1,4 +1,4 @@
-"""A system of one's own as a Python module, of the same form as the modules of `models`.
+"""A user-defined system as a Python module, of the same form as the modules of `models`.
 
 from ..declared import SOLVER_PARAMETERS, initial
 from ..model import Model
@@ -86,7 +86,7 @@ def model_in(source: str) -> Model:
 
 
 def _system(make: Callable[[Mapping[str, Value]], System], p: Mapping[str, Value]) -> System:
-    """Return the system that a module makes; what it raises becomes one line."""
+    """Return the system that a module makes; exceptions become one-line errors."""
     try:
         made = make(p)
     except ParameterError:
@@ -117,7 +117,7 @@ def _told(error: Exception) -> ParameterError:
 
 
 def scene_in(source: str) -> dict[str, Any]:
-    """Return what a module is as a scene, its `SCENE`; empty if it has none.
+    """Return the scene in a module, `SCENE`; empty if it has none.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Units in the file of a system of one's own: an expression must fit the quantity that it gives."""
+"""Units in the file of a user-defined system: an expression must have the unit of its quantity."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ Dimension = Mapping[str, int] | None
 def check_units(definition: Definition) -> None:
     """Reject an expression whose unit is known and does not fit.
 
-    Parameters with a unit fix the unit of an expression; a plain number in it may hide one, as in
-    `4 + 0.01 * mass`, so that nothing is said of such an expression.
+    Parameters with a unit fix the unit of an expression; a plain number in it may have a hidden unit, as
+    in `4 + 0.01 * mass`, so such expressions are not checked.
 
     Raises
     ------

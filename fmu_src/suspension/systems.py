@@ -41,7 +41,7 @@ class Element:
     modulation : factor on the damper over deflection (1, m), for damping Phi = D(v) m(d)
     friction : dry (Coulomb) friction, N: this force against the rate while it slips, at most this
         force while it sticks
-    breakaway : the force at which such friction begins to slip, N, at least `friction`; 0: that
+    breakaway : the force at which such friction begins to slip, N, at least `friction`; 0: the same
     contact : contact rule of an element with a limit. `gap`: there is no force where the element is
         longer than its free length; contact ends when N falls to zero or the gap opens, and begins
         when the gap closes or, below the free length, N would become positive. `force`: contact

@@ -1,9 +1,8 @@
-"""Numbers that note what is done to them: a calculation, run once, becomes straight code or columns.
+"""Numbers that record operations: a calculation, run once, becomes straight code or columns.
 
 A function that only calculates and compares is called with such numbers in place of floats. Every
-operation is noted, with the value that it has now; every comparison is noted as a condition under which
-the calculation stays what it is. Where a plain float is wanted, the value is fixed, which is a condition,
-too.
+operation is recorded with its present value; every comparison is recorded as a condition under which the
+record is valid. Conversion to a plain float fixes the value, which is also a condition.
 """
 
 from __future__ import annotations
@@ -69,14 +68,14 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A condition under which a noted calculation stays what it is."""
+    """A condition under which a recorded calculation is valid."""
 
     condition: Node
     holds: bool
 
     @property
     def differs(self) -> bool:
-        """Whether it says that two numbers are not equal."""
+        """Whether the condition is that two numbers differ."""
         return (self.condition.text, self.holds) in (("==", False), ("!=", True))
 
     def in_words(self) -> str:
@@ -88,7 +87,7 @@ class Guard:
 
 @dataclass(slots=True)
 class Tape:
-    """All that has been noted."""
+    """The recorded operations and conditions."""
 
     nodes: dict[object, Node] = field(default_factory=dict)
     guards: dict[int, Guard] = field(default_factory=dict)
@@ -206,7 +205,7 @@ class Number:
         return self._compared("!=", other)
 
     def __hash__(self) -> int:
-        """Return a hash by what was done: caches must not take it for a plain number of this value."""
+        """Return a hash of the operations: caches must not confuse it with a plain number."""
         return hash((Number, id(self.node)))
 
     def __bool__(self) -> bool:

@@ -14,7 +14,7 @@ KGF = 9.80665  # N, standard gravity times 1 kg: the force unit of AP57
 
 
 class UnitError(ValueError):
-    """A quantity whose unit is unknown or of another kind."""
+    """A quantity with an unknown unit, or a unit of another kind."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ def to_si(quantity: str, unit: str) -> float:
 
 
 def nearest(name: str, names: object) -> str:
-    """Return a hint with the closest known name to end a message with, or an empty text."""
+    """Return a hint with the closest known name to end a message with, or an empty string."""
     from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)
 
     close = get_close_matches(name, list(names), n=1, cutoff=0.5)  # type: ignore[call-overload]

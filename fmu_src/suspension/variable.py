@@ -35,7 +35,7 @@ class Variable:
     choices : the allowed texts
     tunable : whether a parameter may change during a run
     axle : prefix of the axle that an output belongs to, or empty
-    reading : of an output: returns how a system is read for it; see `outputs`
+    reading : of an output: returns how it is computed from a system; see `outputs`
     """
 
     name: str
@@ -117,9 +117,9 @@ class Variable:
 
 
 class Checked(dict[str, Value]):
-    """All parameters of a model, each checked where it entered; nobody checks them again.
+    """All parameters of a model, already checked; they are not checked again.
 
-    They do not change; parameters laid over them make a plain dict, which is checked where it enters.
+    They are immutable; merging other parameters gives a plain dict, which is checked when it is used.
 
     Parameters
     ----------
@@ -135,7 +135,9 @@ class Checked(dict[str, Value]):
         return Checked, (self.model, dict(self))
 
     def _refuse(self, *_: object, **__: object) -> NoReturn:
-        raise TypeError("checked parameters do not change; lay others over them: {**these, ...}")
+        raise TypeError(
+            "checked parameters are immutable; merge others into a new dict: {**these, ...}"
+        )
 
     __setitem__ = __delitem__ = __ior__ = _refuse
     update = pop = popitem = clear = setdefault = _refuse

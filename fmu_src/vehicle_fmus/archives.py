@@ -1,4 +1,4 @@
-"""Reproducible zip archives, and files that are written all or none."""
+"""Reproducible zip archives, and sets of files that are written completely or not at all."""
 
 from __future__ import annotations
 

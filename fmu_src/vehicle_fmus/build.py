@@ -1,4 +1,4 @@
-"""Pack the FMUs with pythonfmu's builder, and add what it leaves out.
+"""Pack the FMUs with pythonfmu's builder, and add the parts that it leaves out.
 
 All FMUs loaded by a process share one `sys.modules`. The names of the modules in an FMU therefore
 contain a hash of their content: equal content is loaded once, different content never mixes.
@@ -52,7 +52,7 @@ def build(
     models : keys of `suspension.models.FILES` or of `own`
     folder : output folder; created if it is missing
     parameters : start values for each model that replace the defaults, as accepted by `Session`
-    own : for each system of one's own that has been loaded, its file
+    own : the file of each user-defined system that has been loaded
     references : whether to write a reference result beside each FMU
     ssp : whether to write a system `<model>.ssp` for each vehicle, in which the FMU `Road` provides
         its road
@@ -124,7 +124,7 @@ class {name}(VehicleSlave):
     model = {key!r}
     description = {about!r}
 '''
-# Modules are shared by all FMUs of a process, and only a system of one's own needs this one: the
+# Modules are shared by all FMUs of a process, and only a user-defined system needs this one: the
 # folder of the FMU that brought the others may be gone.
 _LOADING = """
 import sys
@@ -141,7 +141,7 @@ load({text!r}, {file!r}, {key!r}, checked=False)
 def _script(model: str, own: Path | None) -> tuple[str, str]:
     """Return name and content of the script that pythonfmu makes an FMU from.
 
-    The model of a system of one's own has a hash of the file in its name, as FMUs share their modules.
+    The name of a user-defined model contains a hash of its file, because FMUs share their modules.
     """
     about = ALL[model].summary
     if own is None:
@@ -217,7 +217,7 @@ def _packed(model: str, start: dict[str, Value], own: Path | None = None) -> byt
 def _without_builder(package: bytes) -> bytes:
     """Return pythonfmu's `__init__` such that it imports its builder, which no FMU needs, on demand.
 
-    The builder takes longer to import than all else of pythonfmu. A package that does not import it in
+    The builder takes longer to import than the rest of pythonfmu. A package that does not import it in
     this way is returned unchanged.
     """
     on_demand = (
@@ -231,7 +231,7 @@ def _without_builder(package: bytes) -> bytes:
 
 
 def _mended(library: bytes) -> bytes:
-    """Return pythonfmu's library for Linux, mended; refuse an unknown one, which might abort hosts."""
+    """Return pythonfmu's corrected library for Linux; reject an unknown one, which might abort hosts."""
     try:
         return ended_once(library)
     except ValueError as error:

@@ -47,7 +47,7 @@ def _content_key(model: str, about: str) -> str:
 
 
 def picture_file(model: str) -> Path:
-    """Return the file of a model's picture; a system of one's own has that of a car."""
+    """Return the file of a model's picture; a user-defined system has that of a car."""
     return KERNEL.parent / "models" / f"{FILES.get(model, FILES['HalfCar'])}.png"
 
 
@@ -87,7 +87,7 @@ def _sources(package: Path) -> dict[str, bytes]:
 def _read(package: Path, endings: Mapping[str, str | tuple[str, ...]]) -> dict[str, bytes]:
     """Return the files with some endings in some folders of a package, by their paths in it.
 
-    There are a hundred, of which a run asks at its start: `glob` would take longer than to read them.
+    There are about a hundred, needed at the start of a run: `glob` would take longer than reading them.
     """
     found = {}
     for folder, wanted in endings.items():

@@ -45,7 +45,7 @@ def page(
     model : `QuarterCar`
     start : parameters whose start values are not the defaults
     colophon : the tools that made the FMU
-    own : the file of a system of one's own, which stands in place of equations that it does not give
+    own : the file of a user-defined system, which replaces the equations
     native : 2 or 3 for a native FMU of that version of FMI, which needs nothing from its host
     fixed : names of the parameters that keep the values with which such an FMU is packed
     """

@@ -53,7 +53,7 @@ _RELATED = {  # by the end of the name: MIME type, role, description
 
 
 def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
-    """Return what an FMU holds of its reference result: the files, their declaration and a page.
+    """Return the reference result inside an FMU: the files, their declaration and a page.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def declared_inside(files: Mapping[str, bytes]) -> dict[str, bytes]:
 def session_of(
     model: str, parameters: Mapping[str, object], tolerance: float | None = None
 ) -> Session | RoadSource:
-    """Return a session that computes, from time zero and without the FMU, what the FMU computes.
+    """Return a session that computes the results of the FMU from time zero, without the FMU.
 
     Raises
     ------

@@ -13,8 +13,8 @@ from functools import cache
 def installed(package: str) -> str:
     """Return the version of an installed package, "" if it is not installed (run from its sources).
 
-    The name of a package's metadata folder tells it. `importlib.metadata` parses the metadata to say
-    the same, and with its parsers of mail headers takes longer to import than the mechanics of a run.
+    It is part of the name of a package's metadata folder. `importlib.metadata` parses the metadata
+    instead, and takes longer to import than the mechanics of a run.
     """
     name = package.replace("-", "_")
     if name in _by_folders():

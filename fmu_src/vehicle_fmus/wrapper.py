@@ -1,4 +1,4 @@
-"""Mend the Linux library that pythonfmu puts into every FMU, so that processes exit cleanly.
+"""Correct the Linux library that pythonfmu puts into every FMU, so that processes exit cleanly.
 
 pythonfmu 0.7.0 finalises its interpreter twice when a process exits: first in the destructor of a
 static `shared_ptr`, run by `exit`, then in `onLibraryUnload`, which the dynamic loader finds in
@@ -83,7 +83,7 @@ def _ended_once(library: bytes) -> bytes:
 
 
 def mend_unpacked(fmu: Path) -> None:
-    """Mend the libraries of an unpacked FMU of any origin; leave an unknown library unchanged."""
+    """Correct the libraries of an unpacked FMU of any origin; leave an unknown library unchanged."""
     for path in fmu.glob("binaries/*linux*/*.so"):
         library = path.read_bytes()
         with suppress(ValueError):

@@ -153,7 +153,7 @@ def _own_system(scene: Scene) -> dict[str, Path]:
 
     Raises
     ------
-    InputError : if its model is none of this package.
+    InputError : if its model is not from this package.
     """
     fmu = scene.fmu
     if not fmu.is_ours or fmu.path is not None:
@@ -241,7 +241,7 @@ def _read(parameter: Variable, text: str) -> object:
 
 
 def _told(error: Exception, folder: Path) -> Exception:
-    """Return an error as one that says what was wrong: with the input, or with the packing."""
+    """Return an error as an InputError or a RunError: the input was wrong, or packing failed."""
     if isinstance(error, OSError):
         return InputError(one_line(f"cannot write {folder}: {error.strerror or error}"))
     if isinstance(error, ValueError):

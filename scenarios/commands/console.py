@@ -46,10 +46,10 @@ class Entry(NamedTuple):
 
 
 class _PandasForOthers:
-    """A finder that keeps pandas from being imported where nothing here uses it.
+    """A finder that prevents pandas from being imported where it is not used.
 
     At its first array, pyarrow imports pandas wherever it is installed, which takes as long as a run
-    with its pictures. What imports pandas by itself, as a controller may, still gets it.
+    with its pictures. Code that imports pandas directly, such as a controller, still gets it.
     """
 
     _WITHOUT = ("phaseplane", "rerun", "pyarrow")
@@ -162,7 +162,7 @@ class Commands(click.Group):
 
 
 def _alike(option: str, options: Iterable[str]) -> Iterator[str]:
-    """Yield the options whose names are close to one; click counts the dashes, which all have."""
+    """Yield the options with similar names; click also counts the dashes, which all have."""
     from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)
 
     for other in options:
@@ -242,7 +242,7 @@ dark_option = click.option("--dark", is_flag=True, help="Use a dark background."
 
 
 def _tenths(label: str) -> Callable[[float], None]:
-    """Return what prints a line on stderr for each tenth done, once a job has taken long."""
+    """Return a function that prints a line on stderr for each tenth done, once a job has taken long."""
     started, tenths = monotonic(), 0
 
     def show(part: float) -> None:

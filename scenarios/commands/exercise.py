@@ -1,4 +1,4 @@
-"""`phaseplane exercise`: sheets to construct on, and the marks of what was read off them."""
+"""`phaseplane exercise`: sheets to construct on, and the marking of readings."""
 
 from __future__ import annotations
 

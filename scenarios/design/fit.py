@@ -20,7 +20,7 @@ KEYS = ("scene", "title", "vary", "measured", "search")
 _SEARCH = {"starts": (16, 1), "seed": (1, 0)}  # default and least value of each
 _LEVEL = 0.95
 _STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
-_ALIKE = 0.95  # correlation from which two parameters are hardly told apart
+_ALIKE = 0.95  # correlation above which two parameters are hardly distinguished
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Fit:
     made: int
 
     def alike(self) -> list[tuple[str, str, float]]:
-        """Return the pairs of parameters that the signals hardly tell apart, with their correlation."""
+        """Return the pairs of parameters that the signals hardly distinguish, with their correlation."""
         keys = self.task.space.plan.keys
         return [
             (a, b, float(self.correlation[i, j]))
@@ -179,7 +179,7 @@ def _residuals(runs: Runs, x: Points, target: Points, weight: Points) -> Points:
 def _covariance(jacobian: Points, left: Points, signals: int) -> Points:
     """Return the covariance of the parameters, (J'J)^-1 s^2, for residuals correlated in time.
 
-    With a correlation r from sample to sample, n samples tell as much as n (1 - r) / (1 + r) do.
+    With a correlation r from sample to sample, n samples are worth n (1 - r) / (1 + r) independent ones.
     """
     rows, count = jacobian.shape
     variance = float(left @ left) / max(rows - count, 1)

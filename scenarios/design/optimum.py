@@ -53,13 +53,13 @@ class Problem:
         return self.space.plan.measures
 
     def cost(self, numbers: Points, measure: str = "") -> Points:
-        """Return what is minimised, for each run; large where a run failed."""
+        """Return the value to minimise, for each run; large where a run failed."""
         column = numbers[:, self.measures.index(measure or self.objective)]
         signed = abs(column) if (measure or self.objective).startswith("peak.") else column
         return np.nan_to_num(self.sign * signed if not measure else signed, nan=_WORST)
 
     def violations(self, numbers: Points, bounds: Mapping[str, Bounds] | None = None) -> Points:
-        """Return by how much each bound is broken, over its size, (runs, bounds); below 0 if it holds."""
+        """Return the relative violation of each bound, (runs, bounds); below 0 if it holds."""
         rows = []
         for name, bound in (self.bounds if bounds is None else bounds).items():
             column = numbers[:, self.measures.index(name)]
@@ -290,7 +290,7 @@ def _best(
 
 
 def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Points]:
-    """Return points from the best one to the best by the second measure, none better in both.
+    """Return points of the front from the best one to the best by the second measure.
 
     Between the two ends the second measure is bounded, step by step, and the objective optimised.
     """
@@ -319,7 +319,7 @@ def undominated(costs: Points) -> Points:
 
     Parameters
     ----------
-    costs : what is to be small, (points, 2)
+    costs : values to minimise, (points, 2)
     """
     order = np.lexsort((costs[:, 1], costs[:, 0]))
     least = np.minimum.accumulate(costs[order, 1])

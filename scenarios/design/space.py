@@ -1,7 +1,7 @@
 """The parameters of a design study, between their bounds, and the runs made of them.
 
-A point is given in shares of the ranges, 0 to 1 each. Every run is kept in a journal, so that a study
-that is started again repeats none of them: its steps depend on nothing but the runs.
+A point is given in fractions of the ranges, 0 to 1 each. Every run is stored in a journal, so that a
+study that is started again repeats none of them: its steps depend only on the runs.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def read_search(
 
     Raises
     ------
-    InputError : a setting that is unknown, or no whole number of at least its least value.
+    InputError : a setting that is unknown, or not a whole number of at least its minimum.
     """
     given = content.get("search", {})
     if not isinstance(given, dict):
@@ -183,7 +183,7 @@ class Runs:
         return np.array([self.known[row.tobytes()] for row in rows], float)
 
     def end_stage(self) -> None:
-        """Go on to the next stage of the search."""
+        """Continue with the next stage of the search."""
         self.stage += 1
         self.of_stage.clear()
         self._report()
@@ -229,7 +229,7 @@ def journaled(
     Parameters
     ----------
     journal : file of the runs so far; it stays if the study is interrupted
-    said : everything else that decides what the runs give
+    said : everything else that affects the results of the runs
     stages, progress : of the runs
 
     Raises

@@ -78,7 +78,7 @@ class Run(Table):
     def events(self) -> tuple[Event, ...]:
         """The switches in the order of time: lift-off, touchdown, end stops, corners, sticking.
 
-        Only models of this package tell them.
+        Only models of this package report them.
 
         Raises
         ------
@@ -163,7 +163,7 @@ def run(
     Raises
     ------
     InputError : if the scene or a value is not valid; one line that says what is allowed.
-    RunError : if the run could not start. One that fails midway says so in `Run.failure`.
+    RunError : if the run could not start. If it fails midway, `Run.failure` gives the reason.
 
     Examples
     --------
@@ -199,7 +199,7 @@ def settings(
 
 
 def plain(value: Any) -> Any:
-    """Return a value as TOML would give it; an array of pairs becomes the text of a table."""
+    """Return a value as parsed from TOML; an array of pairs becomes the text of a table."""
     if isinstance(value, Mapping):
         return {str(key): plain(one) for key, one in value.items()}
     if isinstance(value, np.generic):

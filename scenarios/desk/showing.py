@@ -28,7 +28,7 @@ atexit.register(_open.close)
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """What a notebook shows as HTML: an animation, or a recording in rerun's web viewer.
+    """HTML output in a notebook: an animation, or a recording in rerun's web viewer.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def show(
     scene : name of a case, or path of a scene file
     changes : `key=value` texts
     kind : name of a figure, such as `phase_planes`, `storyboard` or `figure7`; `animation`; or
-        `recording`, which is served to this machine alone until the notebook ends
+        `recording`, which is served to this machine only until the notebook ends
     at_step : step that a figure of one step shows
     height : of a recording, in pixels
     look : dark, width (m), font, mono, headed; see `figures.Look`

@@ -123,7 +123,7 @@ def drawn(asked: Mapping[str, Any]) -> Drawing:
 
 
 def _ran(asked: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the motion, solved rather than drawn, in the coordinates of the planes."""
+    """Return the motion from the numerical solution, in the coordinates of the planes."""
     fmu, parameters, settings = _read(asked)
     duration = _seconds(asked["duration"], "duration")
     times = [duration * i / (_POINTS - 1) for i in range(_POINTS)]

@@ -46,7 +46,7 @@ class Exercise:
     ----------
     scene : the scene
     settings : of its construction, with the scales of the sheet
-    drawing : the faultless construction
+    drawing : the correct construction
     paper : A4 or A3
     """
 
@@ -70,7 +70,7 @@ class Exercise:
 def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
     """Return the exercise of a scene, on the largest round scale that fits on the paper.
 
-    It begins with the motion: later than the scene if that rests at first, or hardly moves.
+    It begins when the motion does: later than the scene if that is at rest at first, or hardly moves.
 
     Raises
     ------
@@ -110,12 +110,12 @@ def exercise(scene: Scene, steps: int, paper: str) -> Exercise:
 
 
 def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin | None:
-    """Return where the first steps begin in which every state point goes as far as can be seen.
+    """Return the start of the first steps in which every state point moves visibly.
 
     Parameters
     ----------
     planes : the construction in its own scales
-    seen : least way, m of paper in these scales
+    seen : smallest visible distance, m of paper in these scales
 
     Returns
     -------
@@ -159,7 +159,7 @@ def _begin(scene: Scene, planes: Construction, steps: int, seen: float) -> Begin
 
 
 def _excursion(planes: Construction, shown: Sequence[Frame]) -> float:
-    """Return how far the state point that moves least is from its last place at most, m of paper."""
+    """Return the largest distance of the state point that moves least from its last place, m of paper."""
     return min(
         max(abs(at.points[plane.state] - shown[-1].points[plane.state + "'"]) for at in shown)
         for plane in planes.planes
@@ -181,7 +181,7 @@ def _fits(drawing: Drawing, paper: str) -> bool:
 
 
 def _clear(drawing: Drawing) -> bool:
-    """Return whether the state points of each plane keep off those of the next one below."""
+    """Return whether the state points of each plane are clear of those of the next one below."""
     heights = [
         [100.0 * frame.points[plane.state].imag for frame in drawing.instants]
         + [100.0 * plane.displacement.at(0.0).imag]
@@ -202,7 +202,7 @@ def _seen(drawing: Drawing) -> list[list[float]]:
 
 
 def write_sheets(made: Exercise, folder: Path) -> list[Path]:
-    """Write sheet, marking sheet, blank readings, pages, protocols and the GeoGebra file."""
+    """Write sheet, solution, blank readings, pages, protocols and the GeoGebra file."""
     written = [folder / "sheet.pdf", folder / "marking.pdf"]
     figures.save(_sheet(made, solved=False), written[0])
     figures.save(_sheet(made, solved=True), written[1])

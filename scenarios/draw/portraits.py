@@ -46,7 +46,7 @@ class _Subject:
     reach : least half-width of the window, in the coordinate's unit
     start : initial displacement and rate of the Poincaré section
     held : names of the coordinates that rest while one moves
-    loaded : whether forces act that the portrait, one of free motion, leaves out
+    loaded : whether there are loads, which the portrait of free motion omits
     """
 
     system: PhaseSystem

@@ -65,7 +65,7 @@ def content(
     units : SI units of the outputs
     duration : duration of the run, s
     shown : `recording` (its detail), `views`, `planes` (pairs of outputs), `staged` (steps)
-    live : whether the run is yet to come
+    live : whether the run has not started yet
     """
     views = tuple(shown.get("views") or recording.VIEWS)
     rows = recording.thinned(columns, _MOST_ROWS)

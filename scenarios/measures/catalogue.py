@@ -63,7 +63,7 @@ def outputs_needed(known: Mapping[str, Measure], names: Iterable[str]) -> set[st
 
 
 def at_end(known: Mapping[str, Measure], names: Iterable[str]) -> bool:
-    """Whether the last row is enough for the named measures."""
+    """Whether the last row is sufficient for the named measures."""
     return all(known[name].at_end for name in names)
 
 

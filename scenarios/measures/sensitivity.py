@@ -1,4 +1,4 @@
-"""By how much a motion magnifies small differences, and with them the errors of any method."""
+"""The factor by which a motion magnifies small differences, and so the errors of any method."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ def solved(
     measures : measures to take
     also : outputs to refine at both ends of their range too
     columns : further outputs over time, which are not refined
-    going_on : asked now and then with the time of a run, s, whether it is to go on
+    going_on : called now and then with the time of a run, s; returns whether to continue
     """
     measures, also = list(measures), set(also)
     outputs = also.union(*(m.needs for m in measures if not m.at_end))

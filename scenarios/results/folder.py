@@ -245,7 +245,7 @@ def draft_beside(folder: Path) -> Iterator[Path]:
 
 
 def _exchange(draft: Path, target: Path) -> None:
-    """Move the draft to the target; the old folder is deleted only once the new one is there."""
+    """Move the draft to the target; the old folder is deleted only when the new one is in place."""
     old = draft.with_name(f"{draft.name}.old")
     with suppress(FileNotFoundError):
         target.rename(old)

@@ -15,7 +15,7 @@ from .quantities import reading, shown_in
 # least widths: of the names before words, of the names, numbers and units of measures
 _WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
 Line = str | tuple[str, str]
-"""A line, or a name with the words that stand beside it."""
+"""A line, or a name with the text next to it."""
 
 
 def report(summary: Mapping[str, Any], folder: Path) -> str:
@@ -126,7 +126,7 @@ def _steps(measures: Mapping[str, Any]) -> str:
 
 
 def _by(summary: Mapping[str, Any]) -> str:
-    """Return what made the run, in words."""
+    """Return how the run was made, as text."""
     if summary["build_time"] is not None or summary["model"] != summary["fmu"]:
         return "with FMPy"
     return (

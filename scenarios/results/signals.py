@@ -1,4 +1,4 @@
-"""Measured signals from files that bear their own names and units.
+"""Measured signals from files with other names and units.
 
 file = "rig.csv"
 time = "t"
@@ -132,7 +132,7 @@ def _from_table(
 
 
 def _refuse_others(key: str, given: Mapping[str, Any], known: Collection[str]) -> None:
-    """Reject the unit or offset of something that is not read."""
+    """Reject a unit or offset for a column that is not read."""
     for name in given:
         if name not in known:
             allowed = f"there are {', '.join(known)}" if known else "the units of this table are SI"

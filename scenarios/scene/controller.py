@@ -66,7 +66,7 @@ def read_controller(given: Mapping[str, Any], fmu: Fmu) -> Controller | None:
 
     Raises
     ------
-    RefusedError : an unknown input or output, a text that is no formula, or a value out of its range.
+    RefusedError : an unknown input or output, an invalid formula, or a value out of range.
     """
     if not given:
         return None

@@ -28,7 +28,7 @@ class RefusedError(ValueError):
     ----------
     key : dotted, from the top of the file
     message : what is wrong, and with what
-    briefly : the same to follow the name of an option that set the key
+    briefly : the same, to be written after the name of an option that set the key
     """
 
     def __init__(self, key: str, message: str, briefly: str = "") -> None:

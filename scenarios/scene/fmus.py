@@ -49,7 +49,7 @@ class Fmu:
     model : name of the model
     path : the `.fmu` file; None for a model of this package that has yet to be packed
     variables : its public variables
-    system : the file of a system of one's own; None for other models
+    system : the file of a user-defined system; None for other models
     rates : pairs of outputs of which the description says that one is the derivative of the other
     fixed : names of the parameters that keep the values with which a native FMU was packed
     """
@@ -71,7 +71,7 @@ class Fmu:
     def is_ours(self) -> bool:
         """Whether it is a model of this package and version, which can check its values itself.
 
-        Of its outputs a native FMU may have some only.
+        A native FMU may have only some of its outputs.
         """
         there = {v.name for v in self.variables}
         ours = MODELS.get(self.model, ())
@@ -165,7 +165,7 @@ def find_fmu(reference: str, folder: Path | None = None, parameters: object = No
 
 
 def _of_system(path: Path) -> Fmu:
-    """Return the model of a system of one's own.
+    """Return the model of a user-defined system.
 
     Raises
     ------

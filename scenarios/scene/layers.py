@@ -250,7 +250,7 @@ def read_settings(overrides: Iterable[str | Setting]) -> list[Setting]:
 def overlay(layers: Layers, overrides: Iterable[str | Setting]) -> None:
     """Lay overrides over a scene.
 
-    Another equation takes title and source away, which speak of the one in the file.
+    Another equation removes title and source, which describe the one in the file.
 
     Raises
     ------

@@ -79,7 +79,7 @@ def _layers_of(reference: str | Mapping[str, Any]) -> tuple[Layers, str, Path | 
 
 
 def _idle(scene: Scene, layers: Layers) -> Iterator[Idle]:
-    """Yield the parameters that are given but have no effect beside the others.
+    """Yield the parameters that are given but have no effect because of others.
 
     Zero and an empty text mean "none", which needs no effect. A parameter of the base is not reported
     if the scene itself has made it ineffective.

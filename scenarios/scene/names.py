@@ -32,7 +32,7 @@ def meant(name: str, wanted: Kind) -> str:
 
 
 def _known(name: str) -> Iterator[tuple[Kind, str]]:
-    """Yield the kinds of things of that name, and how to use each."""
+    """Yield hints for everything of that name, and how to use it."""
     if name in case_names():
         yield "scene", f"{name} is a scene: 'phaseplane run {name}' runs it"
     if name in sweep_names():

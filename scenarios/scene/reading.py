@@ -234,7 +234,7 @@ def _reference(fmu: Fmu, expect: Mapping[str, Any], folders: Mapping[str, Path])
 
 
 def _measured_reference(fmu: Fmu, said: Mapping[str, Any], folder: Path) -> dict[str, Any]:
-    """Return a reference that has names, units and times of its own; see `results.signals`."""
+    """Return a reference with other names, units and times; see `results.signals`."""
     units = {name: output.unit or "1" for name, output in fmu.outputs().items()}
     signals = {key: value for key, value in said.items() if key in ("file", "columns", *SIGNALS)}
     if not isinstance(signals.get("columns", {}), Mapping):  # names of outputs

@@ -32,7 +32,7 @@ def controlled(
     """Return a run in which a controller sets the model's inputs.
 
     Between two evaluations an input follows the rule for sampled inputs of the model. A run whose
-    controller is woken by events stops at each, the controller is evaluated there, and the run goes on.
+    controller is triggered by events stops at each event, the controller is evaluated, and it continues.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _instants(time: Column, period: float) -> Iterator[tuple[float, bool | None]
 
 
 def _advance(session: Session, until: float, evaluate: object) -> None:
-    """Step to a time; with a controller that events wake, from event to event."""
+    """Step to a time; with an event-triggered controller, from event to event."""
     if not callable(evaluate):
         session.advance(until)
         return

@@ -51,7 +51,7 @@ class _Log:
     def take(
         self, environment: object, name: bytes, status: int, category: bytes, message: bytes
     ) -> None:
-        """Store a message, or print it as FMPy does if it is another FMU's; the FMU's log callback."""
+        """Store a message, or print it as FMPy does if it is from another FMU; the FMU's log callback."""
         if not self.open:
             printLogMessage(environment, name, status, category, message)
             return
@@ -65,7 +65,7 @@ class _Log:
     def complaint(self) -> str:
         """Return the FMU's last error message, or "".
 
-        A fatal status is reported by the wrapper and says less than the FMU's own message before it.
+        A fatal status is reported by the wrapper, with less detail than the FMU's message before it.
         """
         complaints = [
             (status == _FATAL, -number, message)
@@ -230,7 +230,7 @@ def _read_description(unpacked: Path) -> ModelDescription:
 
 @cache
 def _lasting_description(unpacked: Path) -> ModelDescription:
-    """Return what FMPy has read of an FMU; it is stored beside it for later processes."""
+    """Return FMPy's description of an FMU; it is stored next to the FMU for later processes."""
     stored = unpacked.parent / f"{unpacked.name}-{fmpy_version}.pickle"
     with suppress(Exception):  # not there, or damaged
         return cast("ModelDescription", pickle.loads(stored.read_bytes()))

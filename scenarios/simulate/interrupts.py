@@ -24,9 +24,9 @@ class _Record:
 
 @contextmanager
 def deferred_interrupt() -> Iterator[Callable[[], int]]:
-    """Record Ctrl-C and SIGTERM; raised inside the FMU they would be lost, or count as its failure.
+    """Record Ctrl-C and SIGTERM; inside the FMU they would be lost, or treated as its failure.
 
-    Within another deferral it yields the record of that one.
+    A nested deferral yields the record of the outer one.
     """
     outer = signal.getsignal(signal.SIGTERM)
     if isinstance(outer, _Record):

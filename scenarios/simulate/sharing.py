@@ -1,8 +1,8 @@
 """Modules shared between this process and the FMUs that it loads.
 
 An FMU carries a copy of `phaseplane.suspension` under a name with a hash of its sources, and FMUs with
-equal sources share one copy in a process. A process with the same sources is no different: what the FMU
-imports under that name are the modules of this process, and its own copy is not loaded.
+equal sources share one copy in a process. This process can share its modules, too: an FMU with the same
+sources imports the modules of this process under that name, and its own copy is not loaded.
 """
 
 from __future__ import annotations

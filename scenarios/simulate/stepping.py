@@ -268,7 +268,7 @@ def step_through(
     Raises
     ------
     FMICallException : if a call fails, in FMI 2.0 with a status other than fmi2Discard.
-    RunError : a slave that returns early for ever.
+    RunError : a slave that keeps returning early without progress.
     """
     step = partial(_step_with_events, slave, rows) if is_fmi3(description) else _steps(slave, rows)
     time, count = 0.0, 0
@@ -289,7 +289,7 @@ def step_through(
 
 
 def _steps(slave: Instance, rows: Rows) -> Callable[[float, float], bool]:
-    """Return the function that makes one step in FMI 2.0 and says whether the run goes on.
+    """Return the function that makes one step in FMI 2.0 and returns whether the run continues.
 
     A slave that ends the run within a step has its last row read.
     """
@@ -313,7 +313,7 @@ def _steps(slave: Instance, rows: Rows) -> Callable[[float, float], bool]:
 
 
 def _step_with_events(slave: Instance, rows: Rows, time: float, end: float) -> bool:
-    """Make one step in FMI 3.0, from event to event; return whether the run goes on."""
+    """Make one step in FMI 3.0, from event to event; return whether the run continues."""
     before, returns = time, 0
     while True:
         event, over, early, reached = slave.doStep(time, end - time)

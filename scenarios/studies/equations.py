@@ -58,7 +58,7 @@ class Equations:
 
     Raises
     ------
-    ValueError : an element with a power law or a function of one's own.
+    ValueError : an element with a power law or a user-defined function.
     """
 
     def __init__(self, system: System) -> None:

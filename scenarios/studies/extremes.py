@@ -57,7 +57,7 @@ class Happened:
     compared_with : the solution taken as the truth
     steps : steps of the integrator at all tolerances
     seconds : time of all runs
-    said : why it was refused at any tolerance, the error of fixed steps, or empty
+    said : why it was rejected at some tolerance, the error of fixed steps, or empty
     fixed : whether its steps were fixed, so that no tolerance applies
     """
 

@@ -3,8 +3,7 @@
 From the half car with four degrees of freedom down to one (AP57 section 2): elements that never act can
 be left out; with M3 = 0 the axles are uncoupled; if the excitation is well below the wheels' natural
 frequency, the tyres can be rigid. Each rung has such an argument and is compared with the full model.
-Nothing can be left out of a system of one's own without knowing what it stands for, so its smaller models
-are named by the user.
+A user-defined system cannot be simplified automatically, so the user names its smaller models.
 """
 
 from __future__ import annotations
@@ -84,7 +83,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
 
     Parameters
     ----------
-    scene : a scene of a model of this package, or of a system of one's own
+    scene : a scene of a model of this package, or of a user-defined system
     tolerance : largest error of the outputs compared, over their peaks
     smaller : scenes of smaller models, which are run for the duration of `scene`
 

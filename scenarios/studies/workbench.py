@@ -1,4 +1,4 @@
-"""The data that solvers need of a problem, made once, and the timing of a run."""
+"""The data of a problem that solvers need, made once, and the timing of a run."""
 
 from __future__ import annotations
 

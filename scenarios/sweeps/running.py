@@ -201,7 +201,7 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
 
 
 def _in_process_alone(plan: Plan, run: int) -> Iterator[Row]:
-    """Yield the row of one run that differs in more than the model's parameters."""
+    """Yield the row of one run in which more than parameters of the model vary."""
     try:
         scene = plan.scene_of(plan.points[run])
     except InputError as error:
@@ -268,7 +268,7 @@ def _disagreement(plan: Plan, rows: Sequence[Row]) -> float:
 
 @contextmanager
 def _without_main() -> Iterator[None]:
-    """Hide the main module: a process that is spawned would run it again, up to this very sweep."""
+    """Hide the main module: a spawned process would run it again, including this sweep."""
     main = sys.modules["__main__"]
     sys.modules["__main__"] = ModuleType("__main__")
     try:

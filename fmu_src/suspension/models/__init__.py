@@ -156,7 +156,7 @@ def build(model: str, parameters: Mapping[str, object]) -> System:
 
 @lru_cache(maxsize=16)
 def _built(model: str, parameters: tuple[tuple[str, Value], ...]) -> System:
-    """Return a system, made once for all that a run wants of it: checks, steps, drawings, measures."""
+    """Return a system, made once for all parts of a run: checks, steps, drawings, measures."""
     make = ALL[model].system if model in ALL else None
     if make is None:
         raise ParameterError(

@@ -1,4 +1,4 @@
-"""The model description of a native FMU for FMI 2.0, and what it has in common with that for 3.0."""
+"""The model description of a native FMU for FMI 2.0, and the parts shared with FMI 3.0."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _variable(held: Element, k: int, variable: Variable, start: Value, fixed: bo
 
 
 def role(k: int, variable: Variable, fixed: bool, continuous: bool) -> dict[str, str]:
-    """Return the attributes that say what a variable is.
+    """Return the attributes that define the role of a variable.
 
     Parameters
     ----------

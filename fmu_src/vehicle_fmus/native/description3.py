@@ -1,4 +1,4 @@
-"""What describes a native FMU for FMI 3.0: the model, how to build it, its terminals and its icon."""
+"""The descriptions of a native FMU for FMI 3.0: the model, its build, its terminals and its icon."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ def build(
     platforms : names in `compilers.PLATFORMS`; by default the one at hand, or all if zig is installed
     parameters : start values for each model that replace the defaults, as accepted by `Session`; texts,
         switches and what decides on the structure cannot be changed in the FMU
-    own : for each system of one's own that has been loaded, its file
+    own : the file of each user-defined system that has been loaded
     references : whether to write a reference result beside each FMU, and into it
 
     Returns

@@ -1,1 +1,1 @@
-"""What runs inside an FMU, beside `suspension`: one thin script per model, and what they share."""
+"""The code inside an FMU, in addition to `suspension`: a thin script per model, and their common part."""

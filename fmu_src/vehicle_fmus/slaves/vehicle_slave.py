@@ -1,4 +1,4 @@
-"""FMI 2.0 mapped onto `suspension.session.Session`: the calls of a host, no mechanics.
+"""FMI 2.0 mapped onto `suspension.session.Session`: the calls of a host, without mechanics.
 
 In an FMU the names of this module and of `suspension` contain a hash of their content, because all
 FMUs of a process share one `sys.modules`. Everything that any FMU needs is imported here: modules are
@@ -319,7 +319,7 @@ def _hold(*objects: object) -> None:
 def _give_back_interrupts() -> None:
     """Let Ctrl-C end a host that is not a Python program and does not handle it.
 
-    There the wrapper starts Python, which catches unhandled interrupts to raise them in its main
+    In such a host the wrapper starts Python, which catches unhandled interrupts to raise them in its main
     thread. That thread belongs to the wrapper and only waits for the end.
     """
     started_by_the_wrapper = not sys.orig_argv
