@@ -276,6 +276,7 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
         definition = _definition(text)
         name = definition.name
         model = Model(definition.about or name, definition.variables(), definition.system)
+        _raise_twice(model.variables)
     name = key or name
     register(name, replace(model, check=lambda system: _raise_first(check_numbers(system))))
     if checked:
@@ -284,6 +285,18 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
         _raise_first(check_system(system))
         _raise_unread(name, system)
     return name
+
+
+def _raise_twice(declared: Sequence[Variable]) -> None:
+    """Reject a name that two variables would have."""
+    kinds: dict[str, str] = {"time": "time"}
+    for v in declared:
+        if v.name in kinds:
+            raise ParameterError(
+                f"system: {v.name!r} would be the name of two things ({kinds[v.name]} and "
+                f"{v.causality}); rename one"
+            )
+        kinds[v.name] = v.causality
 
 
 def _raise_unread(name: str, system: System) -> None:
@@ -344,6 +357,11 @@ def _read(content: Mapping[str, Any]) -> Definition:
     for one, others in tables["couplings"].items():
         for other, said in _table(others, f"system.couplings.{one}").items():
             _refuse_others((one, other), tuple(coordinates), "system.couplings")
+            if one == other or (other, one) in couplings:
+                raise ParameterError(
+                    f"system.couplings.{one}.{other}: give each pair of different coordinates once; "
+                    f"the mass of {one} is in system.coordinates"
+                )
             couplings[one, other] = said
     if not coordinates:
         raise ParameterError("system.coordinates is missing; give at least one with its mass")
@@ -383,11 +401,13 @@ def _declared_parameters(table: Mapping[str, Any]) -> Iterator[Variable]:
             value = to_si(value, unit)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ParameterError(f"system.parameters.{name} = {value!r}: must be a number")
+        plain = parameter(f"system.parameters.{name}", 0.0, "", unit)
         limits = {
-            key: to_si(whole[short], unit) if isinstance(whole[short], str) else float(whole[short])
+            key: replace(plain, name=f"{plain.name}.{short}").checked(whole[short])
             for key, short in (("minimum", "min"), ("maximum", "max"))
             if short in whole
         }
+        replace(plain, **limits).checked(value)  # type: ignore[arg-type]
         about = str(whole.get("about", name.replace("_", " ")))
         yield parameter(name, float(value), about, unit, **limits)
 
