@@ -1,4 +1,4 @@
-"""The interface between a construction and the stepping loop, with the defaults it may leave."""
+"""The interface between a construction and the stepping loop, with default implementations."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class Construction(Protocol):
         return mode
 
     def ends(self, mode: str) -> bool:
-        """Return whether the motion is over in a mode: at rest for good."""
+        """Return whether the motion ends in a mode: it has come to rest permanently."""
         return False
 
     def event(self, mode: str, successor: str) -> str:

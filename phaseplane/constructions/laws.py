@@ -87,7 +87,7 @@ def check_number(name: str, value: float, least: float = -inf, *, exclusive: boo
 
 
 def check_contact(rule: str) -> None:
-    """Refuse a rule of contact that is not known.
+    """Refuse an unknown contact rule.
 
     Raises
     ------

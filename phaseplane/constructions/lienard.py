@@ -134,8 +134,8 @@ class Lienard:
 
         Returns
         -------
-        a labelled curve per level, those that cannot be told apart in a drawing as one with the labels
-        of all; a single curve without a label if that is true of all
+        a labelled curve per level; curves that cannot be distinguished in a drawing become one with all
+        labels; if none can be distinguished, a single curve without a label
         """
         plane = self.plane
         points = trail(plane, frames)

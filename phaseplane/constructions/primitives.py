@@ -126,8 +126,8 @@ class Drawing:
     planes : the phase planes on the sheet
     curves : the fixed curves
     schemes : by key
-    frames : in the order of time, from any iterable; the successors of the last one are the end of
-        the motion
+    frames : in chronological order, from any iterable; the successors of the last one are the end
+        of the motion
     end : points and readings at the end, as a step of no duration; None if unknown
     """
 

@@ -1,4 +1,4 @@
-"""AP57's shortcut for the end of a flight, drawn beside the correct touchdown.
+"""AP57's shortcut for the end of a flight, drawn in addition to the correct touchdown.
 
 After the obstacle, AP57 (section 5) ends the flight at x2 = x2st. This neglects the tyre's damping and
 makes its force discontinuous, so the motion is never continued from there.

@@ -26,7 +26,7 @@ _LARGEST_TURN = 0.5 * pi
 
 
 class StepError(ValueError):
-    """A step with which a construction cannot be made."""
+    """A step that is too long for a construction, or not valid."""
 
 
 class Start(NamedTuple):

@@ -1,9 +1,9 @@
 """One phase plane whose equation switches: relays, dry friction, clearances.
 
 On a switch where f jumps the auxiliary curve has a jump, which is drawn as a straight piece. Steps end on
-the switch. From there the motion goes on along the other branch of the curve, or, if both branches lead
+the switch. From there the motion continues along the other branch of the curve, or, if both branches lead
 back to the switch, along the switch: A is then on the jump, where the acceleration keeps the motion
-on the switch. Dry friction at rest is such a motion, with D = Q.
+on the switch. Rest with dry friction is such a motion, with D = Q.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ class SwitchedPlane(OnePlane):
         return _text(self.switching.settled(v, x, time, [limit], _mode(mode)))
 
     def remembered(self, states: States, before: States | None) -> States:
-        """Return the state point on the axis if it is there but for rounding."""
+        """Return the state point, on the axis if it is there to rounding."""
         if before is None or not self.switching.guards:
             return states
         p, axis = states[0], self.lienard.plane.displacement
@@ -144,7 +144,7 @@ class SwitchedPlane(OnePlane):
         return REST if self._rests(signs) else SLIDING
 
     def ends(self, mode: str) -> bool:
-        """Return whether the motion has come to rest for good."""
+        """Return whether the motion has come to rest permanently."""
         return self.switching.autonomous and self.scheme_of(mode) == REST
 
     def event(self, mode: str, successor: str) -> str:

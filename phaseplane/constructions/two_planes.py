@@ -244,8 +244,8 @@ class QuarterCarPlanes(Construction):
     def margins(self, mode: str, states: States, time: float) -> tuple[float, ...]:
         """Return the margins to the limits of the mode, m: of the contact, and of dry friction.
 
-        The clearance and the velocity count with the sign that is positive while the mode lasts. A strut
-        that sticks has the friction that is left to both sides.
+        The clearance and the velocity count with the sign that is positive while the mode lasts. The
+        margins of a strut that sticks are the remaining friction in both directions.
         """
         found: list[float] = []
         if self.lift_off:

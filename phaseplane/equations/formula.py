@@ -38,7 +38,7 @@ def _relay(u: float, width: float = 0.0) -> float:
 
 
 def _saturation(u: float, limit: float) -> float:
-    """Return u between both limits to the bit, so that a dead zone is zero there."""
+    """Return exactly u between both limits, so that a dead zone is zero there."""
     size = abs(limit)
     return _sign(limit) * min(max(u, -size), size)
 
@@ -89,7 +89,7 @@ class Formula:
     ----------
     text : numbers, v, x, t, pi, names of parameters, + - * / ^ (or **), brackets and `FUNCTIONS`
     parameters : values of the named parameters, in one system of units
-    variables : those that the text may name, of `VARIABLES`
+    variables : those of `VARIABLES` that the text may contain
     section : where the named parameters are given, for messages
 
     Raises
@@ -120,7 +120,7 @@ class Formula:
 
     @property
     def words(self) -> str:
-        """The equation as it is written by hand, with the values of its parameters."""
+        """The equation in mathematical notation, with the values of its parameters."""
         values = ", ".join(f"{name_of(n)} = {self.parameters[n]:.6g}" for n in sorted(self.names))
         return typeset(self._tree) + (f"   ({values})" if values else "")
 
@@ -205,7 +205,7 @@ def check_name(name: str) -> None:
 
     Raises
     ------
-    ValueError : a name that is no identifier, or that means something else in a formula.
+    ValueError : a name that is not an identifier, or has another meaning in a formula.
     """
     taken = (*VARIABLES, *_CONSTANTS, *FUNCTIONS, "s")
     if not name.isidentifier() or name.startswith("_") or name in taken:
@@ -270,7 +270,7 @@ def _read(text: str, names: tuple[str, ...], section: str) -> ast.expr:
 
 
 def _with_products(text: str) -> str:
-    """Return a formula with the * that it leaves out, as in 2v; empty if that makes no formula of it."""
+    """Return a formula with omitted * inserted, as in 2v; empty if the result is not a formula."""
     found, last, end = "", "", 0
     for token in _TOKEN.finditer(text.strip()):
         ends = last and (last[-1].isalnum() or last == ")") and last not in FUNCTIONS
@@ -286,7 +286,7 @@ def _with_products(text: str) -> str:
 
 
 def _checked(node: ast.expr, text: str, names: tuple[str, ...], section: str) -> ast.expr:
-    """Return the checked node, integers made floats so that their powers cannot grow without end."""
+    """Return the checked node, with integers as floats, so that powers cannot grow without limit."""
 
     def checked(part: ast.expr) -> ast.expr:
         return _checked(part, text, names, section)

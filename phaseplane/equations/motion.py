@@ -30,7 +30,7 @@ class MotionError(ArithmeticError):
 
     Parameters
     ----------
-    time : until when the motion is known, s
+    time : the end of the known motion, s
     """
 
     def __init__(self, time: float) -> None:
@@ -75,7 +75,7 @@ class Motion(NamedTuple):
     times : those reached, s
     displacements, velocities, accelerations : at these times
     switches : the times at which the mode changed, s
-    complaint : why the motion ended early; empty if it did not
+    complaint : why the motion ended early, or empty
     """
 
     times: list[float]

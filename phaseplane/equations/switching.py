@@ -157,7 +157,7 @@ class Switching:
         return found
 
     def _firmness(self, mode: Mode, v: float, x: float, t: float) -> float:
-        """Return how far 0 is inside the range of f over the signs that are free: rest lasts above 0."""
+        """Return the margin of 0 within the range of f over the free signs: above 0 the rest lasts."""
         forces = [self.function(v, x, t, signs) for signs in _all(mode)]
         return min(max(forces), -min(forces))
 
@@ -177,11 +177,11 @@ class Switching:
     def settled(
         self, v: float, x: float, t: float, on: Iterable[int] = (), before: Mode = ()
     ) -> Mode:
-        """Return the mode in which a motion goes on from a state.
+        """Return the mode in which a motion continues from a state.
 
         Parameters
         ----------
-        on : guards on which the state is, though they may not be zero to rounding
+        on : guards on which the state lies, even if they are not exactly zero
         before : the mode until then; where both sides lead away, its sign is kept
         """
         on = set(on)
@@ -210,7 +210,7 @@ class Switching:
         return tuple(found)
 
     def _held(self, rest: Mode, free: Sequence[int], x: float, t: float) -> bool:
-        """Return whether a motion stays where it rests: whether every way out of it leads back."""
+        """Return whether a motion stays at rest: whether every direction leads back to rest."""
         for signs in _all(rest):
             a = -self.function(0.0, x, t, signs)
             h = _PROBE
@@ -224,7 +224,7 @@ class Switching:
         return abs(g_v) + abs(g_x) if isfinite(g_v + g_x) else 0.0
 
     def _side(self, k: int, mode: Mode, v: float, x: float, t: float, before: Mode) -> int:
-        """Return the side of a guard to which the motion goes from it, or 0 if neither leads away."""
+        """Return the side of a guard to which the motion leaves it, or 0 if neither leads away."""
         away = []
         for side in (-1, 1):
             signs = _with(mode, k, side)

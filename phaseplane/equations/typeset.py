@@ -1,4 +1,4 @@
-"""Equations as they are written by hand: a formula of v, x, t with dots, powers and Greek letters."""
+"""Equations in mathematical notation: a formula of v, x, t with dots, powers and Greek letters."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def typeset(tree: ast.expr) -> str:
 
 
 def name_of(name: str) -> str:
-    """Return a parameter's name as it is written: Greek letters by themselves, numbers as indices."""
+    """Return the notation of a parameter: names of Greek letters as letters, numbers as indices."""
     indexed = re.fullmatch(r"([^\W\d_]+)_?([0-9]+)", name)
     if indexed:
         letters, number = indexed.groups()
@@ -37,7 +37,7 @@ def name_of(name: str) -> str:
 
 
 def _written(node: ast.expr) -> tuple[str, int]:
-    """Return a term and how firmly it binds."""
+    """Return a term and its precedence."""
     match node:
         case ast.Constant(float() as value):
             return f"{value:.12g}", _ATOM

@@ -1,4 +1,4 @@
-"""Constructions to learn from: protocols, exercises that are marked, pages and GeoGebra files.
+"""Constructions for teaching: protocols, exercises and their marking, pages and GeoGebra files.
 
 Only the standard library is needed.
 """

@@ -1,8 +1,8 @@
 """Constructions in one phase plane as GeoGebra files, each point by the command that makes it.
 
 Coordinates are those of the plane: x and x-bar. Where the equation is a formula, A follows from it, so
-that the whole construction moves with the start point; otherwise A is where it was read off the auxiliary
-curve. The commands can be read back from a file and evaluated: so a file is checked without GeoGebra.
+that the whole construction moves with the start point; otherwise A is the point read off the
+auxiliary curve. The commands can be read back from a file and evaluated, to check it without GeoGebra.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def commands(drawing: Drawing, rule: Rule, law: Law | None = None) -> list[Comma
 
     Parameters
     ----------
-    rule : by which it was made
+    rule : its step rule
     law : f as a formula, if there is one
 
     Raises
@@ -243,7 +243,7 @@ def read_geogebra(path: Path) -> list[Command]:
 
     Raises
     ------
-    ValueError : if it is no GeoGebra file.
+    ValueError : if it is not a GeoGebra file.
     """
     try:
         with ZipFile(path) as archive:
@@ -272,7 +272,7 @@ def evaluated(made: Sequence[Command]) -> dict[str, complex]:
 
     Raises
     ------
-    ValueError : a command that is not one of those written here.
+    ValueError : a command that this module does not write.
     """
     known: dict[str, Any] = {}
     for command in made:

@@ -1,9 +1,9 @@
-"""Marking a construction made by hand: every step is judged from the student's own previous point.
+"""Marking a construction made by hand: every step is judged from the student's previous point.
 
-So an error counts once, where it was made. A point is right within a tolerance for reading. One farther
-off is compared with what follows from known mistakes: the one that leads there names the rule that was
-broken. A point a little farther off that no mistake explains is a reading error, and so is any point
-from whose right place, not from what was read, the next step goes on.
+An error therefore counts once, where it was made. A point is right within a tolerance for reading. A
+point farther off is compared with the results of known mistakes: the one that leads there names the rule
+that was broken. A point slightly off that no mistake explains is a reading error, and so is a point if
+the next step continues from its correct place, and not from the reading.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Marks:
     Parameters
     ----------
     marks : one for each point after the start
-    final : distance of the last point from that of a faultless construction, mm of paper
+    final : distance of the last point from that of the correct construction, mm of paper
     """
 
     marks: tuple[Mark, ...]
@@ -66,7 +66,7 @@ class Marks:
 
 
 class _Step(NamedTuple):
-    """What a step is made of.
+    """The parts of a step.
 
     Parameters
     ----------
@@ -92,8 +92,8 @@ def mark(
 
     Parameters
     ----------
-    construction, rule : what was to be constructed, and how
-    drawing : the faultless construction, whose steps have the times of the student's
+    construction, rule : the construction to be made, and its step rule
+    drawing : the correct construction, whose steps have the same times as the student's
     readings : the student's
     tolerance : of a point, m of paper
 
@@ -224,11 +224,11 @@ def _judged(
 def _named(
     mistakes: Iterator[tuple[str, States]], read: States, right: States, tolerance: float
 ) -> str:
-    """Return the mistake that leads to what was read; the first of those that do so about as well.
+    """Return the mistake that explains the reading; of several that explain it equally well, the first.
 
     Parameters
     ----------
-    right : where no mistake leads; a mistake that changes nothing here is none
+    right : the correct state points; a mistake that does not change them is ignored
     """
     found = [
         (_apart(read, states), words)
@@ -292,7 +292,7 @@ def _mistakes(construction: Construction, rule: Rule, step: _Step) -> Iterator[t
 
 
 def _misreadings(planes: Sequence[Plane], states: States) -> Iterator[tuple[str, States]]:
-    """Yield known mistakes in reading state points, with what is read by them."""
+    """Yield known mistakes in reading state points, with the resulting readings."""
     for words, change in _MISREAD:
         yield (
             words,

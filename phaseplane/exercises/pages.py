@@ -1,4 +1,4 @@
-"""Constructions as web pages that need nothing but a browser: stage by stage, or a sheet to click on."""
+"""Constructions as web pages that need only a browser: stage by stage, or a sheet to click on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The protocol of a construction: every point in the order of drawing, how it is found, where it is."""
+"""The protocol of a construction: every point in the order of drawing, its construction, its place."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Entry:
     time : at the start of the step, s
     stage : number of the stage within the step, from 0
     point : its letters
-    found : how it is found
+    found : how it is constructed
     length : of the line drawn to it in this stage, cm of paper; None if none is drawn
     value : its place on the axes of its plane, as text
     """
@@ -76,7 +76,7 @@ def place(plane: Plane, frame: Frame, mark: Mark) -> str:
 
 
 def display(axis: Axis) -> tuple[float, str]:
-    """Return the factor and the unit in which values on an axis are told: lengths in cm."""
+    """Return the factor and the unit of values on an axis: lengths in cm."""
     return (100.0, "cm") if axis.unit == "m" else (1.0, axis.unit)
 
 

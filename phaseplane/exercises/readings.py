@@ -15,7 +15,7 @@ from phaseplane.exercises.protocol import display
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What was read for one point.
+    """The reading of one point.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The story of a construction as an animation or as a storyboard."""
+"""A construction stage by stage, as an animation or as a storyboard."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def animation(
     title: str = "",
     look: Look = PLAIN,
 ) -> Path:
-    """Write the story of a construction as an animation, whole or not at all.
+    """Write a construction as an animation, completely or not at all.
 
-    It shows the empty sheet, telling steps stage by stage, lift-off and touchdown, and the whole motion.
+    It shows the empty sheet, some steps stage by stage, lift-off and touchdown, and the whole motion.
 
     Parameters
     ----------

@@ -94,7 +94,7 @@ class Sheet(Canvas):
         return sheet
 
     def place(self, view: Box, where: tuple[float, float, float, float]) -> None:
-        """Draw from now on in a part of the figure: left, bottom, width and height as fractions."""
+        """Draw in a part of the figure from now on: left, bottom, width and height as fractions."""
         self.axes = self.figure.add_axes(where)
         self.axes.set_aspect("equal")
         self.axes.set_axis_off()
@@ -136,7 +136,7 @@ class Sheet(Canvas):
         return self.axes.add_collection(lines, autolim=False)
 
     def dashes(self, role: str) -> Any:
-        """Return the dashes of a role, by which lines of one colour are told apart."""
+        """Return the dashes of a role, which distinguish lines of one colour."""
         dash = style_of(role).dash
         return _MONO.get(role, dash) if self.palette.mono else dash
 

@@ -1,4 +1,4 @@
-"""Sheets of exercises in true scale: a centimetre of the construction is one on paper.
+"""Sheets of exercises at true scale: a centimetre of the construction is one on paper.
 
 A sheet has the axes, the auxiliary curves, lines I and II, the turn angle, the start point and a table to
 fill in; its solution has the construction and the filled table as well.
@@ -53,9 +53,9 @@ class _Texts:
     taken: list[Box] = field(default_factory=list)
 
     def write(self, text: str, places: Iterable[complex], size: float, colour: str) -> None:
-        """Write a text at the first of these centres that is free; nowhere if none is.
+        """Write a text at the first free one of these centres, if there is one.
 
-        A place that no line crosses is preferred; elsewhere the paper is left white around the text.
+        A place that no line crosses is preferred; elsewhere the background of the text is white.
         """
         boxes = [text_box(centre, text, size * _POINT).grown(_GAP) for centre in places]
         free = [
@@ -92,7 +92,7 @@ class _Texts:
 
 
 class Filled(NamedTuple):
-    """What a table is filled with, and what is drawn besides.
+    """The content of a filled table, and additional points.
 
     Parameters
     ----------

@@ -206,7 +206,7 @@ def _checked(
 
 
 def _rows(shown: list[Quantity], tables: list[dict[str, npt.NDArray[np.float64]]]) -> list[Row]:
-    """Return the panels, with one for the body's acceleration if it is flat beside the wheel's."""
+    """Return the panels, with one for the body's acceleration if it is flat next to the wheel's."""
     rows: list[Row] = []
     for quantity in shown:
         columns = _COLUMNS[quantity.name]

@@ -96,7 +96,7 @@ class Look:
     dark : on a dark ground
     width : of the picture, m; None for the size that suits its contents
     font : family of the type, such as `serif` or `STIXGeneral`; empty for matplotlib's own
-    mono : black lines, told apart by their dashes
+    mono : black lines, distinguished by dashes
     headed : with a heading; without it the words are for the caption
 
     Raises
@@ -169,7 +169,7 @@ def printed(figure: Figure, look: Look) -> Figure:
 
 
 def headings(figure: Figure) -> list[Text]:
-    """Return the texts above a figure. Looking into its axes would make all ticks that there may be."""
+    """Return the texts above a figure. Accessing its axes would create all ticks."""
     return [text for text in figure.texts if text.get_gid() == HEADING]
 
 
@@ -185,7 +185,7 @@ _TYPE: Any = {"svg.hashsalt": "phaseplane", "svg.fonttype": "none", "pdf.fonttyp
 
 
 def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
-    """Write a figure whole or not at all, in the format of the suffix.
+    """Write a figure, completely or not at all, in the format of the suffix.
 
     Its heading is the title of the file. Fonts in PDF are TrueType, texts in SVG are texts.
 
@@ -221,7 +221,7 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def _with_plates(figure: Figure) -> Iterator[None]:
-    """Put plates behind texts in place of outlines, with which they would be written as paths."""
+    """Replace the outlines of texts by plates, because outlined texts would be written as paths."""
     outlined = [text for text in figure.findobj(Text) if text.get_path_effects()]
     effects = [text.get_path_effects() for text in outlined]
     plate = {"facecolor": figure.get_facecolor(), "edgecolor": "none", "pad": 0.4, "alpha": 0.75}

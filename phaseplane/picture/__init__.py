@@ -1,1 +1,1 @@
-"""What a picture of a construction shows, free of any canvas: pages, letters, words and styles."""
+"""The content of a picture of a construction, for any canvas: pages, letters, texts and styles."""

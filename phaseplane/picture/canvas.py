@@ -1,4 +1,4 @@
-"""What a picture is drawn on, as an abstract base, and a canvas that keeps what it was given."""
+"""The abstract base of canvases, and a canvas that stores what is drawn on it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from .page import Page
 
 
 class Canvas(ABC):
-    """A canvas. It is given the page that stays, then pages that follow each other, then the end."""
+    """A canvas. It receives the permanent page, then successive pages, then the end."""
 
     @abstractmethod
     def begin(self, page: Page) -> None:

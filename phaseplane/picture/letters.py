@@ -107,8 +107,8 @@ def place(
 def _least_crossed(cost: Lengths, boxes: Boxes, segments: Points, em: float) -> int:
     """Return the index of the cheapest box, where a line costs 1.5 for each em of it in the box.
 
-    Lines make a box only dearer, so few boxes are compared with them: those cheaper without them than
-    the best is with them.
+    Lines can only increase the cost of a box, so few boxes are compared with them: those that cost less
+    without lines than the best does with them.
     """
     order = np.argsort(cost, kind="stable")
     total = np.full(len(cost), np.inf)

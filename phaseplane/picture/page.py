@@ -1,4 +1,4 @@
-"""A page: everything that one picture shows, as plain data that any canvas can draw.
+"""A page: the content of one picture, as plain data that any canvas can draw.
 
 A page is filled part by part and remembers its lines and texts, so that later letters avoid them.
 """
@@ -519,7 +519,7 @@ class Page:
         self.lines("trail", recent, 1.0, strength)
 
     def missed(self) -> None:
-        """Draw the steps that end beside the next state point, as those over a known motion do."""
+        """Draw the steps that miss the next state point, as those over a known motion do."""
         for plane, motion in zip(self.drawing.planes, self.motions, strict=True):
             frames = self.drawing.frames[: len(motion) - 1]
             end = columns(frames, [f"{plane.state}'"])[:, 0]

@@ -1,4 +1,4 @@
-"""A construction told stage by stage: the empty sheet, some steps in full, and the whole motion."""
+"""A construction shown stage by stage: the empty sheet, some steps in full, and the whole motion."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _HELP = (
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One tick of a story: what is drawn in place of the tick before, and what is said.
+    """One tick of a story: the page that replaces that of the tick before, and its text.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ def story_of(
     ----------
     stays, arms : the pages of what stays on the sheet and on the arm of the turn angles
     quantities : of the readings
-    steps : indices of the steps that are told; default: telling ones, lift-off and touchdown
+    steps : indices of the steps to show; default: representative ones, lift-off and touchdown
     """
     first = drawing.frames[0]
     yield Tick(stays.following(), arms.following(), _introduction(drawing), _EMPTY, 0, first.time)
@@ -125,7 +125,7 @@ _FURTHER = "The timelines *step* and *t* go through all of them."
 
 
 def told_steps(drawing: Drawing, steps: Sequence[int] = ()) -> list[int]:
-    """Return the indices of the steps that a story tells, in their order."""
+    """Return the indices of the steps that a story shows, in order."""
     count = len(drawing.frames)
     if steps:
         return sorted({step for step in steps if 0 <= step < count})

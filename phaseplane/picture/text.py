@@ -1,4 +1,4 @@
-"""All words on a picture: letters as they are typeset, events, readings, and the stages of a step.
+"""All text in a picture: typeset letters, events, readings, and the stages of a step.
 
 Texts are plain: they use Unicode's subscripts and primes, which every canvas draws faster than parsed
 mathematics.
@@ -41,7 +41,7 @@ LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "
 
 @lru_cache(maxsize=4096)
 def typeset(text: str) -> str:
-    """Return a letter or a sentence as it is set: A1* becomes A₁*, xi''/Omega^2 becomes ξ̈/Ω².
+    """Return a typeset letter or sentence: A1* becomes A₁*, xi''/Omega^2 becomes ξ̈/Ω².
 
     The name of an axis, y1'/Ω1, becomes its definition, and the label of a level, y1 = 2 cm, its value.
     """
@@ -200,7 +200,7 @@ def measured(
     stage: int,
     units: Mapping[str, tuple[str, float]],
 ) -> list[str]:
-    """Return the lengths measured in a stage, each with what follows from it.
+    """Return the lengths measured in a stage, each with the value derived from it.
 
     Displacements and velocities follow from AP57 eqs. 21 and 22, accelerations from eq. 23, arcs from
     eq. 8.

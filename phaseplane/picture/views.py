@@ -1,4 +1,4 @@
-"""Which part of the sheet is shown, and which step says most."""
+"""The visible part of the sheet, and the most representative step."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def levels_apart(
     levels: Sequence[float],
     count: int = 12,
 ) -> list[float]:
-    """Return given energies and others between them, none beside those of saddles.
+    """Return given energies and others between them, none close to those of saddles.
 
     Parameters
     ----------

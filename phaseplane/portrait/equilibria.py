@@ -28,7 +28,7 @@ CUSP, SADDLE_NODE = "cusp", "saddle-node"
 
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
-    """An equilibrium (x, 0), or a stretch of them.
+    """An equilibrium (x, 0), or an interval of them.
 
     Parameters
     ----------

@@ -133,7 +133,7 @@ def compute_portrait(
 def _energy_curves(
     system: PhaseSystem, window: Window, saddles: list[Equilibrium]
 ) -> tuple[Curves, ...]:
-    """Return curves all over the window, and some in each well; none beside a separatrix."""
+    """Return curves all over the window, and some in each well; none close to a separatrix."""
     levels = levels_apart(system, window, [at.x for at in saddles], levels_in_wells(system, window))
     return tuple(energy_levels(system, window, levels)[1])
 
@@ -197,7 +197,7 @@ def _through(
 
 
 def _is_on(state: Grid, cycles: Sequence[Cycle], window: Window) -> bool:
-    """Return whether a state is on a limit cycle, as far as can be seen."""
+    """Return whether a state is on a limit cycle, within the resolution of the picture."""
     sides = [window.width, window.height]
     apart = (np.hypot(*((cycle.curve - state) / sides).T).min() for cycle in cycles)
     return min(apart, default=inf) < _TOUCHES

@@ -149,7 +149,7 @@ def _pole(system: PhaseSystem, near: float, step: float) -> float | None:
 
 
 def _within(system: PhaseSystem, domain: tuple[float, float], starts: Grid, reach: float) -> Window:
-    """Return a window beside poles, for energies a little above those of the starts."""
+    """Return a window between poles, for energies a little above those of the starts."""
     low, high = domain
     width = high - low
     from_x = float(starts[0, 0])

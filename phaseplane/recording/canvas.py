@@ -66,7 +66,7 @@ class Viewer(Canvas):
         self._send("paper", [page], [])
 
     def frame(self, page: Page) -> None:
-        """Take the next tick of the timeline `stage`; `end` logs them, which is faster by far at once."""
+        """Store the next tick of the timeline `stage`; `end` logs all of them at once, to save time."""
         self._ticks.append(page)
 
     def curve(self, name: str, role: str, ways: Points, first: int) -> None:

@@ -36,7 +36,7 @@ class Content:
     vehicle : shown from the side
     detail : `trail`: the planes and the motion in them; `steps`: also the complete construction of
         every step; `stages`: also the story of some steps, stage by stage, on the timeline `stage`
-    staged : indices of the steps in the story; default: telling ones, lift-off and touchdown
+    staged : indices of the steps in the story; default: representative ones, lift-off and touchdown
     numbers : columns without a unit that are plotted, too
     views : the views to show
     live : whether the run is still going on, so that only the names of its columns are known

@@ -1,4 +1,4 @@
-"""The process that draws a run while it goes on; its failure does not affect the run.
+"""The process that draws a run live; its failure does not affect the run.
 
 It reads pickled orders from its standard input and answers each with a byte. `live` starts it.
 """
@@ -90,7 +90,7 @@ class Drawer:
         self._await_viewer()
 
     def _await_viewer(self) -> None:
-        """Wait until the viewer has drawn, so that what it cannot draw in time is skipped, not queued."""
+        """Wait until the viewer has drawn, so that late rows are skipped, not queued."""
         if self.viewer is None:
             return
         try:

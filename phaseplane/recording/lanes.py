@@ -21,7 +21,7 @@ _CALM, _LOUD = "calm", "loud"
 
 
 def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.bool_]]]:
-    """Return the lanes: by name, the words of its two states, the hue of the second, and when it is."""
+    """Return the lanes: by name, the words for its two states, the hue of the second, and its times."""
     histories = {
         name: np.asarray(column, float)
         for name, column in content.histories.items()

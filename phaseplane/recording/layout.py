@@ -28,7 +28,7 @@ _LONGEST = 60.0  # s that the viewer takes to play the motion
 
 
 def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
-    """Return the layout: the sheet with lanes below it, and the words, side view and plots beside it.
+    """Return the layout: the sheet with lanes below it, and the text, side view and plots next to it.
 
     During a live run the viewer stays at the latest time.
     """

@@ -85,7 +85,7 @@ def made_planes(
 ) -> list[StatePlane]:
     """Return a plane for each pair of columns, one below the other or in a square, scaled to its range.
 
-    What is less than a thousandth of the largest motion of its kind is at rest.
+    A motion smaller than a thousandth of the largest one of its kind counts as rest.
     """
     beside = 1 if len(pairs) <= 2 else ceil(len(pairs) ** 0.5)
     largest: dict[str, float] = {}

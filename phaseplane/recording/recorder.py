@@ -39,7 +39,7 @@ _MOST_ROWS = 4000  # of a run in its planes
 
 
 class Recorder:
-    """Logs a content: what stays, then steps and rows in their order, then the story.
+    """Logs a content: the permanent parts, then steps and rows in order, then the story.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Recorder:
 
     @cached_property
     def chart(self) -> Chart | None:
-        """The displacements, else what else is read off, over the time of the construction."""
+        """The displacements, or else other readings, over the time of the construction."""
         content = self.content
         if content.constructed is None or content.live or not content.shows("histories"):
             return None

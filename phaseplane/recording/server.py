@@ -86,11 +86,11 @@ def serving(
 
 
 def _send(file: Path, url: str, copy: Path | None) -> None:
-    """Send a recording to a server, which would keep half a core busy if it read the file itself.
+    """Send a recording to a server; reading the file itself would keep the server busy.
 
     Parameters
     ----------
-    copy : where a copy is made that shows the list of recordings, which is sent instead
+    copy : path of a copy that shows the list of recordings and is sent instead
     """
     import rerun as rr  # noqa: PLC0415  (not needed for a run that is watched)
     from rerun.chunk import RrdReader  # noqa: PLC0415

@@ -55,11 +55,11 @@ def _entry(title: str) -> str:
 
 
 def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:
-    """Write the replay of a construction to an `.rrd` file, whole or not at all.
+    """Write the replay of a construction to an `.rrd` file, completely or not at all.
 
     Parameters
     ----------
-    content : what is recorded; a drawing alone is told stage by stage
+    content : the content; a drawing by itself is shown stage by stage
     path : of the file; its folder must exist, an existing file is replaced
 
     Raises

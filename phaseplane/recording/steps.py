@@ -137,7 +137,7 @@ def _send_letters(
 def free_letters(
     centres: Points, texts: Sequence[str], em: float, view: Box, taken: Sequence[Box]
 ) -> npt.NDArray[np.bool_]:
-    """Return which letters can be read: those in view and not on another, shape as centres."""
+    """Return which letters are legible: in view and not covered by another; shape as centres."""
     halves = np.array([text_box(0j, text, em).half for text in texts])
     boxes = Boxes(centres, halves)
     free = boxes.within(view)
