@@ -58,6 +58,7 @@ _PIECES: dict[str, tuple[Callable[..., float], int, int]] = {  # with least and 
     "saturation": (_saturation, 2, 2),
     "sign": (_sign, 1, 1),
 }
+_WIDE = ("backlash", "dead_zone", "relay", "saturation")  # whose second value is a width or a limit
 FUNCTIONS = tuple(sorted((*_SMOOTH, *_PIECES)))
 """The functions of a formula."""
 
@@ -106,7 +107,21 @@ class Formula:
         """Read the text."""
         for name in self.parameters:
             check_name(name)
-        _ = self._tree
+        self._check_widths()
+
+    def _check_widths(self) -> None:
+        """Refuse widths and limits of pieces that are negative numbers."""
+        for node in ast.walk(self._tree):
+            match node:
+                case ast.Call(ast.Name(name), [_, width]) if name in _WIDE:
+                    if any(_mentions(width, variable) for variable in self.variables):
+                        continue
+                    value = _guarded(self._made(width, (), _NUMBERS))()
+                    if value < 0.0:
+                        raise ValueError(
+                            f"equation = {self.text!r}: the second value of {name} is {value:g}; it must "
+                            "be at least 0"
+                        )
 
     @cached_property
     def _tree(self) -> ast.expr:
@@ -383,7 +398,8 @@ class _Pieces(ast.NodeTransformer):
         return ast.Call(node.func, arguments, [])
 
     def _sign(self, u: ast.expr) -> ast.expr:
-        if not any(_mentions(u, name) for name in (*VARIABLES, "s")):
+        if not any(_mentions(u, name) for name in VARIABLES):
+            # a number, or one that follows from the signs of other guards
             return ast.Call(ast.Name("sign", ast.Load()), [u], [])
         number = self._numbers.setdefault(ast.dump(u), len(self.guards))
         if number == len(self.guards):

@@ -17,6 +17,7 @@ from phaseplane.equations.switching import Mode, Switching
 _RELATIVE, _ABSOLUTE = 1e-10, 1e-12
 _SAMPLES = (0.2, 0.4, 0.6, 0.8, 1.0)  # parts of a step at which guards are read
 _ROUNDING = 1e-13  # of the state: margins no further below zero do not end a mode
+_COARSEST = 1e-6  # the same, where motions chatter
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
 _MOST_STEPS = 4_000_000
 _CROWD, _CROWDED = (
@@ -167,6 +168,7 @@ def steps(
     mode = system.settled(v, x, t)
     h = min(longest, end - time)
     recent: list[float] = []
+    rounding = _ROUNDING
     a = _acceleration(system, mode, t, x, v)
     h = min(h, _first(t, x, v, a, end))
     for _ in range(_MOST_STEPS):
@@ -191,7 +193,7 @@ def steps(
             (x1, v1, _acceleration(system, mode, t + h, x1, v1)),
             mode,
         )
-        met = _first_end(system, step) if mode else None
+        met = _first_end(system, step, rounding) if mode else None
         if met is not None:
             k, part = met
             made = _step(system, mode, t, x, v, a, part)
@@ -219,10 +221,16 @@ def steps(
                 if abs(g(v, x, t, mode)) < 1e-3 * (1.0 + abs(x))
             }
             mode = tuple(0 if k in near else sign for k, sign in enumerate(mode))
-            if mode.count(0) == 1:
-                raise MotionError(t)
-            v = 0.0
             recent = []
+            if mode.count(0) == 1:
+                # along a switch that holds the motion with just its whole jump, errors end the
+                # sliding again and again: only larger ones still do
+                rounding *= 1e3
+                if rounding > _COARSEST or None in system.sides(mode, v, x, t):
+                    raise MotionError(t)
+                v, x = system.project(mode, v, x, t)
+            else:
+                v = 0.0
         else:
             mode = system.settled(v, x, t, [k], mode)
             if 0 in mode:
@@ -288,7 +296,7 @@ def _error(made: tuple[float, float, float, float], x: float, v: float, toleranc
     )
 
 
-def _first_end(system: Switching, step: Step) -> tuple[int, float] | None:
+def _first_end(system: Switching, step: Step, rounding: float) -> tuple[int, float] | None:
     """Return the guard at which the mode ends first within a step, and when, s from its start."""
     mode, start = step.mode, step.start
     h = step.end - start
@@ -302,7 +310,7 @@ def _first_end(system: Switching, step: Step) -> tuple[int, float] | None:
     before, low = margins(0.0), 0.0
     for high in _SAMPLES:
         here = margins(high)
-        ended = [k for k, m in enumerate(here) if m < -_ROUNDING * size and m < before[k]]
+        ended = [k for k, m in enumerate(here) if m < -rounding * size and m < before[k]]
         if ended:
             part, k = min((_root(partial(_one, margins, k), low, high), k) for k in ended)
             return k, part * h

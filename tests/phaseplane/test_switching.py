@@ -129,6 +129,42 @@ def test_a_driven_mass_with_friction_waits_until_the_drive_is_stronger():
     assert found.switches == pytest.approx([begins], abs=1e-9)
 
 
+@pytest.mark.parametrize("amplitude", [0.2, 1.0])
+def test_a_mass_that_its_base_just_carries_along(amplitude: float):
+    """x'' + x + R sign(x' - A sin t) = 0: carried along x + A cos t is constant, here R."""
+    friction = 0.3
+    found = motion(
+        Formula("x + 0.3*sign(v - A*sin(t))", {"A": amplitude}).switching,
+        (friction - amplitude, 0.0),
+        np.linspace(0.0, 40.0, 401).tolist(),
+    )
+    assert found.complaint == ""
+    expected = [friction - amplitude * cos(t) for t in found.times]
+    assert found.displacements == pytest.approx(expected, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("text", "plain"),
+    [("sign(sign(x))", "sign(x)"), ("sign(relay(x, 0.1))", "relay(x, 0.1)"),
+     ("abs(sign(x))*x", "x"), ("x + 0.3*sign(2*sign(v))", "x + 0.3*sign(v)")],
+)  # fmt: skip
+def test_signs_of_signs_switch_with_them(text: str, plain: str):
+    times = np.linspace(0.0, 20.0, 41).tolist()
+    found, known = (motion(Formula(f).switching, (0.5, 0.0), times) for f in (text, plain))
+    assert found.displacements == pytest.approx(known.displacements, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "text", ["dead_zone(x, -1)", "saturation(x, -2)", "relay(x, -d)", "backlash(x, d - 1)"]
+)
+def test_negative_widths_are_refused(text: str):
+    with pytest.raises(
+        ValueError, match=r"the second value of \w+ is -[\d.]+; it must be at least 0"
+    ):
+        Formula(text, {"d": 0.1})
+    assert Formula(text.replace("-", "+"), {"d": 0.1}).names <= {"d"}
+
+
 def test_two_relays_come_to_rest_in_finite_time():
     """x'' + sign(x) + R sign(x') = 0: swings shrink by (1 - R)/(1 + R), as their times by its root."""
     friction = 0.5
