@@ -221,6 +221,30 @@ def test_what_it_cannot_have_is_refused_in_words(
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(
+    ("elevation", "start", "why"),
+    [
+        (float("nan"), 0.0, "input road_elevation = nan: must be finite"),
+        (float("inf"), 0.0, "input road_elevation = inf: must be finite"),
+        (0.0, float("nan"), "start time = nan: must be finite"),
+    ],
+)
+def test_inputs_and_start_times_that_are_not_finite_are_refused(
+    fmi: int, elevation: float, start: float, why: str,
+    native_fmu: Packer, slave: Any, tmp_path: Path, capfd: Any,
+) -> None:  # fmt: skip
+    """Otherwise the kernel would look for the energy of a spring nowhere, until the stack is full."""
+    k = [v.name for v in variables("OneDof")].index("road_elevation")
+    with slave(native_fmu("OneDof", ("road.shape", "input"), fmi=fmi), tmp_path) as one:
+        one.setupExperiment(startTime=start)
+        one.setReal([k], [elevation])
+        one.enterInitializationMode()
+        with pytest.raises(Exception, match="status 3"):
+            one.exitInitializationMode()
+    assert why in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
 def test_errors_that_add_up_are_told_once_in_the_words_of_a_session(
     fmi: int, native_fmu: Packer, capfd: Any
 ) -> None:

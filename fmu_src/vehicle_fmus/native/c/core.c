@@ -487,6 +487,7 @@ static int begin(Instance *one) {
     now->handed = -INFINITY;
     now->tuned = now->warned = now->passed_over = now->dues = now->switched = 0;
     memset(now->ticks, 0, sizeof now->ticks);
+    if (!isfinite(now->start)) return fail(one, "start time = %g: must be finite", now->start);
     if (find_first_numbers(one)) return 1;
     use_numbers(one);
     if (make_machine(one, &now->machine, now->start)) return 1;
@@ -498,7 +499,11 @@ static int begin(Instance *one) {
     now->machine.integrator.noted->count = now->machine.integrator.noted->base = 0;
     sample(one);
     for (int k = 0; k < VARIABLES; k++) {
-        if (now->is_set[k]) Run_set_input(run, variables[k].index, now->inputs[k]);
+        if (!now->is_set[k]) continue;
+        if (!isfinite(now->inputs[k])) {
+            return fail(one, "input %s = %g: must be finite", variables[k].name, now->inputs[k]);
+        }
+        Run_set_input(run, variables[k].index, now->inputs[k]);
     }
     if (advance(one, now->start)) return 1;
     now->ready = 1;
