@@ -71,8 +71,8 @@ def model_in(source: str) -> Model:
             )
         if v.display and (not v.unit or v.display not in UNITS[v.unit].display):
             raise ParameterError(
-                f"MODEL.variables: {v.name} is displayed in {v.display!r}, which is no unit beside "
-                f"{v.unit!r}"
+                f"MODEL.variables: {v.name} is displayed in {v.display!r}, which is not a display unit "
+                f"of {v.unit!r}"
             )
         if v.causality == "parameter":
             v.checked(v.start)

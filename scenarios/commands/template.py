@@ -48,7 +48,7 @@ def _lines(model: str) -> Iterator[str]:
     yield 'title = "My scene"'
     yield f'fmu = "{model}"'
     yield 'duration = "1 s"  # values are in SI, or texts with a unit'
-    yield "# It can build on another scene, whose name or file the key extends gives in place of fmu."
+    yield "# To start from another scene, give its name or file by the key extends instead of fmu."
     if "body_displacement" in outputs:
         yield '# construction = { rule = "delta", step = "2.5 ms" }  # drawn if figures ask for it'
     yield ""

@@ -202,7 +202,7 @@ def difference(
 
 def format_difference(data: Mapping[str, Any]) -> str:
     """Return the differences as text for a terminal."""
-    heading = ("column", "largest difference", "over its peak", "at")
+    heading = ("column", "largest difference", "relative to its peak", "at")
     rows = [
         (d["name"], f"{d['largest']:.3g}", f"{d['relative']:.3g}", f"{d['time']:.6g} s")
         for d in data["differences"]
@@ -220,7 +220,7 @@ def format_difference(data: Mapping[str, Any]) -> str:
         *aligned([heading, *rows]),
         f"compared: {format_extent(data['compared'])}",
         *data["unshared"],
-        verdict if data["unshared"] else f"{verdict} to {data['tolerance']:g}",
+        verdict if data["unshared"] else f"{verdict} (tolerance {data['tolerance']:g})",
     ]
     return "\n".join([*lines, *data.get("files", ())])
 

@@ -36,13 +36,13 @@ CONSTRUCTION_FIGURES = tuple(name for name in FIGURES if name != "time_histories
 DETAILS = ("trail", "steps", "stages")
 VIEWS = ("planes", "vehicle", "histories", "energies", "words")
 RULES = {
-    "tangent": "P' on the tangent, the length of DP times the turn angle away",
-    "mean_normal": "on the tangent, with the mean of the lengths of DP and of the next normal",
+    "tangent": "P' on the tangent, at a distance of DP times the turn angle",
+    "mean_normal": "on the tangent, with the mean length of DP and the next normal",
     "auto_mean_normal": "mean_normal where DP changes by more than a tenth, else tangent",
-    "osculating_circle": "on the circle about the meet of both normals, seen from D",
+    "osculating_circle": "on the circle about the intersection of both normals, seen from D",
     "midpoint_circle": "on the same circle, seen from midway between both feet D",
     "mean_arc_circle": "on the same circle, with an arc of the mean length of both normals",
-    "velocity": "the point of tangent, found from the velocity times the step",
+    "velocity": "the same point as tangent, found from the velocity times the step",
     "delta": "P turned about the foot D of the step's mean state (Jacobsen)",
 }
 """The rules by which the constructions step, all of them in Liénard's construction, in words."""
@@ -135,10 +135,8 @@ class Construction:
     """Settings of the graphical construction."""
 
     rule: str = entry(
-        one_of(
-            RULES, " (how a step ends in Liénard's construction, which all rules have in common)"
-        ),
-        "how a step ends in Liénard's construction, in which DP is the normal of the motion at P",
+        one_of(RULES, " (all of them are step rules of Liénard's construction)"),
+        "step rule: how a step ends in Liénard's construction, where DP is the normal of the motion at P",
         "delta",
     )
     step: float = entry(SECONDS, "time step", 2.5e-3)

@@ -78,7 +78,7 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
 
     problem = bench.problem
     if problem.model not in FILES:
-        raise UnableError("an FMU is measured of models of the package and of .fmu files")
+        raise UnableError("FMUs are measured only for models of the package and .fmu files")
     folder = str(_unpacked(problem.model, problem.file))
     description = read_model_description(folder, validate=False)
     instance = instantiate_fmu(folder, description, "CoSimulation")

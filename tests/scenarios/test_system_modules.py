@@ -124,7 +124,7 @@ def test_commands_take_it(folder):
         (
             '"N/m")',
             '"N/m", display="kN")',
-            "rate is displayed in 'kN', which is no unit beside 'N/m'",
+            "rate is displayed in 'kN', which is not a display unit of 'N/m'",
         ),
         ('800.0, "rate of both springs", "N/m"', '-1.0, "", "N/m", minimum=0.0', "rate = -1: must"),
         (
