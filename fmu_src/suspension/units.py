@@ -42,7 +42,7 @@ UNITS: dict[str, Unit] = {
     "m3": Unit({"m": 3}, {"cm3": 1e-6, "mm3": 1e-9}),
     "Hz": Unit({"s": -1}, {"kHz": 1e3, "1/min": 1 / 60.0}),
     "s": Unit({"s": 1}, {"ms": 1e-3, "us": 1e-6, "min": 60.0}),
-    "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "kgf.s2/cm": 100 * KGF}),
+    "kg": Unit({"kg": 1}, {"g": 1e-3, "t": 1e3, "lb": 0.45359237, "kgf.s2/cm": 100 * KGF}),
     "kg.m2": Unit({"kg": 1, "m": 2}, {"g.m2": 1e-3, "t.m2": 1e3}),
     "N": Unit({"kg": 1, "m": 1, "s": -2}, {"kN": 1e3, "kgf": KGF, "lbf": 4.4482216152605}),
     "N/m": Unit(
@@ -50,7 +50,15 @@ UNITS: dict[str, Unit] = {
         {"kN/m": 1e3, "N/mm": 1e3, "kgf/cm": 100 * KGF, "lbf/in": 4.4482216152605 / 0.0254},
     ),
     "N/m3": Unit({"kg": 1, "m": -2, "s": -2}, {"N/mm3": 1e9, "kgf/cm3": 1e6 * KGF}),
-    "N.s/m": Unit({"kg": 1, "s": -1}, {"kN.s/m": 1e3, "N.s/mm": 1e3, "kgf.s/cm": 100 * KGF}),
+    "N.s/m": Unit(
+        {"kg": 1, "s": -1},
+        {
+            "kN.s/m": 1e3,
+            "N.s/mm": 1e3,
+            "kgf.s/cm": 100 * KGF,
+            "lbf.s/in": 4.4482216152605 / 0.0254,
+        },
+    ),
     "J": Unit({"kg": 1, "m": 2, "s": -2}, {"kJ": 1e3}),
 }
 

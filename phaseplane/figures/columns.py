@@ -48,12 +48,14 @@ def runs(
     labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
     figure, panels = _panels(list(values), units, palette, title)
     styles = dict(zip(labels, zip(cycle(COLOURS), cycle(("-", "--", "-.", ":"))), strict=False))
+    drawn = {}
     for axes, curves in zip(panels, values.values(), strict=False):
         for label, (time, column) in curves.items():
             colour, style = styles[label]
-            axes.plot(time, column, style, color=colour, linewidth=1.3, label=label)
-    if len(labels) > 1:
+            (drawn[label],) = axes.plot(time, column, style, color=colour, linewidth=1.3)
+    if len(labels) > 1:  # all of them, though a panel may have but one
         panels[0].legend(
+            [drawn[label] for label in labels], labels,
             loc="lower left", bbox_to_anchor=(0.0, 1.01), ncols=min(len(labels), 4), frameon=False,
             fontsize=9.0, labelcolor=palette.ink,
         )  # fmt: skip

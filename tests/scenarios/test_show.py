@@ -181,3 +181,14 @@ def test_measured_signals_that_cannot_be_compared(folders, first, second, conten
     Path("rig.toml").write_text(content)
     told = phaseplane("compare", first, second)
     assert (told.exit_code, words in told.stderr) == (2, True), told.output
+
+
+def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
+    time = [0.0, 1.0]
+    figure = figures.runs(
+        {"a": {"one": (time, time)}, "b": {"one": (time, time), "other": (time, [1.0, 0.0])}}, {}
+    )
+    (legend,) = [axes.get_legend() for axes in figure.axes if axes.get_legend()]
+    assert [text.get_text() for text in legend.get_texts()] == ["one", "other"]
+    lines = {line.get_linestyle() for line in legend.get_lines()}
+    assert lines == {"-", "--"}

@@ -51,6 +51,7 @@ SYMBOLS: dict[str, tuple[float, dict[str, int]]] = {
     "kgf": (si.kgf, NEWTON), "J": (1.0, {"kg": 1, "m": 2, "s": -2}),
     "kJ": (si.kilo, {"kg": 1, "m": 2, "s": -2}), "ft": (si.foot, {"m": 1}),
     "mph": (si.mph, {"m": 1, "s": -1}), "lbf": (si.lbf, NEWTON),
+    "lb": (si.pound, {"kg": 1}),
 }  # fmt: skip
 
 OF_ACCELERATION = {  # g is the gram elsewhere
