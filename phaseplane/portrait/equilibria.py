@@ -20,6 +20,7 @@ _FAR = 1e-2  # the same for a saddle without a linear part; also the range of te
 _LONGEST = 30.0  # windows over which a separatrix is followed
 _NO_SLOPE = 1e-6  # of the mean slope of f over the window: smaller slopes count as 0
 _TOUCH = 1e-10  # of the largest f: a minimum of |f| below it is a root
+_ROUNDING = 1e-13  # of the largest f, and of the window's width
 _STRETCH = 3  # least number of grid points at rest that make a stretch
 
 STRETCH = "interval of rest"
@@ -106,6 +107,7 @@ def _roots(system: PhaseSystem, points: Grid) -> list[float]:
 
     forces = system.forces(points, 0.0 * points)
     roots = list(points[forces == 0.0])
+    most = _largest(forces)
     with np.errstate(all="ignore"):
         through = np.flatnonzero(forces[:-1] * forces[1:] < 0.0)
         size = np.abs(forces)
@@ -116,9 +118,9 @@ def _roots(system: PhaseSystem, points: Grid) -> list[float]:
     for k in through:
         a, b = float(points[k]), float(points[k + 1])
         x = float(brentq(force, a, b, xtol=1e-15 * (points[-1] - points[0]), maxiter=1000))
-        if abs(force(x)) <= 0.5 * min(size[k], size[k + 1]):  # otherwise a jump past zero
+        # otherwise a jump past zero; the root may be one of the points, but for rounding
+        if abs(force(x)) <= max(0.5 * min(size[k], size[k + 1]), _ROUNDING * most):
             roots.append(x)
-    most = _largest(forces)
     for k in touching:
         least = minimize_scalar(
             lambda x: abs(force(x)), bounds=(points[k - 1], points[k + 1]), method="bounded",
@@ -126,7 +128,8 @@ def _roots(system: PhaseSystem, points: Grid) -> list[float]:
         )  # fmt: skip
         if least.fun <= _TOUCH * most:
             roots.append(float(least.x))
-    return [float(x) for x in roots]
+    tiny = _ROUNDING * float(points[-1] - points[0])
+    return [float(x) if abs(x) > tiny else 0.0 for x in roots]
 
 
 def _stretches(system: PhaseSystem, window: Window, points: Grid) -> list[Equilibrium]:

@@ -50,6 +50,13 @@ def test_a_driven_equation_shows_its_section_and_nothing_that_is_frozen() -> Non
     assert words.count("attractor    motion with a period of one forcing period, at ") == 2
 
 
+def test_a_mass_on_a_moving_belt_rests_where_friction_stretches_its_spring() -> None:
+    """x = R, which is a point of the grid but for rounding; and zero is told as 0."""
+    told = of_equation("x + 0.3*sign(v - 0.5)").stdout
+    assert "equilibrium  0.3: centre" in told
+    assert "equilibrium  0: centre" in of_equation("tan(x)").stdout
+
+
 def test_a_driven_pendulum_that_goes_round_is_shown_once_round() -> None:
     """Period 1 by turns of 2 pi, which is one attractor; and the chaotic one stays in view."""
     told = json.loads(of_equation("0.2*v + sin(x) - 0.5*cos(0.7*t)", "--json").stdout)
