@@ -624,14 +624,27 @@ class Page:
             self.letter([] if several else named)
 
     def numbers(self, frames: Sequence[Frame]) -> None:
-        """Write the numbers of the state points, up to the successors of the last step."""
+        """Write the numbers of the state points, up to the successors of the last step.
+
+        Points that cannot be told apart, as those of a motion that has not begun, share a text.
+        """
+        last = frames[-1]
         for plane in self.drawing.planes:
-            points = [(frame.points[plane.state], str(frame.step), "state") for frame in frames]
-            last = frames[-1]
-            points.append((last.points[plane.state + "'"], str(last.step + 1), "state"))
-            self.dots("state", [z for z, *_ in points], 0.6)
+            points = [(frame.points[plane.state], frame.step) for frame in frames]
+            points.append((last.points[plane.state + "'"], last.step + 1))
+            runs = [[points[0]]]
+            for at in points[1:]:
+                if abs(at[0] - runs[-1][0][0]) < _SEEN:
+                    runs[-1].append(at)
+                else:
+                    runs.append([at])
+            self.dots("state", [z for z, _ in points], 0.6)
+            named = [
+                (run[-1][0], "–".join(dict.fromkeys((str(run[0][1]), str(run[-1][1])))), "state")
+                for run in runs
+            ]
             # lines are everywhere here, so numbers avoid only letters and points
-            self.letter(points, _VALUE, lines=False)
+            self.letter(named, _VALUE, lines=False)
 
 
 def joined(way: Points) -> Points:

@@ -453,6 +453,15 @@ def test_pictures_of_long_motions_cost_in_proportion(draw):
     assert work[1] < 5.0 * work[0]
 
 
+def test_points_of_a_motion_that_has_not_begun_share_a_number():
+    """At rest until t = 1: eleven points at the origin, then one by one."""
+    waiting = EquationPlane(lambda v, x, t: x - max(0.0, t - 1.0))
+    figure = construction_sheet(construct_motion(waiting, step=0.1, duration=2.0))
+    written = {text.get_text() for text in figure.findobj(Text)}
+    assert {"15", "16", "17", "18", "19", "20"} <= written
+    assert any(text.startswith("0–1") for text in written)
+
+
 def test_the_axes_reach_over_motions_from_further_starts():
     """Also where the own start is at rest in the origin."""
     still = EquationPlane(lambda v, x, t: (x * x - 1.0) * v + x)
