@@ -118,7 +118,8 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
             rungs.append(_told(rung, None, None, one_line(failure), tolerance))
         else:
             lacking = [name for name in names if name not in columns]
-            note = f"has no {', '.join(lacking)}" if lacking else f"largest error in {worst.name}"
+            size = "largest error" if worst.relative <= tolerance else "the error is too large"
+            note = f"has no {', '.join(lacking)}" if lacking else f"{size} in {worst.name}"
             rungs.append(_told(rung, seconds, None if lacking else worst.relative, note, tolerance))
     # of equal degrees the lower rung, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])

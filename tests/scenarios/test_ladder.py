@@ -35,6 +35,7 @@ def test_uncoupled_axles_are_two_quarter_cars(tmp_path: Path) -> None:
     assert rungs["without lift-off, bump stop"]["error"] < 5e-5
     assert told["proposal"] == "two quarter cars"
     assert rungs["rigid tyres"]["serves"] is False
+    assert rungs["rigid tyres"]["note"].startswith("the error is too large in")
     coupled = by_name(climbed(tmp_path, text + "pitch_radius_of_gyration=0.9\n"))
     assert coupled["two quarter cars"]["error"] > 0.02
     assert "M3 = " in coupled["two quarter cars"]["argument"]
