@@ -62,7 +62,7 @@ def chosen(names: Sequence[str]) -> list[Platform]:
 
     Raises
     ------
-    ValueError : an unknown platform, or one for which there is no compiler.
+    ValueError : an unknown platform, one for which there is no compiler, or a `CC` that is none.
     """
     if "all" in names or (not names and has_zig()):
         names = list(PLATFORMS)
@@ -76,6 +76,8 @@ def chosen(names: Sequence[str]) -> list[Platform]:
             raise ValueError(
                 f"a library for {name} needs zig's compiler: pip install 'phaseplane[native]'"
             )
+    if this_platform() in names and (given := os.environ.get("CC")) and not _own():
+        raise ValueError(f"CC = {given!r}: there is no such compiler; set CC to one, or unset it")
     if names == [this_platform()] and not has_zig() and not _own():
         raise ValueError(
             "a native FMU needs a C compiler: set CC, or pip install 'phaseplane[native]'"
@@ -112,7 +114,6 @@ def compiled(source: Path, target: Path, wanted: Platform) -> None:
          str(target), str(source), *maths],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
-    if done.returncode != 0:
-        raise RuntimeError(
-            f"{command[0]} could not compile for {wanted.name}:\n{done.stderr.strip()}"
-        )
+    if done.returncode != 0 or not target.exists():
+        why = done.stderr.strip() or "it wrote no library"
+        raise RuntimeError(f"{command[0]} could not compile for {wanted.name}:\n{why}")
