@@ -69,7 +69,7 @@ def _silent(_label: str) -> AbstractContextManager[None]:
 @click.option("--realtime", is_flag=True, help="Run in real time.")
 @click.option(
     "--plane", "planes", multiple=True, metavar="A,B",
-    help="Show the phase plane of two outputs, a displacement and its rate. Repeatable.",
+    help="Draw and record the plane of two outputs, a displacement and its rate. Repeatable.",
 )  # fmt: skip
 @json_option
 def run(
@@ -217,7 +217,7 @@ def _pictures(
     scene: Scene, results: Results, drawing: Drawing | None
 ) -> dict[str, Callable[[Path], None]]:
     """Return what writes each picture and recording of a scene; see `pictures_of`."""
-    if not (scene.show.figures or scene.show.recording):
+    if not (scene.show.figures or scene.show.recording or scene.show.planes):
         return {}
     return draw.pictures.pictures_of(scene, results, drawing)
 

@@ -57,10 +57,22 @@ def pictures_of(
         for name in scene.show.figures
         if name == "time_histories" or drawing is not None
     }
+    for k, names in enumerate(scene.show.planes, 1):
+        plane = partial(_draw_plane, names, results, {"title": title, **look})
+        pictures["plane.png" if k == 1 else f"plane_{k}.png"] = plane
     if scene.show.recording:
         shown = asdict(scene.shown)
         pictures[RECORDING] = lambda path: record(of_results(results, drawing, shown), path)
     return pictures
+
+
+def _draw_plane(
+    names: tuple[str, str], results: Results, look: Mapping[str, Any], path: Path
+) -> None:
+    """Draw one output over another."""
+    x, y = (results.columns[name] for name in names)
+    units = results.summary.get("units", {})
+    figures.save(figures.plane_of_columns({"": (x, y)}, names, units, **look), path)
 
 
 def draw(

@@ -98,7 +98,8 @@ class Show:
     views: tuple[str, ...] = entry(choices_of(VIEWS), "views of the recording", VIEWS)
     planes: tuple[tuple[str, str], ...] = entry(
         PAIRS_OF_NAMES,
-        "pairs of outputs, a displacement and its rate, whose phase planes the recording shows",
+        "pairs of outputs, a displacement and its rate, whose phase planes are drawn and shown in the "
+        "recording",
         (),
     )
     staged: tuple[int, ...] = entry(

@@ -84,3 +84,14 @@ def test_its_recording_has_every_output_and_the_plane(
         "/histories/displacement/h", "/histories/displacement/s", "/histories/velocity/w",
         "/histories/force/F", "/sheet/trail/h/recent",
     }  # fmt: skip
+
+
+def test_planes_are_drawn_and_recorded(foreign: Path) -> None:
+    planes = ["--plane", "h,w", "--plane", "s,F"]
+    result = CliRunner().invoke(
+        main, ["run", str(foreign), *planes, "--set", "duration=0.2 s", "--json"]
+    )
+    assert result.exit_code == 0, result.stderr
+    assert json.loads(result.stdout)["files"] == [
+        "construction.rrd", "plane.png", "plane_2.png", "results.csv", "summary.json",
+    ]  # fmt: skip
