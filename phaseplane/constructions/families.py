@@ -43,6 +43,5 @@ def family(
     curves = tuple(
         Curve("trail", path_of(plane, other.schemes, other.frames), f"({x:g}, {v:g})")
         for (x, v), other in zip(starts, others, strict=True)
-        if other.frames
     )
     return replace(first, curves=(*fixed, *kept, *curves))

@@ -85,7 +85,9 @@ def _frames(
     elapsed = 0.0
     number, tick = 0, 1
     fresh = bool(event) and event != JOLT
-    while time < end and not construction.ends(mode):
+    while time < end and not (
+        number and construction.ends(mode)
+    ):  # a motion has a step, if only of rest
         goal = min(start.time + tick * step, end)
         if end - goal < _LEAST_PART * step:
             goal = end

@@ -182,7 +182,8 @@ class Switching:
         Parameters
         ----------
         on : guards on which the state lies, even if they are not exactly zero
-        before : the mode until then; where both sides lead away, its sign is kept
+        before : the mode until then; where both sides lead away, its sign is kept, and what was held on
+            one of `on` is held no longer
         """
         on = set(on)
         found = [0] * len(self.guards)
@@ -196,7 +197,7 @@ class Switching:
             else:
                 found[k] = 1 if value > 0.0 else -1
         for k in free:
-            found[k] = self._side(k, tuple(found), v, x, t, before)
+            found[k] = self._side(k, tuple(found), v, x, t, before, loose=k in on)
         if len(free) > 1:  # each may depend on what the others have become
             for k in free:
                 found[k] = self._side(k, tuple(found), v, x, t, before)
@@ -223,9 +224,18 @@ class Switching:
         g_v, g_x, _ = self.gradient(k, signs, v, x, t)
         return abs(g_v) + abs(g_x) if isfinite(g_v + g_x) else 0.0
 
-    def _side(self, k: int, mode: Mode, v: float, x: float, t: float, before: Mode) -> int:
-        """Return the side of a guard to which the motion leaves it, or 0 if neither leads away."""
-        away = []
+    def _side(
+        self, k: int, mode: Mode, v: float, x: float, t: float, before: Mode, *, loose: bool = False
+    ) -> int:
+        """Return the side of a guard to which the motion leaves it, or 0 if neither leads away.
+
+        Parameters
+        ----------
+        loose : whether the guard no longer holds the motion, which then leaves it to the side that is
+            nearer to leading away, even if rounding hides that it does
+        """
+        away: list[int] = []
+        outwards: dict[int, float] = {}
         for side in (-1, 1):
             signs = _with(mode, k, side)
             a = -self.function(v, x, t, signs)
@@ -235,10 +245,13 @@ class Switching:
             if abs(rate) <= 1e-9 * (size or 1.0) and abs(v) <= _REST * (1.0 + abs(x)):
                 # at rest beside it: the guard follows from the acceleration
                 rate = g_x * a if abs(g_v * a) <= 1e-9 * abs(g_x * a) else rate
+            outwards[side] = side * rate
             if side * rate > 0.0:
                 away.append(side)
         if len(away) == 1:
             return away[0]
+        if not away and loose and before and before.count(0) == 1 and not before[k]:
+            return max(outwards, key=outwards.__getitem__)
         if not away:
             jump = self.function(v, x, t, _with(mode, k, 1)) - self.function(
                 v, x, t, _with(mode, k, -1)

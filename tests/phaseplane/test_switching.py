@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import cos, exp, pi, sqrt
+from dataclasses import replace
+from math import acos, cos, exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -12,7 +13,13 @@ from phaseplane.suspension.characteristics import linear
 from phaseplane.suspension.models import build
 from scipy.integrate import solve_ivp
 
-from phaseplane.constructions import EquationPlane, OneDofPlane, construct_motion, rule_named
+from phaseplane.constructions import (
+    EquationPlane,
+    OneDofPlane,
+    construct_motion,
+    family,
+    rule_named,
+)
 from phaseplane.equations import Formula, motion
 from phaseplane.portrait import (
     PhaseSystem,
@@ -127,6 +134,30 @@ def test_a_driven_mass_with_friction_waits_until_the_drive_is_stronger():
             known = cos(begins) * s - (np.sin(t) - np.sin(begins)) - 0.25 * s * s
         assert x == pytest.approx(known, abs=1e-9)
     assert found.switches == pytest.approx([begins], abs=1e-9)
+
+
+def test_a_driven_mass_with_friction_breaks_loose_in_its_construction():
+    """x'' + x + R sign(x') = F cos(t) from x = 0.5: it waits until 0.5 - F cos(t) = R, and no longer."""
+    switching = Formula("x + 0.3*sign(v) - 0.5*cos(t)").switching
+    drawing = construct_motion(
+        EquationPlane(switching, initial_displacement=0.5), step=0.02, duration=6.0
+    )
+    first = next(frame for frame in drawing if frame.scheme == "contact")
+    assert first.time == pytest.approx(acos(0.4), abs=1e-9)
+    known = motion(switching, (0.5, 0.0), drawing.frames.times)
+    found = [frame.readings["displacement"] for frame in drawing]
+    assert found == pytest.approx(known.displacements, abs=2e-4)
+
+
+def test_a_construction_of_rest_has_one_step():
+    resting = EquationPlane(Formula("x + 0.3*sign(v)").switching, initial_displacement=0.2)
+    drawing = construct_motion(resting, step=0.1, duration=2.0)
+    (frame,) = drawing
+    assert frame.scheme == "rest"
+    assert frame.points["P'"] == frame.points["P"]
+    moving = replace(resting, initial_displacement=1.0)
+    sheet = family(moving, [(0.2, 0.0)], step=0.1, duration=2.0)
+    assert [curve.label for curve in sheet.curves if curve.role == "trail"] == ["(0.2, 0)"]
 
 
 @pytest.mark.parametrize("amplitude", [0.2, 1.0])
