@@ -164,10 +164,11 @@ def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable
         refuse_unknown([name], declared, f"{fmu.model} has no parameter")
         value = declared[name].checked(raw)
         if name in fmu.fixed and value != declared[name].start:
-            now, packed = (str(v).lower() if isinstance(v, bool) else shown(v)
-                           for v in (value, declared[name].start))  # fmt: skip
+            now, start = (str(v).lower() if isinstance(v, bool) else shown(v)
+                          for v in (value, declared[name].start))  # fmt: skip
+            packed = "without one" if declared[name].start == "" else f"for {start}"
             raise ParameterError(
-                f"{name} = {now}: this FMU was packed for {packed}, on which its structure depends; "
+                f"{name} = {now}: this FMU was packed {packed}, and its structure depends on it; "
                 f"pack another with phaseplane build --native --set {name}=..."
             )
         return value
