@@ -94,3 +94,30 @@ def test_switches_without_time_between_do_not_end_a_run(
         paths.append(np.array(path))
     true, coarse = paths
     assert (np.abs(coarse - true).max(axis=0) < 0.25 * np.abs(true).max(axis=0)).all()
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-8])
+def test_an_axle_that_rests_on_a_corner_of_its_tyre_leaves_it_once(tolerance: float) -> None:
+    """While the other axle moves, it departs by less than an attempt may be wrong.
+
+    In the branch of each side an attempt then led to the other side, for ever.
+    """
+    car = {
+        "sprung_mass": 991.8, "road.shape": "spline", "speed": 10.34, "contact": "force",
+        "road.table": "0.0:0.0, 0.6486:-0.04802, 1.025:-0.004272, 1.715:0.01015, 2.541:-0.03271",
+        "cg_to_front": 1.051, "cg_to_rear": 1.694, "pitch_radius_of_gyration": 1.563,
+        "front.spring.rate": 30410.0, "front.damper.bump_rate": 0.0,
+        "front.damper.rebound_rate": 0.0, "front.unsprung_mass": 67.95,
+        "front.spring.table": "-0.1404:-8872.0, 0.0:0.0, 0.02068:843.3, 0.04677:2234.0, 0.08002:2764.0",
+        "front.spring.interpolation": "linear", "front.tyre.stiffness": 380600.0,
+        "front.bump_stop.gap": 0.01819, "front.bump_stop.stiffness": 631000.0,
+        "front.tyre.damping": 1801.0, "rear.spring.rate": 23560.0, "rear.spring.cubic": 26690.0,
+        "rear.spring.preload": 3725.0, "rear.damper.bump_rate": 0.0,
+        "rear.damper.rebound_rate": 0.0, "rear.unsprung_mass": 43.9,
+        "rear.tyre.stiffness": 191500.0, "rear.tyre.damping": 80.26,
+        "rear.tyre.table": "-0.02862:-3328.0, -0.02718:-2749.0, 0.0:0.0, 0.005545:2005.0, "
+        "0.01199:4449.0, 0.0316:12170.0", "rear.tyre.interpolation": "linear",
+    }  # fmt: skip
+    integrator = Integrator(build("HalfCar", car), tolerance=tolerance)
+    assert integrator.advance(0.1) == 0
+    assert integrator.step_count < 200

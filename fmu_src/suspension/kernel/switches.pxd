@@ -57,13 +57,15 @@ cdef class Switches:
     cdef bint _is_slaved(self, int e, double h) noexcept nogil
     @cython.locals(k=double, c=double)
     cdef void _contact_force(self, int e, int at) noexcept nogil
-    @cython.locals(e=int, kind=int, departing=bint, at=double)
+    @cython.locals(e=int, kind=int, returns=bint, departing=bint, at=double)
     cdef void _search(self, int k, int side, double bound, int degree, double h) noexcept nogil
     cdef void _keep(self, int k, double at, int side) noexcept nogil
     @cython.locals(at=int)
     cdef bint _is_open(self, int e) noexcept nogil
     @cython.locals(e=int, bound=double, departing=bint, at=double)
     cdef void _search_gap(self, int k, double h) noexcept nogil
+    @cython.locals(beyond=double)
+    cdef bint _is_within_error(self, double bound, int side) noexcept nogil
     cdef void _look_for_gap(self, int e, double at, double h) noexcept nogil
     cdef bint _is_bent_in_flight(self, int e) noexcept nogil
     @cython.locals(e=int, m=int, departing=bint, share=double, f0=double, f1=double, f2=double,

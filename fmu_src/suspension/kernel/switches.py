@@ -323,7 +323,10 @@ class Switches:
     def _search(self, k, side, bound, degree, h):
         """Store the first exit over a bound, if it is the earliest."""
         e, kind = self.watched_element[k], self.watched_kind[k]
-        departing = self.net.departing[BRANCHES * e + kind] == side or (
+        returns = self.net.departing[BRANCHES * e + kind] == side
+        if returns and kind == SPRING and self._is_within_error(bound, side):
+            return
+        departing = returns or (
             # exactly on the bound, as at rest; contact and sticking start inside
             self.crossing.bezier[0] == bound
             and kind != CONTACT
@@ -334,6 +337,15 @@ class Switches:
             self._keep(k, at, side)
             if kind == CONTACT and side < 0:
                 self._look_for_gap(e, at, h)
+
+    def _is_within_error(self, bound, side):
+        """Return whether the quantity read last passes a bound by no more than the error allowed.
+
+        Just after a corner has been passed it would lead back and forth: what hardly moves yet may
+        depart from the corner on one side by the errors of an attempt in the branch of the other.
+        """
+        beyond = bound - self.crossing.low if side < 0 else self.crossing.high - bound
+        return self.stepper.errors.controlled and beyond <= self.stepper.errors.allowed
 
     def _look_for_gap(self, e, at, h):
         """Find whether contact is not regained after all, as a gap has opened by then."""
