@@ -17,6 +17,7 @@ from phaseplane.portrait.trajectories import Motions, motions
 
 _GONE = 5.0  # windows: motions farther out are abandoned
 _MOST = 16_000  # steps of a section
+_MOST_SWITCHED = 60  # periods of motions with switches, which are followed one by one
 _TRANSIENT = 0.5  # of the periods, of a dissipative system
 _LONGEST = 12  # longest period of a periodic motion, in periods of the excitation
 _CLOSES, _SAME, _SETTLED = 1e-5, 1e-3, 1e-7  # windows
@@ -82,6 +83,8 @@ def section(
     x0, v0 = 0.5 * (window.left + window.right), 0.5 * (window.bottom + window.top)
     starts = np.array([[*(x + x0), start[0]], [*(v + v0), start[1]]]).T
     rows = [starts]
+    if switched.switches(system):
+        periods = min(periods, _MOST_SWITCHED)
     for row in islice(_by_periods(system, window, starts), periods):
         rows.append(np.column_stack([x0 + system.wrapped(row[:, 0] - x0), row[:, 1]]))
         apart = _apart(system, rows[-1], rows[-2]) / [window.width, window.height]

@@ -79,6 +79,13 @@ def test_an_angle_is_known_by_its_equation(f: str, turns: bool) -> None:
     assert subject.system.turn == (2.0 * pi if turns else 0.0)
 
 
+def test_sections_through_switches_take_fewer_periods() -> None:
+    """Motions with switches are followed one by one; beyond F = 4 R / pi this one grows for ever."""
+    told = json.loads(of_equation("x + 0.3*sign(v) - 0.5*cos(t)", "--json").stdout)
+    assert told["section"]["transient"] + told["section"]["periods"] == 61
+    assert told["section"]["attractors"] == []
+
+
 def test_a_driven_equation_is_frozen_on_demand() -> None:
     told = of_equation(DUFFING, "--frozen", "0").stdout
     assert "frozen at t = 0 s" in told
