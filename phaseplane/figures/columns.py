@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import cycle
 from math import ceil
+from textwrap import fill
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +22,9 @@ from phaseplane.figures.style import (
 from phaseplane.picture.text import bracketed, in_words
 
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
-_IN_COLUMN = 7  # panels one below the other
+_IN_COLUMN = 7  # panels one below the other, more if they would be too many side by side
+_ACROSS = 3  # panels side by side
+_LINE = 18  # letters of a label
 
 
 def runs(
@@ -112,16 +115,15 @@ def _panels(
     """Return a figure with a panel for each column, in several columns of panels if there are many."""
     if not names:
         raise ValueError("no columns to draw")
-    across = ceil(len(names) / _IN_COLUMN)
+    across = min(ceil(len(names) / _IN_COLUMN), _ACROSS)
     down = ceil(len(names) / across)
     width, height = 2.5 + 6.0 * across, 0.9 + 1.5 * down
     figure = new_figure(width, height, palette)
     grid = figure.subplots(down, across, sharex=True, squeeze=False)
     panels = list(grid.T.ravel())
     for axes, name in zip(panels, names, strict=False):
-        words = in_words(name).replace(" ", "\n", 1)
         unit = bracketed(units.get(name, "")).replace(" ", "\n", 1)
-        axes.set_ylabel(words + unit, fontsize=8.5)
+        axes.set_ylabel(fill(in_words(name), _LINE) + unit, fontsize=8.5)
         dress(axes, palette, 8.0)
     for axes in panels[len(names) :]:
         axes.set_axis_off()
@@ -131,7 +133,7 @@ def _panels(
         lowest.tick_params(labelbottom=True)
         figure.align_ylabels(grid[:, k])
     if title:
-        figure.suptitle(title, color=palette.ink, fontsize=11.0)
+        figure.suptitle(title, y=1.0 - 0.3 / height, va="center", color=palette.ink, fontsize=11.0)
     figure.subplots_adjust(
         left=1.2 / width, right=1.0 - 0.25 / width, bottom=0.5 / height,
         top=1.0 - (0.65 if title else 0.4) / height, hspace=0.15, wspace=0.28,

@@ -142,7 +142,10 @@ def figure_of(
             axles = {axle: centre | histories(results, f"{axle}_") for axle in ("front", "rear")}
             return figures.axle_histories(axles, title=title, look=printed)
         columns = histories(results)
-        if not figures.has_histories(columns):  # an FMU of others, or an equation
+        motions = [name for name in columns if name.endswith("_displacement")]
+        known = [name for name in motions if figures.has_histories({name: 0})]
+        if known != motions or not figures.has_histories(columns):
+            # an FMU of others, an equation, or a system with more than a body and a wheel
             units = results.summary.get("units", {})
             return figures.runs(_by_starts(results), units, title=title, dark=printed.dark)
         return figures.time_histories(columns, title=title, look=printed)

@@ -8,6 +8,7 @@ from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.draw.pictures import figure_of
 from phaseplane.scenarios.errors import InputError
+from phaseplane.scenarios.results.folder import Results
 from phaseplane.scenarios.results.inspection import difference
 from phaseplane.scenarios.results.tables import read_table
 
@@ -192,3 +193,21 @@ def test_the_legend_names_every_run_though_a_panel_may_have_but_one():
     assert [text.get_text() for text in legend.get_texts()] == ["one", "other"]
     lines = {line.get_linestyle() for line in legend.get_lines()}
     assert lines == {"-", "--"}
+
+
+def test_many_columns_are_at_most_three_side_by_side():
+    time = [0.0, 1.0]
+    name = "front_left_suspension_deflection_rate"
+    figure = figures.runs({f"{name}_{k}": {"": (time, time)} for k in range(52)}, {})
+    assert figure.get_size_inches()[0] < 25.0
+    assert sum(axes.axison for axes in figure.axes) == 52
+    labels = [axes.get_ylabel() for axes in figure.axes if axes.axison]
+    assert max(len(line) for label in labels for line in label.splitlines()) <= 18
+
+
+def test_histories_show_a_motion_that_is_no_body_or_wheel():
+    columns = {f"{of}_displacement": [0.0, 1.0] for of in ("body", "driver")}
+    results = Results({"time": [0.0, 1.0], **columns}, {})
+    figure = figure_of("time_histories", None, results)
+    labels = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
+    assert "driver displacement" in labels
