@@ -142,10 +142,14 @@ CONTACT_RULE = parameter(
 )  # fmt: skip
 
 
+FARTHEST_START = 1e9  # m, m/s: far beyond it energies overflow, and no branch fits the motion
+
+
 def initial(coordinates: Mapping[str, str]) -> tuple[Variable, ...]:
     """Return the initial displacement and velocity of coordinates, given by name with what moves."""
     return tuple(
-        parameter(f"initial.{name}{what}", 0.0, text.format(of), unit)
+        parameter(f"initial.{name}{what}", 0.0, text.format(of), unit,
+                  minimum=-FARTHEST_START, maximum=FARTHEST_START)
         for name, of in coordinates.items()
         for what, text, unit in (
             ("_displacement", "displacement of {} at the start, from static equilibrium, upwards "

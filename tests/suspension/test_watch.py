@@ -322,3 +322,26 @@ def test_a_body_of_a_milligram_on_a_damper_is_stepped_right() -> None:
         assert integrator.advance(0.5) == 0
         integrator.sample(0.5)
     assert list(found.sample_q) == pytest.approx(list(truth.sample_q), rel=1e-6)
+
+
+def test_a_road_without_a_finite_energy_ends_the_run_in_words() -> None:
+    """Branches were left beyond the last piece of a law, and the process with them."""
+    session = Session("QuarterCar", {"road.height": 1e300})
+    with pytest.raises(SimulationError, match=r"[a-z]{4}"):
+        session.advance(0.05)
+
+
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [
+        ("QuarterCar", "initial.wheel_displacement"),
+        ("HalfCar", "initial.rear_body_velocity"),
+        ("Elastoplastic", "initial.displacement"),
+    ],
+)
+@pytest.mark.parametrize("value", [1e300, -1e300])
+def test_starts_as_far_away_as_numbers_reach_are_refused(
+    model: str, name: str, value: float
+) -> None:
+    with pytest.raises(ParameterError, match=rf"{name} = -?1e\+300: .*at most 1e\+09 in m"):
+        Session(model, {name: value})

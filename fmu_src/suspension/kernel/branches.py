@@ -162,7 +162,11 @@ class Branches(Elements):
         else:
             first = self.first[LAWS * e + kind]
             p = first + self.branch[at]
-            p = self.run_last[p] + 1 if side > 0 else self.run_first[p - 1]
+            # numbers that are not finite lead beyond the last piece, too
+            if side > 0:
+                p = min(self.run_last[p] + 1, first + self.count[LAWS * e + kind] - 1)
+            elif p > first:
+                p = self.run_first[p - 1]
             self.branch[at] = p - first
         self.departing[at] = -side
         return self.branch[at]

@@ -233,8 +233,8 @@ class Laws(Signals):
         if self.run_last[p] > self.run_first[p]:
             p = self.place(p, x)
         at = p * PIECE
-        end = min(max(x, self.low[p]), self.high[p])
-        if x != end:
+        if x < self.low[p] or x > self.high[p]:
+            end = min(max(x, self.low[p]), self.high[p])
             s = x - end
             return self.potential(p, end) + s * (
                 self.law(p, end) + 0.5 * s * self.law_slope(p, end)
