@@ -232,10 +232,10 @@ def one_of(choices: Sequence[str] | Mapping[str, str], note: str = "") -> Kind:
     """
 
     def read(value: object) -> str:
-        if value not in choices:
+        if not isinstance(value, str) or value not in choices:
             near = nearest(value, choices) if isinstance(value, str) else ""
             raise ValueError(f"must be one of {', '.join(choices)}{near or note}")
-        return str(value)
+        return value
 
     if not isinstance(choices, Mapping):
         return Kind(read, {"type": "string", "enum": list(choices)})

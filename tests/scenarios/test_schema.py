@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.scene.fields import one_of
 from phaseplane.scenarios.scene.layers import KEYS, case_titles
 from phaseplane.scenarios.scene.loading import construction_settings, load_scene
 from phaseplane.scenarios.scene.names import case_names
@@ -386,3 +387,10 @@ def told(reference: str, *overrides: str) -> str:
 )  # fmt: skip
 def test_any_override_is_taken_or_refused_in_one_line(key: str, value: str) -> None:
     assert told("ap57", f"{key}={value}").isprintable()
+
+
+@pytest.mark.parametrize("value", [[], {}, 3, None])
+def test_what_is_no_text_is_none_of_the_choices(value: object) -> None:
+    kind = one_of({"delta": "by Jacobsen's delta", "tangent": "by tangents"})
+    with pytest.raises(ValueError, match="must be one of delta, tangent"):
+        kind.read(value)
