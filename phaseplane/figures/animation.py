@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import Sheet, figure_of, new_page
+from phaseplane.figures.canvas import Sheet, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
@@ -63,9 +63,9 @@ def animation(
     page = new_page(drawing, whole_view(drawing), look)
     page.axes_of_planes()
     page.curves()
-    figure = figure_of(page, look, title, typeset(drawing.title))
-    ticks = story_of(drawing, page, arms_page(drawing), {})
-    pictures = list(_pictures(figure, ticks, look))
+    sheet = Sheet(look)
+    sheet.made(page, title, typeset(drawing.title))
+    pictures = list(_pictures(sheet, story_of(drawing, page, arms_page(drawing), {})))
     pictures += pictures[-1:] * _HOLD
     with replace_file(target) as temporary:
         if program is not None and suffix == ".mp4":
@@ -128,15 +128,15 @@ def storyboard(
     return printed(whole, look)
 
 
-def _pictures(figure: Figure, ticks: Iterator[Tick], look: Look) -> Iterator[npt.NDArray[np.uint8]]:
+def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[npt.NDArray[np.uint8]]:
     """Yield each tick as an image: what stays is drawn once, the rest over a copy of it."""
-    sheet = Sheet.of(figure, look)
+    figure = sheet.figure
     figure.set_dpi(_DPI)
     canvas = cast(FigureCanvasAgg, figure.canvas)
     for legend in figure.legends:  # the caption takes its place
         legend.set_visible(False)
     caption = figure.text(
-        0.5, 0.28 / figure.get_figheight(), "", ha="center", va="center", color=look.palette.ink,
+        0.5, 0.28 / figure.get_figheight(), "", ha="center", va="center", color=sheet.palette.ink,
         fontsize=9.0,
     )  # fmt: skip
     canvas.draw()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
 from textwrap import wrap
 from typing import Any
 
@@ -13,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.style import HEADING, Look, new_figure, printed
+from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
 from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.page import TYPE, Arrow, Dots, Item, Lines, Page, Text
 from phaseplane.picture.paper import Box, vertices
@@ -86,12 +87,11 @@ class Sheet(Canvas):
         self._legend(legend, columns)
         printed(self.figure, self.look)
 
-    @classmethod
-    def of(cls, figure: Figure, look: Look) -> Sheet:
-        """Return the sheet of a figure that has been drawn on one."""
-        sheet = cls(look)
-        sheet.figure, sheet.axes = figure, figure.axes[0]
-        return sheet
+    def made(self, page: Page, title: str, words: str) -> Figure:
+        """Return the figure of a page, with a title and other words above it."""
+        page.title, page.words = title, words
+        self.begin(page)
+        return self.figure
 
     def place(self, view: Box, where: tuple[float, float, float, float]) -> None:
         """Draw in a part of the figure from now on: left, bottom, width and height as fractions."""
@@ -185,10 +185,17 @@ class Sheet(Canvas):
             )  # fmt: skip
 
 
-def figure_of(page: Page, look: Look, title: str, words: str) -> Figure:
-    """Return a page as a figure, with a title and other words above it."""
-    page.title, page.words = title, words
-    sheet = Sheet(look)
-    sheet.begin(page)
-    sheet.end()
-    return sheet.figure
+def as_figure(draw: Callable[..., tuple[Page, str]]) -> Callable[..., Figure]:
+    """Return a function that makes a figure of a page, with a title and the words that `draw` returns.
+
+    The title and the look of the figure are named arguments; by default there is no title.
+    """
+
+    @wraps(draw)
+    def figure(
+        drawing: Drawing, *args: Any, title: str = "", look: Look = PLAIN, **more: Any
+    ) -> Figure:
+        page, words = draw(drawing, *args, look=look, **more)
+        return Sheet(look).made(page, title, words)
+
+    return figure

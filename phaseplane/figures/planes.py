@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import ceil
 
-from matplotlib.figure import Figure
-
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import figure_of, new_page
-from phaseplane.figures.style import PLAIN, Look
+from phaseplane.figures.canvas import as_figure, new_page
+from phaseplane.figures.style import Look
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import Box
 from phaseplane.picture.text import format_time, typeset
@@ -19,9 +17,8 @@ from phaseplane.picture.views import frame_at, view_of
 _NUMBERED = 80  # points beyond those with auxiliary lines, at the most
 
 
-def phase_planes(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
+@as_figure
+def phase_planes(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw the phase planes to scale with the whole motion, and one step with all letters.
 
     The style is that of AP57's figure 7. Lift-off U and touchdown V are marked.
@@ -29,8 +26,6 @@ def phase_planes(
     Parameters
     ----------
     frame : index of the lettered step; default: one whose letters have room
-    title : written above, before the title of the drawing
-    look : how it is printed
 
     Raises
     ------
@@ -40,7 +35,7 @@ def phase_planes(
     page = step_page(drawing, chosen, look)
     page.events()
     page.letters(chosen)
-    return figure_of(page, look, title, f"{typeset(drawing.title)}\n{format_step(chosen)}")
+    return page, f"{typeset(drawing.title)}\n{format_step(chosen)}"
 
 
 def step_page(drawing: Drawing, frame: Frame, look: Look, beside: float = 0.0) -> Page:
@@ -66,14 +61,10 @@ def format_step(frame: Frame) -> str:
     return f"Step {frame.step} lettered, {format_time(frame.time)}"
 
 
+@as_figure
 def construction_sheet(
-    drawing: Drawing,
-    frames: Iterable[int] = range(20),
-    *,
-    through: bool = False,
-    title: str = "",
-    look: Look = PLAIN,
-) -> Figure:
+    drawing: Drawing, frames: Iterable[int] = range(20), *, through: bool = False, look: Look
+) -> tuple[Page, str]:
     """Draw the sheet after many steps, with all their auxiliary lines.
 
     The style is that of AP57's figure 13: state points are numbered, turn angles share a common arm,
@@ -83,8 +74,6 @@ def construction_sheet(
     ----------
     frames : indices of the steps drawn with all lines; indices beyond the end are ignored
     through : whether later points are also marked and numbered, or some of them if they are many
-    title : written above, before the title of the drawing
-    look : how it is printed
 
     Raises
     ------
@@ -111,4 +100,4 @@ def construction_sheet(
         words += f", {last + 1} to {end} along the curves"
     if apart > 1:
         words += f", one in {apart} numbered"
-    return figure_of(page, look, title, f"{typeset(drawing.title)}\n{words}")
+    return page, f"{typeset(drawing.title)}\n{words}"

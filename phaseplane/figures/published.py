@@ -1,8 +1,12 @@
-"""The figures of AP57, redrawn from a computed construction."""
+"""The figures of AP57 with planes, redrawn from a computed construction.
+
+A figure refuses, by ValueError, a construction or a step that does not have what it shows. By default
+it shows a step whose letters have room.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,7 +14,7 @@ from matplotlib.figure import Figure
 from phaseplane.constructions.construction import CONTACT, FLIGHT, LIFT_OFF, TOUCHDOWN
 from phaseplane.constructions.primitives import Curve, Drawing, Plane
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import figure_of, new_page
+from phaseplane.figures.canvas import as_figure, new_page
 from phaseplane.figures.histories import time_histories
 from phaseplane.figures.planes import construction_sheet, format_step, step_page
 from phaseplane.figures.style import PLAIN, Look
@@ -25,20 +29,10 @@ _NAME = 0.25  # room for the name of an axis beyond the motion, as a part of it
 _INERTIAL = (r"$\dfrac{l}{1 + \kappa_2}$", r"$\dfrac{\kappa_1\, l}{1 + \kappa_1}$")
 
 
-def figure7(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the construction is another, or the frame does not exist or is in flight.
-    """
-    _needs(drawing, "B2", "figure 7 shows two planes with elastic coupling", "ap57_figure13")
+@as_figure
+def figure7(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw one step in two planes with elastic coupling, with letters and dimensions (AP57 figure 7)."""
+    needs(drawing, "figure 7 shows two planes with elastic coupling", "ap57_figure13", letter="B2")
     chosen = frame_at(drawing, frame)
     if chosen.scheme != CONTACT:
         raise ValueError(
@@ -46,26 +40,14 @@ def figure7(
         )
     lengths = [("A2*", "B2", r"$b\,h_2/c_2$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    return figure_of(page, look, title, f"Elastic coupling: {format_step(chosen).lower()}")
+    return page, f"Elastic coupling: {format_step(chosen).lower()}"
 
 
-def figure10(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the construction is another or never lifts off, or the frame does not exist or
-        is in contact.
-    """
-    _needs(drawing, "B2", "figure 10 shows two planes with elastic coupling", "ap57")
-    flights = [f for f in drawing.frames if f.scheme == FLIGHT]
-    if not flights:
+@as_figure
+def figure10(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw one step with the wheel off the road, with letters and dimensions (AP57 figure 10)."""
+    needs(drawing, "figure 10 shows two planes with elastic coupling", "ap57", letter="B2")
+    if FLIGHT not in drawing.frames.schemes:
         raise ValueError(
             "figure 10 shows the wheel off the road; in this motion it never leaves the road"
         )
@@ -76,44 +58,30 @@ def figure10(
         )
     lengths = [("Q2", "B0", r"$b\,x_{2st}$"), ("A1*", "D1", r"$a\,Mg/c_1$")]
     page = _dimensioned(drawing, chosen, _ELASTIC, lengths, look)
-    return figure_of(page, look, title, f"The wheel off the road: {format_step(chosen).lower()}")
+    return page, f"The wheel off the road: {format_step(chosen).lower()}"
 
 
-def figure12(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw one step in two planes with inertial coupling, with letters and dimensions (AP57 fig. 12).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the construction is another, or the frame does not exist.
-    """
-    _needs(
-        drawing, "H1", "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
-    )
+@as_figure
+def figure12(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw one step in two planes with inertial coupling, with letters and dimensions (AP57 fig. 12)."""
+    shown, scene = "figure 12 shows two planes with inertial coupling", "half_car_rigid_tyres"
+    needs(drawing, shown, scene, letter="H1")
     chosen = frame_at(drawing, frame)
     one, two = (plane.displacement.scale for plane in drawing.planes)
     formulas = _INERTIAL if one == two else ("", "")
     lengths = [(f"D{n}", f"H{n}", rf"$a\,\ddot{{\xi}}_{n}/\Omega_{n}^2$") for n in "12"]
     page = _dimensioned(drawing, chosen, formulas, lengths, look)
-    return figure_of(page, look, title, f"Inertial coupling: {format_step(chosen).lower()}")
+    return page, f"Inertial coupling: {format_step(chosen).lower()}"
 
 
-def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+@as_figure
+def figure9(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
     """Draw lift-off U and touchdown V (AP57 figure 9).
 
     The length of B2Q2 is b x2st in U and, with contact by force, in V (AP57 eq. 28). With contact by
     gap the unloaded tyre meets the road in V, x2 - xi = x2st.
-
-    Raises
-    ------
-    ValueError : if the construction is another or never lifts off.
     """
-    _needs(drawing, "B2", "figure 9 shows two planes with elastic coupling", "ap57")
+    needs(drawing, "figure 9 shows two planes with elastic coupling", "ap57", letter="B2")
     frames = {frame.event: frame for frame in reversed(drawing.frames) if frame.event}
     if LIFT_OFF not in frames:
         raise ValueError(
@@ -162,7 +130,7 @@ def figure9(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
     times = ", ".join(
         f"{letter} at {1e3 * f.time:.4g} ms" for letter, f in zip("UV", shown, strict=False)
     )
-    return figure_of(page, look, title, f"Lift-off U and touchdown V: {times}")
+    return page, f"Lift-off U and touchdown V: {times}"
 
 
 def _has_closed(frame: Frame, b0: complex) -> bool:
@@ -176,40 +144,34 @@ def figure13(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure
     return construction_sheet(drawing, range(20), through=True, title=title, look=look)
 
 
-def figure14(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw displacements of body, wheel, suspension, road read off the planes (AP57 figure 14)."""
-    return _history(drawing, ("_displacement", "_deflection", "_elevation"), title, look)
+def _history(number: int, what: str, *endings: str) -> Callable[..., Figure]:
+    """Return a function that draws readings over time, with every point of a construction marked."""
+
+    def figure(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
+        frames = drawing.instants
+        names = [
+            n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")
+        ]
+        columns = {
+            "time": [f.time for f in frames],
+            **{name: [f.readings[name] for f in frames] for name in names},
+        }
+        if any(f.event == LIFT_OFF for f in frames):
+            columns["airborne"] = [float(f.scheme.startswith(FLIGHT)) for f in frames]
+        words = f"Read off the planes: {drawing.title}"
+        heading = f"{title}\n{words}" if title else words
+        return time_histories(columns, title=heading, look=look, points=True)
+
+    figure.__doc__ = f"Draw {what}, read off the planes (AP57 figure {number})."
+    return figure
 
 
-def figure15(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw velocities of body, wheel and suspension read off the planes (AP57 figure 15)."""
-    return _history(drawing, ("_velocity", "_deflection_rate"), title, look)
-
-
-def figure16(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw accelerations of body, wheel and suspension read off the planes (AP57 figure 16)."""
-    return _history(drawing, ("_acceleration",), title, look)
-
-
-def _history(drawing: Drawing, endings: tuple[str, ...], title: str, look: Look) -> Figure:
-    """Draw readings over time, with every point of the construction marked.
-
-    Raises
-    ------
-    ValueError : if the construction has no motions of a body on a suspension.
-    """
-    frames = drawing.instants
-    names = [n for n in frames[0].readings if n.endswith(endings) and not n.startswith("control")]
-    columns = {
-        "time": [f.time for f in frames],
-        **{name: [f.readings[name] for f in frames] for name in names},
-    }
-    if any(f.event == LIFT_OFF for f in frames):
-        columns["airborne"] = [float(f.scheme.startswith(FLIGHT)) for f in frames]
-    words = f"Read off the planes: {drawing.title}"
-    return time_histories(
-        columns, title=f"{title}\n{words}" if title else words, look=look, points=True
-    )
+figure14 = _history(
+    14, "displacements of body, wheel, suspension and road",
+    "_displacement", "_deflection", "_elevation",
+)  # fmt: skip
+figure15 = _history(15, "velocities of body, wheel and suspension", "_velocity", "_deflection_rate")
+figure16 = _history(16, "accelerations of body, wheel and suspension", "_acceleration")
 
 
 def _dimensioned(
@@ -261,8 +223,17 @@ def _is_in(plane: Plane, curve: Curve) -> bool:
     return min(start.imag, end.imag) < origin.imag < max(start.imag, end.imag)
 
 
-def _needs(drawing: Drawing, letter: str, shown: str, scene: str) -> None:
-    """Raise ValueError unless some scheme of the construction has a letter."""
-    schemes = drawing.schemes.values()
-    if not any(mark.point == letter for scheme in schemes for mark in scheme.marks):
+def needs(
+    drawing: Drawing,
+    shown: str,
+    scene: str,
+    *,
+    planes: int = 0,
+    letter: str = "",
+    without: str = "",
+) -> None:
+    """Raise ValueError unless a construction has so many planes, one letter and not another."""
+    letters = {mark.point for scheme in drawing.schemes.values() for mark in scheme.marks}
+    fits = planes in (0, len(drawing.planes)) and (not letter or letter in letters)
+    if not fits or without in letters:
         raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")

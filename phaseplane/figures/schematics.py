@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import figure_of, new_page
-from phaseplane.figures.style import PLAIN, Look
+from phaseplane.figures.canvas import as_figure, new_page
+from phaseplane.figures.published import needs
+from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page, Text
 from phaseplane.picture.paper import Box
@@ -21,50 +21,34 @@ _AXLE = 0.035  # half width of an axle
 _STRUT, _TYRE, _ROAD = 0.075, 0.055, 0.0  # heights of strut and tyre, and level of the road
 
 
-def figure1(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw the car as a half car on two axles with tyres, of four degrees of freedom (AP57 figure 1).
-
-    Raises
-    ------
-    ValueError : if the construction is that of another car.
-    """
-    _needs(drawing, 4, "figure 1 shows a half car with tyres", "half_car_pitch")
+@as_figure
+def figure1(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
+    """Draw the car as a half car on two axles with tyres, of four degrees of freedom (AP57 figure 1)."""
+    needs(drawing, "figure 1 shows a half car with tyres", "half_car_pitch", planes=4)
     page = _system(drawing, look, ("1", "2"), wheels=True)
-    return _finish(page, look, title, "Half car: body, two axles and their tyres")
+    return page, "Half car: body, two axles and their tyres"
 
 
-def figure6(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw the quarter car with elastic coupling, of two degrees of freedom (AP57 figure 6).
-
-    Raises
-    ------
-    ValueError : if the construction is that of another car.
-    """
-    _needs(drawing, 2, "figure 6 shows a quarter car", "ap57", letter="A2*", without="H1")
+@as_figure
+def figure6(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
+    """Draw the quarter car with elastic coupling, of two degrees of freedom (AP57 figure 6)."""
+    needs(drawing, "figure 6 shows a quarter car", "ap57", planes=2, letter="A2*", without="H1")
     page = _system(drawing, look, ("",), wheels=True)
-    return _finish(page, look, title, "Quarter car: elastic coupling of body and axle")
+    return page, "Quarter car: elastic coupling of body and axle"
 
 
-def figure11(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw the half car on rigid tyres with inertial coupling (AP57 figure 11).
-
-    Raises
-    ------
-    ValueError : if the construction is that of another car.
-    """
-    scene = "half_car_rigid_tyres"
-    _needs(drawing, 2, "figure 11 shows a half car on rigid tyres", scene, letter="H1")
+@as_figure
+def figure11(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
+    """Draw the half car on rigid tyres with inertial coupling (AP57 figure 11)."""
+    shown, scene = "figure 11 shows a half car on rigid tyres", "half_car_rigid_tyres"
+    needs(drawing, shown, scene, planes=2, letter="H1")
     page = _system(drawing, look, ("1", "2"), wheels=False)
-    return _finish(page, look, title, "Half car on rigid tyres: inertial coupling of its ends")
+    return page, "Half car on rigid tyres: inertial coupling of its ends"
 
 
-def figure5(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
-    """Draw the obstacle of three sections of constant acceleration (AP57 figure 5, eqs. 9 and 10).
-
-    Raises
-    ------
-    ValueError : if the road of the construction is another.
-    """
+@as_figure
+def figure5(drawing: Drawing, *, look: Look) -> tuple[Page, str]:
+    """Draw the obstacle of three sections of constant acceleration (AP57 figure 5, eqs. 9 and 10)."""
     times = np.array([frame.time for frame in drawing.instants])
     read = [frame.readings.get("road_elevation", 0.0) for frame in drawing.instants]
     height = np.array(read)
@@ -84,8 +68,8 @@ def figure5(drawing: Drawing, *, title: str = "", look: Look = PLAIN) -> Figure:
             "figure 5 shows the obstacle of constant acceleration, which the road of "
             f"{drawing.title!r} is not; try the scene ap57_obstacle"
         )
-    return _finish(_obstacle_page(drawing, look), look, title,
-                   "Obstacle of three sections of constant acceleration, z = 16 a/T²")  # fmt: skip
+    words = "Obstacle of three sections of constant acceleration, z = 16 a/T²"
+    return _obstacle_page(drawing, look), words
 
 
 def _obstacle(part: np.ndarray) -> np.ndarray:
@@ -95,26 +79,26 @@ def _obstacle(part: np.ndarray) -> np.ndarray:
     return np.where(s < 0.25, rise, np.where(s <= 0.75, top, 8.0 * (1.0 - s) ** 2))
 
 
+def _page(drawing: Drawing, view: Box, look: Look) -> Page:
+    """Return an empty page without a legend."""
+    page = new_page(drawing, view, look)
+    page.keyed = False
+    return page
+
+
 def _obstacle_page(drawing: Drawing, look: Look) -> Page:
     width, height, below = 0.24, 0.07, 0.09
-    page = new_page(drawing, Box(complex(0.12, -0.028), 0.16 + 0.125j), look)
+    page = _page(drawing, Box(complex(0.12, -0.028), 0.16 + 0.125j), look)
     part = np.linspace(0.0, 1.0, 201)
     page.arrow("axis", -0.02 + 0j, 0.275 + 0j)
     page.arrow("axis", -0.0j, 0.085j)
     page.lines("excitation", [width * part + 1j * height * _obstacle(part)])
     page.arrow("axis", complex(-0.02, -below), complex(0.275, -below))
     z = 0.03
-    stairs = [
-        (0.0, 0.0),
-        (0.0, z),
-        (0.25, z),
-        (0.25, -z),
-        (0.75, -z),
-        (0.75, z),
-        (1.0, z),
-        (1.0, 0.0),
-    ]
-    page.lines("normal", [[complex(width * x, y - below) for x, y in stairs]])
+    corners = (0.0, 0.0, 0.25, 0.25, 0.75, 0.75, 1.0, 1.0)
+    heights = (0.0, z, z, -z, -z, z, z, 0.0)
+    stairs = [complex(width * x, y - below) for x, y in zip(corners, heights, strict=True)]
+    page.lines("normal", [stairs])
     for x in (0.25, 0.5, 0.75, 1.0):
         page.lines("foot", [[complex(width * x, 0.0), complex(width * x, -below)]])
     _say(page, 0.289 + 0j, "t, x")
@@ -140,7 +124,7 @@ def _system(drawing: Drawing, look: Look, axles: Sequence[str], *, wheels: bool)
     places = [apart * k for k in range(len(axles))]
     floor = _STRUT + (_TYRE + 0.02 if wheels else 0.012)
     half = complex(0.5 * places[-1] + 0.09, 0.5 * floor + 0.052)
-    page = new_page(drawing, Box(complex(0.5 * places[-1], 0.5 * floor + 0.022), half), look)
+    page = _page(drawing, Box(complex(0.5 * places[-1], 0.5 * floor + 0.022), half), look)
     _block(page, complex(places[0] - 0.05, floor), complex(places[-1] + 0.05, floor + 0.03))
     several = len(axles) > 1
     middle = complex(0.5 * places[-1], floor + 0.015)
@@ -208,30 +192,9 @@ def _ground(page: Page, x: float, level: float) -> None:
 def _coordinate(page: Page, foot: complex, label: str) -> None:
     page.lines("axis", [[foot - 0.006, foot + 0.006]])
     page.arrow("axis", foot, foot + 0.022j)
-    _say(
-        page,
-        foot + complex(0.014, 0.012),
-        typeset(label) if label[:2] != "xi" else "ξ" + _low(label),
-    )
-
-
-def _low(label: str) -> str:
-    return typeset("x" + label[2:])[1:]
+    letter, index = ("ξ", label[2:]) if label.startswith("xi") else ("x", label[1:])
+    _say(page, foot + complex(0.014, 0.012), letter + typeset(f"x{index}")[1:])
 
 
 def _say(page: Page, centre: complex, text: str) -> None:
     page.write_if_free(Text("axis", text, centre, 1.5))
-
-
-def _finish(page: Page, look: Look, title: str, words: str) -> Figure:
-    page.keyed = False
-    return figure_of(page, look, title, words)
-
-
-def _needs(
-    drawing: Drawing, planes: int, shown: str, scene: str, letter: str = "", without: str = ""
-) -> None:
-    """Raise ValueError unless a construction has so many planes, one letter and not another."""
-    letters = {m.point for scheme in drawing.schemes.values() for m in scheme.marks}
-    if len(drawing.planes) != planes or (letter and letter not in letters) or without in letters:
-        raise ValueError(f"{shown}, which {drawing.title!r} is not; try the scene {scene}")

@@ -1,17 +1,17 @@
-"""Single steps: AP57's figures 2, 3, 4a, 4b and 8, redrawn."""
+"""Single steps: AP57's figures 2, 3, 4a, 4b and 8, redrawn as those in `published`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.storage import Frame
-from phaseplane.figures.canvas import figure_of, new_page
+from phaseplane.figures.canvas import as_figure, new_page
 from phaseplane.figures.planes import step_page
-from phaseplane.figures.style import PLAIN, Look
+from phaseplane.figures.published import needs
+from phaseplane.figures.style import Look
 from phaseplane.picture import dimensions
 from phaseplane.picture.page import Page
 from phaseplane.picture.paper import arcs, around, bounds
@@ -33,19 +33,9 @@ _PREDICTED: tuple[Named, ...] = (
 _CENTRE: tuple[Named, ...] = (("S{n}", "S{n}", "construction"),)
 
 
-def figure4a(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the rule is not `mean_normal`, or the frame does not exist.
-    """
+@as_figure
+def figure4a(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw P' on the tangent, at a distance given by the mean of both normals (AP57 figure 4a)."""
     letters = (*_STEP, *_PREDICTED)
     _needs(drawing, "figure 4a", "mean_normal")
     one, plane = _clearest(drawing, letters, frame)
@@ -55,22 +45,12 @@ def figure4a(
     page.lines("successor", [[p, p_new]])
     _finish(page, one, plane, letters)
     words = "The length of PP' is the mean of both normals times the turn angle"
-    return figure_of(page, look, title, f"{words}: {_which(one)}")
+    return page, f"{words}: {_which(one)}"
 
 
-def figure4b(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the rule is not `osculating_circle`, or the frame does not exist.
-    """
+@as_figure
+def figure4b(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw P' on the osculating circle about S, at the turn angle seen from D (AP57 figure 4b)."""
     letters = (*_STEP, *_PREDICTED, *_CENTRE)
     _needs(drawing, "figure 4b", "osculating_circle")
     one, plane = _clearest(drawing, letters, frame)
@@ -80,22 +60,12 @@ def figure4b(
     page.lines("foot", [[centre, p], [centre, ahead]])
     page.lines("arc", [arcs(centre, p, p_new)])
     _finish(page, one, plane, letters)
-    return figure_of(page, look, title, f"P' on the osculating circle about S: {_which(one)}")
+    return page, f"P' on the osculating circle about S: {_which(one)}"
 
 
-def figure8(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw the normals turned, each in the sense of its plane (AP57 figure 8).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the rule is not `tangent`, there is one plane only, or the frame does not exist.
-    """
+@as_figure
+def figure8(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw the normals turned, each in the sense of its plane (AP57 figure 8)."""
     if len(drawing.planes) < 2:
         raise ValueError(f"figure 8 needs at least two planes; {drawing.title!r} has one")
     _needs(drawing, "figure 8", "tangent")
@@ -116,7 +86,7 @@ def figure8(
         _turn(page, one, plane, p, d)
         letters += _lettered(page, one, plane, _STEP)
     page.letter(letters)
-    return figure_of(page, look, title, f"The normals turn in opposite senses: {_which(one)}")
+    return page, f"The normals turn in opposite senses: {_which(one)}"
 
 
 def _which(frame: Frame) -> str:
@@ -192,24 +162,10 @@ def _lettered(
     return letters
 
 
-def figure2(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
-    """Draw one step in a single plane, from P over A to D, with the excitation (AP57 figure 2).
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if there are several planes, or the frame does not exist.
-    """
-    if len(drawing.planes) != 1:
-        raise ValueError(
-            f"figure 2 shows one plane; {drawing.title!r} has {len(drawing.planes)}; "
-            "try the scene ap57_obstacle"
-        )
+@as_figure
+def figure2(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
+    """Draw one step in a single plane, from P over A to D, with the excitation (AP57 figure 2)."""
+    needs(drawing, "figure 2 shows one plane", "ap57_obstacle", planes=1)
     chosen = frame_at(drawing, frame)
     page = step_page(drawing, chosen, look)
     foot, d = chosen.points.get("A*"), chosen.points["D"]
@@ -220,23 +176,14 @@ def figure2(
     ):
         dimensions.below(page, foot, d, r"$a\,\ddot{\xi}/\Omega^2$", 2.4)
     page.letters(chosen)
-    return figure_of(page, look, title, f"The normal DP in the phase plane: {_which(chosen)}")
+    return page, f"The normal DP in the phase plane: {_which(chosen)}"
 
 
-def figure3(
-    drawing: Drawing, frame: int | None = None, *, title: str = "", look: Look = PLAIN
-) -> Figure:
+@as_figure
+def figure3(drawing: Drawing, frame: int | None = None, *, look: Look) -> tuple[Page, str]:
     """Draw the element of an integral curve: dy, dy-bar and ds in the turn dtau (AP57 figure 3, eq. 8).
 
     The triangle of dy = QP dtau and dy-bar = QD dtau is similar to the triangle QPD.
-
-    Parameters
-    ----------
-    frame : index of the step; default: one whose letters have room
-
-    Raises
-    ------
-    ValueError : if the rule is not `tangent`, or the frame does not exist.
     """
     letters = (*_STEP, ("Q{n}", "Q{n}", "foot"))
     _needs(drawing, "figure 3", "tangent")
@@ -261,4 +208,4 @@ def figure3(
     _turn(page, one, plane, p, d)
     dimensions.right_angle(page, p, d - p, p_new - p)
     page.letter([*_lettered(page, one, plane, letters), *small])
-    return figure_of(page, look, title, f"ds = DP dτ on the tangent: {_which(one)}")
+    return page, f"ds = DP dτ on the tangent: {_which(one)}"

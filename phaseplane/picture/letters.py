@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,9 +24,8 @@ _GAPS = np.repeat(_RINGS, _ANGLES)
 _DIRECTIONS = np.tile(np.exp(1j * (np.arange(_ANGLES) + 0.5) * 2 * pi / _ANGLES), len(_RINGS))
 
 
-@dataclass(frozen=True, slots=True)
-class Placed:
-    """Centres of letters, whether each is led and free of others, shape (frames, letters)."""
+class Placed(NamedTuple):
+    """The centres of letters, whether each is led, and whether it is free of others."""
 
     centres: Points
     led: npt.NDArray[np.bool_]
@@ -56,23 +55,22 @@ def place(
 
     Parameters
     ----------
-    points : of the letters in each frame, shape (frames, letters)
-    texts : of the letters
+    points, texts : of the letters
     em : size of the type in units of the sheet
     view : the visible part of the sheet; letters stay inside
-    segments : ends of the lines that letters must avoid, shape (segments, 2); with several frames, none
+    segments : ends of the lines that letters must avoid, shape (segments, 2)
     taken : boxes of texts that are already there
     """
     count = len(texts)
     halves = np.array([text_box(0j, text, em).half for text in texts], complex)
     fixed = Boxes.of(taken)
-    boxes = np.zeros((len(points), count), complex)
-    led, free = np.zeros(boxes.shape, bool), np.ones(boxes.shape, bool)
-    near = (abs(points[:, :, None] - points[:, None, :]) < 2.5 * em).sum(axis=(0, 2))
+    boxes = np.zeros(count, complex)
+    led, free = np.zeros(count, bool), np.ones(count, bool)
+    near = (abs(points[:, None] - points) < 2.5 * em).sum(axis=1)
     order = np.argsort(-near, kind="stable")
     dots = np.array(0.15 * em * (1 + 1j))
     for done, i in enumerate(order):
-        at, size = points[:, i, None], halves[i]
+        at, size = complex(points[i]), halves[i]
         # the gap is that between the point and the nearest edge of the letter
         reach = np.minimum(
             size.real / np.maximum(abs(_DIRECTIONS.real), 1e-9),
@@ -80,27 +78,25 @@ def place(
         )
         away = (reach + (_GAPS - 0.5) * em) * _DIRECTIONS
         centres = at + away
-        mine = Boxes(centres[:, :, None], size)
+        mine = Boxes(centres[:, None], size)
         before = order[:done]
-        over = mine.overlap(Boxes(boxes[:, None, before], halves[before])).sum(axis=2)
-        over = over + mine.overlap(fixed).sum(axis=2) if len(taken) else over
+        over = mine.overlap(Boxes(boxes[before], halves[before])).sum(axis=1)
+        over = over + mine.overlap(fixed).sum(axis=1) if len(taken) else over
         cost = (
             0.7 * _GAPS
             + 100.0 * (over > 0.0)
             + 40.0 * over / em**2
-            + 4.0 * (mine.overlap(Boxes(points[:, None, :], dots)) > 0.0).sum(axis=2)
-            + 2.0 * (abs(points[:, None, :] - centres[:, :, None]) < abs(away)[:, None]).sum(axis=2)
+            + 4.0 * (mine.overlap(Boxes(points, dots)) > 0.0).sum(axis=1)
+            + 2.0 * (abs(points - centres[:, None]) < abs(away)[:, None]).sum(axis=1)
             + 200.0 * ~Boxes(centres, size).within(view)
             + 6.0 * (_GAPS > NEAR)
         )
-        best = cost.argmin(axis=1)
+        best = int(cost.argmin())
         if len(segments):
-            close = segments[_about(at[0, 0], _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
+            close = segments[_about(at, _RINGS[-1] * em * (1 + 1j) + 2.0 * size, segments)]
             close = close[:: max(1, len(close) // _MOST_CLOSE)]
-            best[0] = _least_crossed(cost[0], Boxes(centres[0, :, None], size), close, em)
-        boxes[:, i] = centres[np.arange(len(points)), best]
-        led[:, i] = _GAPS[best] > NEAR
-        free[:, i] = over[np.arange(len(points)), best] == 0.0
+            best = _least_crossed(cost, mine, close, em)
+        boxes[i], led[i], free[i] = centres[best], _GAPS[best] > NEAR, over[best] == 0.0
     return Placed(boxes, led, free)
 
 

@@ -326,11 +326,9 @@ class Page:
             return
         em = size * self.em
         segments = self.segments if lines else np.zeros((0, 2), complex)
-        points = np.array([[z for z, *_ in named]])
+        points = np.array([z for z, *_ in named])
         placed = place(points, [t for _, t, _ in named], em, self.view, segments, self.taken)
-        for (z, text, role), centre, led, free in zip(
-            named, placed.centres[0], placed.led[0], placed.free[0], strict=True
-        ):
+        for (z, text, role), centre, led, free in zip(named, *placed, strict=True):
             if free:  # better no letter than two on one another
                 self.put(Text(role, text, complex(centre), size, "letter", z, bool(led)))
 

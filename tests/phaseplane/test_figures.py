@@ -28,7 +28,6 @@ from phaseplane.constructions import (
 from phaseplane.figures import construction_sheet, phase_planes, save, time_histories
 from phaseplane.figures.histories import airborne_spans
 from phaseplane.figures.style import Look
-from phaseplane.picture.letters import place, text_box
 from phaseplane.picture.paper import Box, Boxes
 from phaseplane.picture.text import is_letter, typeset
 from phaseplane.picture.views import telling_frame
@@ -401,18 +400,6 @@ def test_every_character_of_the_letters_is_in_the_font():
     known = ft2font.FT2Font(findfont(FontProperties(style="italic"))).get_charmap()
     labels = ("Dm0123456789", "P1'*", "y1'/Ω1", "x1'/Ω1", "dtau1")
     assert {ord(c) for label in labels for c in typeset(label)} <= known.keys()
-
-
-def test_letters_avoid_each_other_and_stay_in_view():
-    view = Box(0j, 1 + 1j)
-    letters = [(0.95 + 0.95j, "AA"), (0.93 + 0.95j, "BB"), (0.9 + 0.9j, "CC")]
-    points, texts = np.array([[z for z, _ in letters]]), [text for _, text in letters]
-    centres = place(points, texts, 0.05, view, np.zeros((0, 2), complex)).centres[0]
-    boxes = [text_box(c, text, 0.05) for c, (_, text) in zip(centres, letters, strict=True)]
-    assert all(one.overlap(other) == 0.0 for one, other in combinations(boxes, 2))
-    assert all(view.contains(box) for box in boxes)
-    for (point, _), centre in zip(letters, centres, strict=True):
-        assert abs(point - centre) < 0.25
 
 
 def test_length_of_a_line_in_a_box():

@@ -97,18 +97,19 @@ def test_arcs_are_the_shorter_ones(radius: float, start: float, turn: float, far
     places=st.lists(st.complex_numbers(max_magnitude=0.9), min_size=1, max_size=12),
     clusters=st.booleans(),
 )
-def test_letters_do_not_overlap_and_are_near_or_led(
+def test_letters_do_not_overlap_stay_in_view_and_are_near_or_led(
     *, places: list[complex], clusters: bool
 ) -> None:
-    points = np.array([places]) * (1e-3 if clusters else 1.0)
+    points = np.array(places) * (1e-3 if clusters else 1.0)
     texts = [f"A{i}" for i in range(len(places))]
     em, view = 0.04, Box(0j, 1 + 1j)
     made = place(points, texts, em, view, np.zeros((0, 2), complex))
-    boxes = [text_box(c, t, em) for c, t in zip(made.centres[0], texts, strict=True)]
-    shown = [box for box, free in zip(boxes, made.free[0], strict=True) if free]
+    boxes = [text_box(c, t, em) for c, t in zip(made.centres, texts, strict=True)]
+    shown = [box for box, free in zip(boxes, made.free, strict=True) if free]
     assert all(one.overlap(other) == 0.0 for one, other in combinations(shown, 2))
     assert made.free.all()
-    for point, box, led in zip(points[0], boxes, made.led[0], strict=True):
+    assert all(view.contains(box) for box in boxes)
+    for point, box, led in zip(points, boxes, made.led, strict=True):
         assert led or abs(box.nearest(point) - point) <= NEAR * em
 
 
