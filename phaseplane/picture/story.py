@@ -18,7 +18,7 @@ from .paper import Box, around, table
 from .quantities import Quantity
 from .styles import MOVING_POINT
 from .text import (
-    event_texts,
+    event_text,
     format_time,
     markdown,
     protocol,
@@ -98,7 +98,7 @@ def story_of(
         for event in events_of(frame, drawing.planes):
             page = _page(stays, index)
             page.events(index + 1)
-            happened = event_texts(event)[1]
+            happened = event_text(event)
             said = f"{step_head(drawing, frame)}\n\n# {markdown(happened)}"
             caption = f"{format_time(frame.time)}: {happened}"
             yield Tick(page, arms.following(), said, caption, index, frame.time)

@@ -31,10 +31,10 @@ _SYMBOL = re.compile(
     r"(m?\d+|m(?=\b))?(st\b)?('{1,2})?(?:(?<=\d)|(?![A-Za-z']))(\^2)?"
 )
 _EVENTS = {
-    "lift_off": ("U {}lift-off", "The {}wheel leaves the road (U)."),
-    "touchdown": ("V {}touchdown", "The {}wheel touches down (V)."),
-    "sticking": ("F {}sticking", "Dry friction holds the {}suspension (F)."),
-    "jolt": ("jump of the road", "The road jumps, and so do the state points."),
+    "lift_off": "The {}wheel leaves the road (U).",
+    "touchdown": "The {}wheel touches down (V).",
+    "sticking": "Dry friction holds the {}suspension (F).",
+    "jolt": "The road jumps, and so do the state points.",
 }
 LETTER_OF_EVENT = {"lift_off": "U", "touchdown": "V", "jolt": "J", "sticking": "F"}
 
@@ -113,13 +113,9 @@ def format_time(time: float) -> str:
     return f"t = {time:.4g} s" if time >= 1.0 else f"t = {1e3 * time:.4g} ms"
 
 
-def event_texts(event: Event) -> tuple[str, str]:
-    """Return the lettering of an event, and its description."""
-    if event.kind not in _EVENTS:
-        return in_words(event.name), in_words(event.name)
-    mark, sentence = _EVENTS[event.kind]
-    axle = in_words(event.axle)
-    return mark.format(axle), sentence.format(axle)
+def event_text(event: Event) -> str:
+    """Return what happens in an event, as a sentence if its kind is known."""
+    return _EVENTS.get(event.kind, in_words(event.name)).format(in_words(event.axle))
 
 
 def markdown(text: str) -> str:
@@ -154,7 +150,7 @@ def _table_form(
 
 def step_head(drawing: Drawing, frame: Frame) -> str:
     """Return number, mode, time and events of a step, in Markdown."""
-    events = " ".join(event_texts(event)[1] for event in events_of(frame, drawing.planes))
+    events = " ".join(event_text(event) for event in events_of(frame, drawing.planes))
     mode = f", {_row(frame.scheme)}" if len(drawing.schemes) > 1 else ""
     return (
         f"**Step {frame.step} of {len(drawing.frames)}{mode}**: "

@@ -44,18 +44,10 @@ class Viewer(Canvas):
     ----------
     recording : to which it is logged
     root : path of its entities
-    columns : returns the time columns of the steps with some numbers, for `curve`
     """
 
-    def __init__(
-        self,
-        recording: rr.RecordingStream,
-        root: str,
-        columns: Callable[[Integers], Sequence[rr.TimeColumn]],
-    ) -> None:
-        self.recording = recording
-        self.root = root
-        self.columns = columns
+    def __init__(self, recording: rr.RecordingStream, root: str) -> None:
+        self.recording, self.root = recording, root
         self._ticks: list[Page] = []
         self._begun: set[str] = set()
         self._held: dict[str, tuple[int, Points]] = {}  # the block under way of each curve
@@ -69,7 +61,10 @@ class Viewer(Canvas):
         """Store the next tick of the timeline `stage`; `end` logs all of them at once, to save time."""
         self._ticks.append(page)
 
-    def curve(self, name: str, role: str, ways: Points, first: int) -> None:
+    def curve(
+        self, name: str, role: str, ways: Points, first: int,
+        columns: Callable[[Integers], Sequence[rr.TimeColumn]],
+    ) -> None:  # fmt: skip
         """Log more of a growing curve: each step as a row, and finished blocks of steps as one row each.
 
         Parameters
@@ -77,6 +72,7 @@ class Viewer(Canvas):
         name : of the curve, such as that of its plane
         ways : of some steps, shape (steps, vertices)
         first : number of the first of these steps
+        columns : returns the time columns of the steps with some numbers
         """
         path = f"{self.root}/{role}/{name}"
         if path not in self._begun:
@@ -87,7 +83,7 @@ class Viewer(Canvas):
             return
         rows = first + 1 + np.arange(len(ways))
         self.recording.send_columns(
-            f"{path}/recent", self.columns(rows), rr.LineStrips2D.columns(strips=strips(ways))
+            f"{path}/recent", columns(rows), rr.LineStrips2D.columns(strips=strips(ways))
         )
         start, held = self._held.get(path, (first, ways[:0]))
         if held.shape[1:] != ways.shape[1:]:
@@ -99,7 +95,7 @@ class Viewer(Canvas):
             blocks = held[: whole * BLOCK].reshape(whole, -1)
             ends = start + BLOCK * (1 + np.arange(whole))
             self.recording.send_columns(
-                f"{path}/past", self.columns(ends), rr.LineStrips2D.columns(strips=strips(blocks))
+                f"{path}/past", columns(ends), rr.LineStrips2D.columns(strips=strips(blocks))
             )
         self._held[path] = start + whole * BLOCK, held[whole * BLOCK :]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from hashlib import blake2b
 from typing import Literal, get_args
 
@@ -62,10 +62,6 @@ class Content:
     def constructed(self) -> Drawing | None:
         """The drawing, if its planes are shown."""
         return self.drawing if self.shows("planes") else None
-
-    def with_histories(self, histories: Mapping[str, npt.ArrayLike]) -> Content:
-        """Return the content with some rows of its columns."""
-        return replace(self, histories=histories)
 
     def check(self) -> None:
         """Check that the content can be recorded.

@@ -1,6 +1,7 @@
 """The process that draws a run live; its failure does not affect the run.
 
-It reads pickled orders from its standard input and answers each with a byte. `live` starts it.
+It reads pickled orders from its standard input, `Begin`, then some rows of the run at a time, then the
+content of the whole run, and answers each with a byte. `live` starts it.
 """
 
 from __future__ import annotations
@@ -36,20 +37,6 @@ class Begin:
     path: str
 
 
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """Some rows of the run."""
-
-    columns: dict[str, Reals]
-
-
-@dataclass(frozen=True, slots=True)
-class Complete:
-    """The whole run."""
-
-    content: Content
-
-
 class Drawer:
     """Draws the rows that it receives, and the steps of the construction that they have passed."""
 
@@ -70,16 +57,16 @@ class Drawer:
         self.reach: dict[str, Reals] = {}
         self.steps = 0  # of the construction that are drawn
 
-    def take(self, rows: Rows) -> None:
-        """Draw more rows."""
+    def take(self, rows: dict[str, Reals]) -> None:
+        """Draw more rows of the run."""
         if self.shown:
             self._unless_filed(self._go_on, rows)
 
-    def _go_on(self, rows: Rows) -> None:
+    def _go_on(self, rows: dict[str, Reals]) -> None:
         """Continue drawing from the last row before these."""
         columns = {
             name: np.concatenate([self.last.get(name, column[:0]), column])
-            for name, column in rows.columns.items()
+            for name, column in rows.items()
             if name in self.order.content.histories
         }
         self.last = {name: column[-1:] for name, column in columns.items()}
@@ -123,12 +110,12 @@ class Drawer:
         if grown:
             self.recorder.redraw(self.reach)
 
-    def complete(self, order: Complete) -> None:
-        """Draw the rest of the construction and its story, and rewrite the file."""
+    def complete(self, whole: Content) -> None:
+        """Draw the rest of the construction and its story, and rewrite the file of the whole run."""
         if self.order.url and self.shown:
             self._unless_filed(self._tell)
         if self.order.path:
-            record(order.content, self.order.path)
+            record(whole, self.order.path)
             os.unlink(self.order.draft)
 
     def _tell(self) -> None:
@@ -170,10 +157,10 @@ def follow(orders: BinaryIO, answers: int) -> None:
         if isinstance(order, Begin):
             drawer = Drawer(order)
             os.write(answers, READY)
-        elif isinstance(order, Rows) and drawer:
+        elif isinstance(order, dict) and drawer:
             drawer.take(order)
             os.write(answers, TAKEN)
-        elif isinstance(order, Complete) and drawer:
+        elif isinstance(order, Content) and drawer:
             drawer.complete(order)
             os.write(answers, DONE if drawer.shown else FILED)
             return

@@ -101,12 +101,12 @@ def send_histories(recording: rr.RecordingStream, content: Content, clock: Clock
             values = panel.values(content.histories, name)
             path = panel.entity(name)
             recording.send_columns(path, [seconds(times)], rr.Scalars.columns(scalars=values))
-            if len(clock.times) and not content.live:
-                at = np.interp(clock.times, times, values, left=np.nan, right=np.nan)
-                recording.send_columns(path, clock.counted(), rr.Scalars.columns(scalars=at))
-            if len(clock.ticks) and not content.live:
-                at = np.interp(clock.ticks, times, values, left=np.nan, right=np.nan)
-                recording.send_columns(path, clock.staged(), rr.Scalars.columns(scalars=at))
+            for when, columns in (
+                (clock.times, clock.counted()), (clock.ticks, clock.staged())
+            ):  # fmt: skip
+                if len(when) and not content.live:
+                    at = np.interp(when, times, values, left=np.nan, right=np.nan)
+                    recording.send_columns(path, columns, rr.Scalars.columns(scalars=at))
 
 
 def send_readings(

@@ -11,7 +11,7 @@ import rerun as rr
 from phaseplane.picture.styles import GREEN, ORANGE, RED, Hue
 from phaseplane.picture.text import in_words
 
-from .columns import Clock, colours, rgba, seconds
+from .columns import Clock, colours, rgba
 from .content import Content
 
 LANES = "/lanes"
@@ -72,19 +72,9 @@ def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) ->
             ),
             static=True,
         )
-        for mask, columns in clock.within(times):
-            states = active[mask]
-            new = np.append([True], states[1:] != states[:-1])
-            rows = np.flatnonzero(mask)[new]
-            on = [seconds(times[rows])]
-            if len(columns) > 1:
-                steps = np.searchsorted(clock.times, times[rows] - 1e-9)
-                on.append(
-                    rr.TimeColumn(
-                        "step", sequence=clock.steps[np.minimum(steps, len(clock.times) - 1)]
-                    )
-                )
-            recording.send_columns(path, on, _changes(states[new]))
+        new = np.flatnonzero(np.append([True], active[1:] != active[:-1]))
+        for inside, columns in clock.within(times[new]):
+            recording.send_columns(path, columns, _changes(active[new][inside]))
         if len(clock.ticks) and not content.live:
             rows = np.searchsorted(times, clock.ticks * (1.0 + 1e-9), side="right") - 1
             recording.send_columns(path, clock.staged(), _changes(active[np.maximum(rows, 0)]))

@@ -25,7 +25,7 @@ from typing import IO, Protocol
 import numpy as np
 
 from .content import Content
-from .drawer import DONE, FILED, READY, TAKEN, Begin, Complete, Rows
+from .drawer import DONE, FILED, READY, TAKEN, Begin
 from .server import listens
 
 _INTERVAL = 0.1  # s of wall time between two batches
@@ -131,7 +131,7 @@ class Live:
         self._taken += len(new)
         chosen = np.unique(np.linspace(0, len(new) - 1, _MOST_ROWS).round().astype(int))
         table = np.array([new[i] for i in chosen], float)
-        self._order(Rows(dict(zip(names, table.T.copy(), strict=True))))
+        self._order(dict(zip(names, table.T.copy(), strict=True)))
         self.rows_drawn += len(table)
         self._pending = True
         begun = monotonic()
@@ -170,7 +170,7 @@ class Live:
             return
         if self._pending:
             self._expect(TAKEN, "the viewer was too slow")
-        self._order(Complete(content))
+        self._order(content)
         self._expect(DONE, "the viewer did not accept the whole run in time")
         self.filed = bool(self.path) and (self.filed or not self.problem)
 

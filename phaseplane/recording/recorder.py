@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,7 +16,7 @@ from phaseplane.picture.quantities import Quantity
 from phaseplane.picture.story import Tick, arms_page, story_of
 
 from .canvas import Viewer
-from .columns import Clock, Integers, legible, seconds
+from .columns import Clock, legible, seconds
 from .content import Content
 from .histories import log_series, panels, quantities_of, send_histories, send_readings
 from .lanes import send_lanes
@@ -56,10 +57,9 @@ class Recorder:
         self.recording, self.content = recording, content
         self.ticks = list(self._story())
         self.clock = Clock.of(content.drawing, [tick.time for tick in self.ticks])
-        self.sheet = Viewer(recording, SHEET, self._columns)
-        self.arms = Viewer(recording, ARMS, self._columns)
-        self.over_time = Viewer(recording, CHART, self._columns)
-        self._times = self.clock.times
+        self.sheet, self.arms, self.over_time = (
+            Viewer(recording, root) for root in (SHEET, ARMS, CHART)
+        )
         self._rows = 0
 
     @cached_property
@@ -105,11 +105,6 @@ class Recorder:
             )
         )
 
-    def _columns(self, rows: Integers) -> list[rr.TimeColumn]:
-        if self.content.constructed is not None:
-            return self.clock.columns(rows)
-        return [seconds(self._times[rows])]
-
     @property
     def words(self) -> bool:
         """Whether steps are described."""
@@ -154,7 +149,7 @@ class Recorder:
             end = min(last, start + SLICE)
             if self.content.constructed is not None:
                 for plane, way in zip(drawing.planes, self.pages[0].ways, strict=True):
-                    self.sheet.curve(plane.name, "trail", way[start:end], start)
+                    self.sheet.curve(plane.name, "trail", way[start:end], start, self.clock.columns)
                 send_here(self.recording, drawing, self.clock, start, end)
                 send_events(self.recording, drawing, self.clock, start, end)
                 if self.content.detail != "trail":
@@ -169,7 +164,7 @@ class Recorder:
 
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
-        part = self.content.with_histories(histories)
+        part = replace(self.content, histories=histories)
         few = thinned(histories, _MOST_ROWS)
         if len(few.get("time", ())) > 1:
             self._send_run(few)
@@ -183,16 +178,16 @@ class Recorder:
         Without a construction it is in the units of its columns, and the planes place it on the sheet.
         """
         times = histories["time"]
-        self._times = np.append(np.zeros(self._rows), times)
-        drawn = self.content.constructed is not None
-        columns, self.sheet.columns = self.sheet.columns, lambda rows: [seconds(self._times[rows])]
+        first, drawn = self._rows, self.content.constructed is not None
         for plane in state_planes(self.content):
             z = plane.motion(histories) if drawn else plane.states(histories)
             ways = np.stack([z[:-1], z[1:]], 1)
-            self.sheet.curve(plane.plane.name, "run" if drawn else "trail", ways, self._rows)
+            self.sheet.curve(
+                plane.plane.name, "run" if drawn else "trail", ways, first,
+                lambda rows: [seconds(times[rows - first])],
+            )  # fmt: skip
             if not drawn:
                 send_point(self.recording, f"{SHEET}/trail/{plane.plane.name}/here", times, z)
-        self.sheet.columns = columns
         self._rows += len(times) - 1
 
     def redraw(self, histories: Mapping[str, npt.ArrayLike]) -> None:
@@ -203,7 +198,7 @@ class Recorder:
         histories : the least and the largest value of the columns in the planes
         """
         whole = {name: histories.get(name, np.zeros(2)) for name in self.content.histories}
-        content = self.content.with_histories(whole)
+        content = replace(self.content, histories=whole)
         self.pages = pages_of(content)
         self.sheet.begin(self.pages[0])
         self._place(content)
