@@ -31,7 +31,7 @@ LINE_UP = 0.55
 
 _STRIPS = rr.components.LineStrip2DBatch([]).as_arrow_array().type
 _SCREEN = 1.25  # points on a screen for a point on paper
-_INDEX_M = {0x2098: "m", 0x209B: "s", 0x209C: "t"}
+_INSTEAD = {0x2098: "m", 0x209B: "s", 0x209C: "t", 0x2009: " "}  # of indices and a thin space
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,12 +187,9 @@ _LEGIBLE = frozenset(
     + "\u2190\u2191\u2192\u2193\u2202\u2206\u2212\u221a\u221e\u2248\u2260\u2264\u2265"
 ) - {"\u03a2"}  # fmt: skip
 
-
 _ILLEGIBLE = re.compile(f"[^{re.escape(''.join(sorted(_LEGIBLE)))}]")
-_INDEX = re.compile("[\u2098\u209b\u209c]")
 
 
 def legible(text: str) -> str:
     """Return the text with a question mark for every character that the viewer cannot show."""
-    plain = _INDEX.sub(lambda m: _INDEX_M[ord(m[0])], text)
-    return _ILLEGIBLE.sub("?", unicodedata.normalize("NFC", plain))
+    return _ILLEGIBLE.sub("?", unicodedata.normalize("NFC", text.translate(_INSTEAD)))

@@ -25,6 +25,7 @@ from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
 
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
+_ROUNDING = 1e-9  # of the range of a plot: an end that is as good as zero
 
 
 def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
@@ -188,9 +189,10 @@ def _plot(panel: Panel, content: Content) -> rrb.TimeSeriesView:
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 0.0)
     margin = 0.05 * (high - low) or 1.0
+    ends = (number(end if abs(end) > _ROUNDING * margin else 0.0, 3) for end in (low, high))
     return rrb.TimeSeriesView(
         origin=panel.path,
-        name=f"{panel.title}, {number(low, 3)} to {number(high, 3)}" if high > low else panel.title,
+        name=f"{panel.title}, {' to '.join(ends)}" if high > low else panel.title,
         plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.RightTop, visible=len(panel.names) < 5),
         axis_x=None if content.live else _whole_time(),
         axis_y=rrb.ScalarAxis(range=(low - margin, high + margin)) if finite.size else None,

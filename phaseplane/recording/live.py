@@ -112,10 +112,15 @@ class Live:
         names : of the columns, including `time`
         rows : all rows so far; the run adds to them
         """
-        if self._source is None and not self.problem:
+        if not self.watching and not self.problem:
             self._source = lambda: (names, rows)
             self._thread = threading.Thread(target=self._pump, daemon=True)
             self._thread.start()
+
+    @property
+    def watching(self) -> bool:
+        """Whether the rows of a run have been announced."""
+        return self._source is not None
 
     def _pump(self) -> None:
         while not self._over.wait(_INTERVAL) and not self.problem:

@@ -37,7 +37,8 @@ class LiveRun:
 
     def watch(self, rows: Rows) -> None:
         """Show the rows so far."""
-        self.live.watch([known(name) for name in rows.names], rows)
+        if not self.live.watching:  # once in a run: this is called after every step
+            self.live.watch([known(name) for name in rows.names], rows)
 
     def complete(self, results: Results) -> tuple[list[str], list[str]]:
         """Show the whole run.

@@ -223,6 +223,14 @@ def test_columns_of_any_unit_are_plotted(tmp_path: Path) -> None:
     assert any(name.startswith("[Pa]") for name in names)
 
 
+def test_the_range_of_a_plot_ends_in_zero_if_only_rounding_goes_below(tmp_path: Path) -> None:
+    columns = {"time": TIME, "displacement": TIME - 1e-17}
+    made = recorded(tmp_path, Content("rounding", histories=columns))
+    names = {row["ViewBlueprint:display_name"][0] for _, row in made.layout
+             if "ViewBlueprint:display_name" in row}  # fmt: skip
+    assert "displacement [cm], 0 to 30" in names
+
+
 def test_many_planes_stand_in_a_square_each_with_its_name_and_axes() -> None:
     names = [f"{where}_displacement" for where in ("heave", "pitch", "front", "rear", "seat")]
     pairs = tuple((name, name.replace("displacement", "velocity")) for name in names)

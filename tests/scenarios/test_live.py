@@ -30,7 +30,7 @@ from phaseplane.scenarios.scene.names import case_names
 from phaseplane.scenarios.simulate.stepping import Rows
 from rerun.chunk import RrdReader
 
-from phaseplane.recording import live, serving
+from phaseplane.recording import Content, live, serving
 
 ROOT = Path(__file__).parents[2]
 PATH = os.pathsep.join([str(ROOT / "fmu_src"), str(ROOT)])
@@ -59,6 +59,25 @@ def test_a_run_is_the_same_whether_it_is_watched_or_not() -> None:
     alone = CliRunner().invoke(main, ["run", "ap57", *BARE, "-o", "alone"])
     assert (watched.exit_code, alone.exit_code) == (0, 0), watched.stderr
     assert Path("out/ap57/results.csv").read_bytes() == Path("alone/results.csv").read_bytes()
+
+
+def test_a_run_is_announced_to_the_viewer_once() -> None:
+    """`watch` is called after every step of the run, so that it must cost next to nothing."""
+
+    class Announced(list[list[float]]):
+        count = 0
+
+        @property
+        def names(self) -> list[str]:
+            self.count += 1
+            return ["time"]
+
+    rows = Announced()
+    shown = live.Live(Content("a run", histories={"time": [], "x": []}))
+    for _ in range(5):
+        LiveRun(None, None, shown).watch(rows)  # type: ignore[arg-type]
+    shown.__exit__(None, None, None)
+    assert rows.count == 1
 
 
 def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:

@@ -22,6 +22,7 @@ from phaseplane.picture.page import Page
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of
 from phaseplane.picture.views import frame_at
 from phaseplane.recording import Content
+from phaseplane.recording.columns import legible
 from phaseplane.recording.motion import pages_of
 from phaseplane.recording.steps import free_letters
 
@@ -75,6 +76,7 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
         assert len(ticks) >= FEWEST - 4
     for tick in ticks:
         check_letters(tick.page, stays)
+        assert "?" not in legible(tick.text)  # a character that the viewer cannot show
 
     others = [np.array(c.vertices) for c in drawing.curves if c.role == "trail"]
     motion = np.concatenate(stays.motions + others)
