@@ -14,47 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from .engine import laws_of
 from .models import ALL
-from .trace import Node, Tape
 from .variable import Value
 
 if TYPE_CHECKING:
     from .systems import System
+    from .trace import Node
 
 _Function = Callable[..., list[float] | None]
 _FIRST = 16  # changes before the first record; twice as many before each further one
-_OF_ELEMENT = 10  # numbers of an element after those of its laws; see `kernel.elements`
-
-
-class Laws:
-    """The numbers of all elements, one after the other, as `Integrator.retune` takes a system.
-
-    It is a system of one element, which has the laws of all elements for its spring, and otherwise what
-    the last one has.
-    """
-
-    yield_force = inf
-    pieces = ()
-    signals: Mapping[str, Any] = {}
-
-    def __init__(self, numbers: Sequence[float]) -> None:
-        self.elements = (self,)
-        self.spring, self.damper, self.modulation = self, _NONE, _NONE
-        self.numbers = numbers[:-_OF_ELEMENT]
-        (
-            self.is_modulated, self.friction, self.limit, self.free_length, self._stored, _, _,
-            self.permanent_set, self.opening, self.holding,
-        ) = numbers[-_OF_ELEMENT:]  # fmt: skip
-
-    def potential(self, _: float) -> float:
-        """Return the energy stored at the free length, J."""
-        return self._stored
-
-
-class _None:
-    numbers = pieces = ()
-
-
-_NONE = _None()
 
 
 class Retuning:
@@ -71,8 +38,8 @@ class Retuning:
         self._laws: _Function | None = None
         self._built, self._enough = 0, _FIRST
 
-    def laws(self, parameters: Mapping[str, Value], changed: Collection[str]) -> Laws | None:
-        """Return the laws that a change of parameters gives; None if the system must be built.
+    def laws(self, parameters: Mapping[str, Value], changed: Collection[str]) -> list[float] | None:
+        """Return what `laws_of` gives after a change of parameters; None if the system must be built.
 
         Parameters
         ----------
@@ -85,10 +52,9 @@ class Retuning:
         if self._laws is None:
             return None
         try:
-            numbers = self._laws(*[parameters[name] for name in self._names])
+            return self._laws(*[parameters[name] for name in self._names])
         except ArithmeticError:
             return None
-        return None if numbers is None else Laws(numbers)
 
     def forget(self) -> None:
         """Forget the laws: something else has changed, too."""
@@ -118,6 +84,8 @@ def _recorded(
 
     It returns None where the set-up would differ from what was noted.
     """
+    from .trace import Tape  # noqa: PLC0415  (most runs record nothing)
+
     tape = Tape()
     make, check = ALL[model].system, ALL[model].check
     assert make is not None, model

@@ -17,7 +17,7 @@ from math import inf, isfinite, nan
 from typing import Any
 from weakref import proxy
 
-from .engine import KINDS, Integrator, Lines, Run
+from .engine import KINDS, Integrator, Lines, Run, laws_of
 from .equilibrium import static_equilibrium
 from .models import build, declared_parameters, inputs
 from .reading import Contacts, Energies, Readers, ReadMany, State
@@ -348,20 +348,25 @@ class Session:
         self._stop_here()
         self._run.account.find(self._integrator, self.time)
         self.parameters = parameters
-        if system is not None and not self._fits(system):
-            self._replace_integrator(system)
-            self._retuning.forget()
-        elif system is not None:
-            self._integrator.retune(system)
-            self._system, self._is_old = system, False
-            self._retuning.note(_on_level_road(parameters), self._fits)
-        elif laws is not None:
+        if laws is not None:
             self._integrator.retune(laws)
             self._is_old = True
+        elif system is not None:
+            self._take(system)
         self._behind = self._integrator.snapshot()
         self._run.contacts.compare(self._integrator, self.time)
         self._run.account.carry(self._integrator)
         self._energies = None
+
+    def _take(self, system: System) -> None:
+        """Let the integrator go on with another system; another one does if more than laws differ."""
+        if self._fits(system):
+            self._integrator.retune(laws_of(system))
+            self._system, self._is_old = system, False
+            self._retuning.note(_on_level_road(self.parameters), self._fits)
+        else:
+            self._replace_integrator(system)
+            self._retuning.forget()
 
     def _refuse(self, system: System) -> None:
         """Refuse a system that the method cannot integrate."""

@@ -46,6 +46,8 @@ cdef class March:
 
     @cython.locals(datum=double)
     cdef object _resume(self, bytes content)
+    @cython.locals(datum=double)
+    cdef void _follow_state(self, double before) noexcept nogil
 
     @cython.locals(i=int)
     cdef int begin_row(self, double *x, int at, double start) noexcept nogil

@@ -334,8 +334,12 @@ class March:
         """Go on from some content of the state."""
         datum = self.state.datum
         self.state.put_back(content)
-        # what does not lie in the state follows from it
-        self.state.datum, datum = datum, self.state.datum
+        self._follow_state(datum)
+        self.state.put_back(content)  # accelerations are to the bit those of the content
+
+    def _follow_state(self, before):
+        """Find what does not lie in the state, which was put back; heights counted from `before`."""
+        datum, self.state.datum = self.state.datum, before
         self.net.set_datum(datum)
         self.net.put_moving_back()
         self.dense.start, self.dense.end = self.state.step_start, self.state.time
@@ -343,7 +347,6 @@ class March:
         self.noted.start()
         self.net.list_stuck()
         self._enter_branches()
-        self.state.put_back(content)  # accelerations are to the bit those of the content
 
     # -- steps ---------------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ from math import nan
 from pathlib import Path
 from typing import Any, ClassVar
 
+from phaseplane.suspension import trace as _trace  # noqa: F401  (needed when parameters are tuned)
 from phaseplane.suspension.engine import why_uncompiled
 from phaseplane.suspension.extent import remarks
 from phaseplane.suspension.road_source import RoadSource

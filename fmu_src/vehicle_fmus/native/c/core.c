@@ -308,15 +308,7 @@ static void take_snapshot(Machine *of, Snapshot *to) {
 static void go_back(Machine *of, const Snapshot *to) {
     const double datum = of->snapshot.state.datum;
     of->snapshot = *to;
-    of->snapshot.state.datum = datum; /* of the roads as they are */
-    Network_set_datum(&of->net, to->state.datum);
-    Network_put_moving_back(&of->net);
-    of->dense.start = to->state.step_start;
-    of->dense.end = to->state.time;
-    of->dense.known = 0;
-    SwitchLog_start(&of->noted);
-    Network_list_stuck(&of->net);
-    Integrator__enter_branches(&of->integrator);
+    Integrator__follow_state(&of->integrator, datum);
     of->snapshot = *to;
 }
 
