@@ -16,7 +16,7 @@ _GREEK = {
     if name
 }  # fmt: skip
 _NAMES = {"v": "ẋ", "Omega": "Ω", "eps": "ε", **_GREEK}
-_SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
+_SUM, _SIGNED, _PRODUCT, _POWER, _ATOM = range(5)
 
 
 def typeset(tree: ast.expr) -> str:
@@ -44,7 +44,7 @@ def _written(node: ast.expr) -> tuple[str, int]:
         case ast.Name(name):
             return name_of(name), _ATOM
         case ast.UnaryOp(ast.USub(), inner):
-            return f"−{_within(inner, _PRODUCT)}", _SUM
+            return f"−{_within(inner, _PRODUCT)}", _SIGNED
         case ast.UnaryOp(_, inner):
             return _written(inner)
         case ast.Call(ast.Name("abs"), [inner]):
@@ -54,18 +54,19 @@ def _written(node: ast.expr) -> tuple[str, int]:
             return f"{name.replace('_', ' ')}({between})", _ATOM
         case ast.BinOp(left, ast.Add() | ast.Sub() as operator, right):
             sign = "+" if isinstance(operator, ast.Add) else "−"
-            other = _within(right, _SUM if sign == "+" else _PRODUCT)
+            other = _within(right, _SUM if sign == "+" else _SIGNED)
             if other.startswith("−"):
                 sign, other = ("−" if sign == "+" else "+"), other[1:]
             return f"{_within(left, _SUM)} {sign} {other}", _SUM
         case ast.BinOp(left, ast.Mult(), right):
-            one, other = _within(left, _PRODUCT), _within(right, _POWER)
+            one, other = _within(left, _SIGNED), _within(right, _POWER)
             between = (
                 "·" if other[0].isdigit() or (one[-1].isdigit() and other[0] == "(") else "\u2009"
             )
-            return f"{one}{between}{other}", _PRODUCT
+            return f"{one}{between}{other}", _SIGNED if one[0] == "−" else _PRODUCT
         case ast.BinOp(left, ast.Div(), right):
-            return f"{_within(left, _PRODUCT)}/{_within(right, _POWER)}", _PRODUCT
+            one = _within(left, _SIGNED)
+            return f"{one}/{_within(right, _POWER)}", _SIGNED if one[0] == "−" else _PRODUCT
         case ast.BinOp(left, ast.Pow(), ast.Constant(float() as power)) if power == int(power):
             return f"{_within(left, _ATOM)}{str(int(power)).translate(_POWERS)}", _POWER
         case ast.BinOp(left, ast.Pow(), right):

@@ -29,7 +29,11 @@ _KINDS = {
 }
 _DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
-_OUTER = 0.42  # windows from the centre: isoclines that end farther in are not labelled
+_OUTER, _INNER = (
+    0.42,
+    0.25,
+)  # windows from the centre: isoclines that end farther in are not labelled
+_LABEL = 0.045, 0.03  # windows: room of a label
 _HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
 # in order of their periods
 _ATTRACTORS = (style.GREEN, style.ORANGE, style.PINK, style.TEAL, style.OCHRE, style.RED)
@@ -113,18 +117,22 @@ def _broken(title: str) -> str:
 
 
 def _slopes(axes: Axes, shown: Portrait) -> None:
-    """Draw strokes of its slope along every isocline, and write the slope at its end."""
+    """Draw strokes of its slope along every isocline, and write the slope where it ends.
+
+    Where the labels would overlap, one is written farther in.
+    """
     window = shown.window
     sides = np.array([window.width, window.height])
     corner = np.array([window.left, window.bottom])
 
-    def outwards(place: np.ndarray) -> float:
-        return float(np.abs((place - corner) / sides - 0.5).max())
+    def outwards(places: np.ndarray) -> np.ndarray:
+        return np.abs((places - corner) / sides - 0.5).max(axis=-1)
 
+    taken = np.zeros((0, 2))
     for slope, curves in zip(shown.slopes, shown.isoclines, strict=True):
         way = np.array([1.0, slope])
         half = 0.5 * _STROKE * way / np.hypot(*(way / sides))
-        strokes, ends = [], []
+        strokes, places = [], []
         for curve in curves:
             inside = window.holds(curve[:, 0], curve[:, 1], -0.03)
             went = np.concatenate([[0.0], np.hypot(*(np.diff(curve, axis=0) / sides).T).cumsum()])
@@ -132,16 +140,24 @@ def _slopes(axes: Axes, shown: Portrait) -> None:
                 k = int(np.searchsorted(went, at))
                 if inside[k]:
                     strokes.append([curve[k] - half, curve[k] + half])
-            ends += [curve[k] for k in np.flatnonzero(inside)[[0, -1]]] if inside.any() else []
+            if inside.any() and outwards(curve[inside]).max() >= _OUTER:
+                places += [place for place in curve[inside] if outwards(place) >= _INNER]
         if not strokes:
             continue
         axes.add_collection(
             LineCollection(strokes, colors=style.TEAL, linewidths=1.0, zorder=2.8, gid="slope"),
             autolim=False,
         )
-        edge = max(ends, key=outwards)
-        if outwards(edge) < _OUTER or abs(edge[1]) < 0.05 * window.height:
+        free = (
+            place
+            for place in sorted(places, key=outwards, reverse=True)
+            if abs(place[1]) >= 0.05 * window.height
+            and (np.abs((taken - place) / sides) > _LABEL).any(axis=1).all()
+        )
+        edge = next(free, None)
+        if edge is None:
             continue
+        taken = np.vstack([taken, edge])
         axes.annotate(
             f"{slope:g}", edge, fontsize=7.0, color=style.TEAL, ha="center", va="center", zorder=6.5,
             bbox={"boxstyle": "round,pad=0.1", "facecolor": axes.get_facecolor(), "linewidth": 0.0},

@@ -9,9 +9,11 @@ import numpy as np
 
 from phaseplane.portrait.energy import conserves
 from phaseplane.portrait.returns import turns
+from phaseplane.portrait.switched import switches
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
 
 _STARTS = 400  # of the search, over the width of the window
+_SWITCHED = 120  # the same for motions with switches, which are followed one by one
 _COARSE, _FINE = 1e-7, 1e-10  # tolerances of a step, in windows
 _ROUNDING = 1e-6  # of the width: a turn that ends within it of its start may be closed
 _NARROW = 0.01  # of the width: smaller turns are judged by the kind of their equilibrium
@@ -78,7 +80,8 @@ def limit_cycles(system: PhaseSystem, window: Window) -> list[Cycle]:
 
 def _fixed(system: PhaseSystem, window: Window, backwards: bool) -> list[tuple[float, bool]]:
     """Return approximate starts of closed turns, and whether they attract from one side only."""
-    x = np.linspace(window.left, window.right, _STARTS + 1)
+    count = _SWITCHED if switches(system) else _STARTS
+    x = np.linspace(window.left, window.right, count + 1)
     gain = _gains(system, window, x, backwards, _COARSE)
     crossings = _crossings(x, gain, window)
     found: list[tuple[float, bool]] = []

@@ -11,7 +11,7 @@ from scipy.optimize import brentq, minimize_scalar
 from phaseplane.portrait.energy import power
 from phaseplane.portrait.returns import turns
 from phaseplane.portrait.system import Grid, PhaseSystem, Window
-from phaseplane.portrait.trajectories import followed
+from phaseplane.portrait.trajectories import traced
 
 _STEP = 1e-6  # of the window's width, for differences
 _SAME = 1e-9  # of the window's width
@@ -118,6 +118,8 @@ def _roots(system: PhaseSystem, points: Grid) -> list[float]:
     for k in through:
         a, b = float(points[k]), float(points[k + 1])
         x = float(brentq(force, a, b, xtol=1e-15 * (points[-1] - points[0]), maxiter=1000))
+        if force(even := round(x, 12)) == 0.0:  # as in the middle of the jump of a sign
+            x = even
         # otherwise a jump past zero; the root may be one of the points, but for rounding
         if abs(force(x)) <= max(0.5 * min(size[k], size[k + 1]), _ROUNDING * most):
             roots.append(x)
@@ -271,7 +273,7 @@ def separatrices(
     if not starts:
         return []
     origin, x, v, sense = np.array(starts).T
-    curves = followed(
+    curves = traced(
         system, window, x, v, sense, margin=0.5, length=_LONGEST, tolerance=1e-9, ends=ends
     )
     return [np.vstack([[at, 0.0], curve]) for at, curve in zip(origin, curves, strict=True)]

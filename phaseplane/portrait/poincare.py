@@ -232,7 +232,6 @@ def _go_on(system: PhaseSystem, going: Motions, period: int) -> int:
         if not going.active.any():
             break
         going.step(np.maximum(left, 1e-300))
-        going.still[:] = 0  # a motion at rest in one phase of the excitation may move in the next
         steps += 1
     going.active[:] = active & (end - going.t <= 1e-9 * end)
     going.t[going.active] = end

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -24,16 +23,16 @@ from phaseplane.portrait.energy import conserves
 from phaseplane.portrait.equilibria import Equilibrium, equilibria, separatrices
 from phaseplane.portrait.poincare import Section, section
 from phaseplane.portrait.system import Grid, PhaseSystem, Window, direction_field
-from phaseplane.portrait.trajectories import followed
+from phaseplane.portrait.trajectories import followed, length_of, traced
 from phaseplane.portrait.windows import enlarged
 
 _SLOPES = (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)  # of isoclines, in heights per width of the window
 _ASIDE = 0.01  # of the width: distance of a curve's start from a repelling equilibrium
 _CELLS = 60  # of a window's sides, in which places without curves are looked for
 _EMPTY = 0.1  # windows: a place so far from every curve gets one
-_PIECE, _PIECES = 4.0, 8  # windows: length of a piece of a curve, and the most pieces of half of it
+_LONGEST = 32.0  # windows: half of a curve
 _FILLING = 80.0  # windows: length of all curves that fill such places
-_BEYOND, _TOUCHES = 0.02, 0.01  # windows: a curve ends so far outside, or so close to a cycle
+_BEYOND = 0.02  # windows: a curve ends so far outside
 _PRECISION = 1e-6  # windows: of one step of a curve
 
 
@@ -111,7 +110,7 @@ def compute_portrait(
     if constant:
         curves = followed(system, window, *zip(*several, strict=True)) if several else []
     else:
-        curves = _through(system, window, several, cycles)
+        curves = _through(system, window, several)
         shown = [*curves, *borders, *(cycle.curve for cycle in cycles)]
         curves += orbits(system, window, at_rest, cycles, shown)
     return Portrait(
@@ -138,9 +137,7 @@ def _energy_curves(
     return tuple(energy_levels(system, window, levels)[1])
 
 
-def _filling(
-    system: PhaseSystem, window: Window, cycles: Sequence[Cycle], shown: Sequence[Grid]
-) -> list[Grid]:
+def _filling(system: PhaseSystem, window: Window, shown: Sequence[Grid]) -> list[Grid]:
     """Return integral curves through the places of a window that are farthest from any curve.
 
     Each goes from the window's edge, or from what repels it, to the edge again or to what attracts it.
@@ -152,8 +149,8 @@ def _filling(
     found: list[Grid] = []
     length = 0.0
     while length < _FILLING and (place := _emptiest(empty, window)) is not None:
-        curve = _through(system, window, [place], cycles)[0]
-        length += _length(curve, window)
+        curve = _through(system, window, [place], [*shown, *found])[0]
+        length += length_of(curve, window)
         _cover(empty, [curve], window)
         found.append(curve)
         if symmetric and _room(empty, -place[0], -place[1], window) >= _EMPTY:
@@ -166,46 +163,23 @@ def _through(
     system: PhaseSystem,
     window: Window,
     places: Sequence[tuple[float, float]],
-    cycles: Sequence[Cycle],
+    beside: Sequence[Grid] = (),
 ) -> list[Grid]:
     """Return the integral curves through places, from their past to their future.
 
-    A curve ends where it leaves the window, comes to rest or has come to a limit cycle.
+    Parameters
+    ----------
+    beside : curves that are there already
     """
-    halves = [np.array([place]) for place in places for _ in range(2)]
-    senses = np.tile([-1.0, 1.0], len(places))
-    going = list(range(len(halves)))
-    for _ in range(_PIECES):
-        if not going:
-            break
-        x, v = np.array([halves[k][-1] for k in going]).T
-        pieces = followed(
-            system, window, x, v, senses[going],
-            margin=_BEYOND, length=_PIECE, tolerance=_PRECISION,
-        )  # fmt: skip
-        for k, piece in zip(going, pieces, strict=True):
-            halves[k] = np.vstack([halves[k], piece[1:]])
-        going = [
-            k
-            for k, piece in zip(going, pieces, strict=True)
-            if _length(piece, window) > _PIECE and not _is_on(piece[-1], cycles, window)
-        ]
+    x, v = np.repeat(np.reshape(np.array(places, float), (-1, 2)), 2, axis=0).T
+    halves = traced(
+        system, window, x, v, np.tile([-1.0, 1.0], len(places)),
+        margin=_BEYOND, length=_LONGEST, tolerance=_PRECISION, beside=beside,
+    )  # fmt: skip
     return [
         np.vstack([past[::-1], future[1:]])
         for past, future in zip(halves[::2], halves[1::2], strict=True)
     ]
-
-
-def _is_on(state: Grid, cycles: Sequence[Cycle], window: Window) -> bool:
-    """Return whether a state is on a limit cycle, within the resolution of the picture."""
-    sides = [window.width, window.height]
-    apart = (np.hypot(*((cycle.curve - state) / sides).T).min() for cycle in cycles)
-    return min(apart, default=inf) < _TOUCHES
-
-
-def _length(curve: Grid, window: Window) -> float:
-    """Return the length of a curve in windows."""
-    return float(np.hypot(*(np.diff(curve, axis=0) / [window.width, window.height]).T).sum())
 
 
 def _is_symmetric(system: PhaseSystem, window: Window) -> bool:
@@ -288,5 +262,5 @@ def orbits(
     for cycle in cycles:
         if not cycle.attracts:
             places += [(cycle.crossing - aside, 0.0), (cycle.crossing + aside, 0.0)]
-    first = _through(system, window, places, cycles)
-    return first + _filling(system, window, cycles, [*shown, *first])
+    first = _through(system, window, places, shown)
+    return first + _filling(system, window, [*shown, *first])

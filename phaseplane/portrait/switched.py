@@ -19,6 +19,7 @@ from phaseplane.portrait.system import Grid, PhaseSystem, Window
 _TOLERANCE, _OF_SECTION = 1e-8, 1e-7
 _STILL, _REST = 1e-7, 5  # of the window's sides; a motion rests after so many steps this short
 _CRAWL = 1e-4  # the same for a turn, which ends long before it could return
+_SLOW, _SLOWEST = 100, 0.01  # a curve ends where so many steps lead it no farther, in windows
 _MOST = 20_000  # steps
 
 
@@ -46,18 +47,22 @@ def curve(
     sense, margin, length, part : as of `followed`
     """
     points = [start]
-    went, still = 0.0, 0
-    for step in _steps(system, start, sense, _TOLERANCE):
+    went, mark, still = 0.0, 0.0, 0
+    for count, step in enumerate(_steps(system, start, sense, _TOLERANCE), 1):
         (x0, v0, _), (x1, v1, _) = step.first, step.last
         way = hypot((x1 - x0) / window.width, (v1 - v0) / window.height)
-        count = max(1, int(way / part) + 1)
-        inner = (step.at(step.start + (step.end - step.start) * i / count) for i in range(1, count))
+        parts = int(way / part) + 1
+        inner = (step.at(step.start + (step.end - step.start) * i / parts) for i in range(1, parts))
         points += [*inner, (x1, v1)]
         went += way
         still = still + 1 if way < _STILL else 0
         over = not window.holds(x1, v1, margin) or went > length or still >= _REST
         if over or _rests(step) or (sense < 0.0 and 0 in step.mode):
             break
+        if count % _SLOW == 0:  # beside a pole of f, or to and fro between switches
+            if went - mark < _SLOWEST:
+                break
+            mark = went
     found = np.array(points)
     found[:, 1] *= 1.0 if sense > 0.0 else -1.0
     found[0] = start

@@ -7,7 +7,7 @@ steps on its slow branches than a harmonic one. All motions share numpy's overhe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -46,7 +46,9 @@ _DIFFERENCES = np.array(
 _NEAR = 1e-7  # of the window's sides, for difference quotients
 _FIRST = 1e-4  # length of the first step, in windows
 _LEAST, _MOST = 0.2, 5.0  # factors by which a step may change
-_STILL, _REST = 1e-9, 5  # of the window's sides; a motion rests after so many steps this short
+_STILL, _TRIES = 100.0, 24  # a motion ends that so many tries lead no farther, in tolerances
+_PIECE = 2.0  # windows: length of a curve after which its windings are looked at
+_PITCH = 0.01  # of the width: least distance between windings
 
 
 @dataclass(slots=True)
@@ -71,14 +73,15 @@ class Motions:
     tolerance: float = 1e-8
     h: Grid = field(init=False)
     active: npt.NDArray[np.bool_] = field(init=False)
-    still: Indices = field(init=False)
+    _tries: Indices = field(init=False)
+    _way: Grid = field(init=False)
     _force: Callable[[Grid, Grid, Grid], Grid] = field(init=False)
 
     def __post_init__(self) -> None:
         """Choose the first steps by the speed of each state in windows."""
         self._force = self.system.over_arrays(self.x, self.v, self.t)
         self.active = np.ones(len(self.x), bool)
-        self.still = np.zeros(len(self.x), int)
+        self._tries, self._way = np.zeros(len(self.x), int), np.zeros(len(self.x))
         speed = self.speed(np.arange(len(self.x)))
         self.h = _FIRST / np.where(np.isfinite(speed) & (speed > 0.0), speed, 1.0)
 
@@ -92,7 +95,7 @@ class Motions:
         """Make one step of every active motion.
 
         A step rejected for its error is shortened the next time. A motion ends if its steps vanish, or
-        if it no longer moves.
+        if it no longer moves: at rest, or at a pole of f, where ever shorter steps lead to and fro.
 
         Parameters
         ----------
@@ -116,10 +119,14 @@ class Motions:
         moved, x0, v0 = going[good], before[0][good], before[1][good]
         self.x[moved], self.v[moved] = x[good], v[good]
         self.t[moved] += self.sense[moved] * h[good]
-        way = np.abs(self.x[moved] - x0) / self.window.width
-        way += np.abs(self.v[moved] - v0) / self.window.height
-        self.still[moved] = np.where(way < _STILL, self.still[moved] + 1, 0)
-        self.active[moved[self.still[moved] >= _REST]] = False
+        self._way[moved] += np.hypot(
+            (self.x[moved] - x0) / self.window.width, (self.v[moved] - v0) / self.window.height
+        )
+        self._tries[going] += 1
+        due = going[self._tries[going] == _TRIES]
+        if len(due) and not self.system.driven:  # a driven motion at rest may move again
+            self.active[due[self._way[due] < _STILL * self.tolerance]] = False
+        self._tries[due], self._way[due] = 0, 0.0
         return moved, x0, v0, before[2][good]
 
     def tried(self, x: Grid, v: Grid, t: Grid, sense: Grid, h: Grid) -> tuple[Grid, Grid, Grid]:
@@ -237,6 +244,76 @@ def followed(
             over |= arrived
         going.active[moved[over]] = False
     return [np.array(line) for line in points]
+
+
+def traced(
+    system: PhaseSystem,
+    window: Window,
+    x: npt.ArrayLike,
+    v: npt.ArrayLike,
+    sense: npt.ArrayLike,
+    *,
+    margin: float,
+    length: float,
+    tolerance: float,
+    ends: npt.ArrayLike = (),
+    beside: Sequence[Grid] = (),
+) -> list[Grid]:
+    """Return integral curves like `followed`, but only as far as their windings keep apart.
+
+    Weakly damped motions would otherwise fill a disc around their focus.
+
+    Parameters
+    ----------
+    beside : other curves, from which the windings keep apart, too
+    """
+    taken = np.concatenate([_crossings(curve)[1] for curve in beside] or [np.zeros(0)])
+    curves = [np.array([start]) for start in zip(*np.atleast_1d(x, v), strict=True)]
+    senses = np.broadcast_to(np.asarray(sense, float), len(curves))
+    going = list(range(len(curves)))
+    for _ in range(int(length / _PIECE)):
+        if not going:
+            break
+        x, v = np.array([curves[k][-1] for k in going]).T
+        pieces = followed(
+            system, window, x, v, senses[going],
+            margin=margin, length=_PIECE, tolerance=tolerance, ends=ends,
+        )  # fmt: skip
+        on = []
+        for k, piece in zip(going, pieces, strict=True):
+            whole = np.vstack([curves[k], piece[1:]])
+            curves[k] = _unwound(whole, taken, window)
+            if length_of(piece, window) > _PIECE and len(curves[k]) == len(whole):
+                on.append(k)
+        going = on
+    return curves
+
+
+def length_of(curve: Grid, window: Window) -> float:
+    """Return the length of a curve in windows."""
+    return float(np.hypot(*(np.diff(curve, axis=0) / [window.width, window.height]).T).sum())
+
+
+def _unwound(curve: Grid, taken: Grid, window: Window) -> Grid:
+    """Return a curve up to the end of its first winding that is too close to another.
+
+    Parameters
+    ----------
+    taken : where other curves cross the x axis; at one place all curves cross it in the same sense
+    """
+    after, crossings = _crossings(curve)
+    for k in range(2, len(crossings)):
+        others = np.concatenate([taken, crossings[:k]])
+        if np.abs(others - crossings[k]).min() < _PITCH * window.width:
+            return curve[: after[k] + 1]
+    return curve
+
+
+def _crossings(curve: Grid) -> tuple[Indices, Grid]:
+    """Return the points behind the crossings of the x axis, and the displacements there."""
+    x, v = curve.T
+    k = np.flatnonzero(np.signbit(v[:-1]) != np.signbit(v[1:]))
+    return k + 1, x[k] + (x[k + 1] - x[k]) * v[k] / (v[k] - v[k + 1])
 
 
 def _distance(places: Grid, x: Grid, v: Grid, window: Window) -> Grid:

@@ -18,7 +18,8 @@ from phaseplane.portrait.trajectories import followed
 _ROOM = 1.25  # size of the window relative to its content
 _AROUND = 1.7  # of the farthest equilibrium: what lies beyond it
 _POINTS, _SHIFT = 2001, 0.37  # of the search for poles; a shift in steps, off round numbers
-_STEEP = 20.0  # times the median of |f|: may be beside a pole
+_STEEP = 20.0  # times the median of |f|: beside a pole
+_PEAK, _STEPS = 1.5, 3  # |f| beside a pole is so many times as large as so many steps away
 _ZOOMS, _ZOOM = 3, 100  # a pole is looked for so many times, each in steps so much smaller
 _GROWS = 1e4  # |f| at a pole, as closely as it is found, to |f| a step away
 _LEAST = 0.05  # of the sides of a plane: half of those of its section
@@ -75,6 +76,10 @@ def window_of(
     ):
         if first.holds(motion[-1, 0], motion[-1, 1], _MARGIN):
             first = enlarged(first, motion)
+    far = max(-first.left, first.right)
+    low, high = _domain(system, float(places[0, 0]), far)
+    if low > first.left or high < first.right:
+        return _within(system, (low, high), places, far / _ROOM)
     return first
 
 
@@ -122,7 +127,9 @@ def _domain(system: PhaseSystem, at: float, reach: float) -> tuple[float, float]
     ends = list(x[~known])
     steep = np.where(known, force, 0.0)
     tops = 1 + np.flatnonzero((steep[1:-1] >= steep[:-2]) & (steep[1:-1] > steep[2:]))
-    for k in tops[steep[tops] > _STEEP * float(np.median(force[known]))]:
+    padded = np.pad(steep, _STEPS)
+    around = np.maximum(padded[tops], padded[tops + 2 * _STEPS])
+    for k in tops[steep[tops] > _PEAK * around]:
         pole = _pole(system, float(x[k]), step)
         if pole is not None:
             ends.append(pole)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from math import cos, sin
 
 import numpy as np
@@ -115,6 +116,17 @@ def test_isoclines_carry_their_slopes_and_curves_the_sense_of_time() -> None:
     for arrow in arrows:
         (x0, v0), (x1, v1) = arrow.xyann, arrow.xy
         assert (x1 - x0) * (v0 + v1) > 0.0
+
+
+def test_labels_of_isoclines_keep_apart() -> None:
+    """The isoclines of x'' = x'^3 - x lie close together on both sides."""
+    window = Window(-3.75, 3.75, -3.75, 3.75)
+    figure = portrait(compute_portrait(PhaseSystem(lambda v, x, t: x - v**3), window))
+    figure.canvas.draw()
+    (axes,) = figure.axes
+    boxes = [t.get_window_extent() for t in axes.texts if t.get_text()]
+    assert len(boxes) == 6
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 def test_a_long_title_stays_on_the_figure_and_off_the_plane() -> None:

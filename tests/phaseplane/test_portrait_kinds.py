@@ -21,10 +21,11 @@ from phaseplane.portrait import (
     followed,
     limit_cycles,
     separatrices,
+    switched,
     window_of,
 )
 from phaseplane.portrait.returns import turns
-from phaseplane.portrait.trajectories import motions
+from phaseplane.portrait.trajectories import length_of, motions
 
 WIDE = Window(-3.75, 3.75, -3.75, 3.75)
 
@@ -145,6 +146,14 @@ def test_dry_friction_rests_where_it_can_hold() -> None:
 
 def test_a_jump_past_zero_is_no_rest() -> None:
     assert equilibria(of(lambda v, x: np.where(x < 0.1, -1.0, 1.0) + 0.1 * v), WIDE) == []
+
+
+@pytest.mark.parametrize("at", [0.0, 0.06])
+def test_a_relay_rests_in_the_middle_of_its_jump(at: float) -> None:
+    window = Window(-13.23, 3.75, -3.0, 3.0)  # whose grid has no point there
+    (rest,) = equilibria(of(lambda v, x: np.sign(x - at) + 0.1 * v), window)
+    assert rest.x == at
+    assert rest.kind == "stable focus"
 
 
 def test_a_saddle_without_a_linear_part_has_the_curves_of_its_energy() -> None:
@@ -300,6 +309,37 @@ def test_integral_curves_end_at_the_border_or_at_rest() -> None:
     assert gone[:, 0] ** 2 - gone[:, 1] ** 2 == pytest.approx(0.25, abs=1e-5)
 
 
+@pytest.mark.parametrize(
+    "text", ["x - v^3", "0.08*tan(0.2*x) - 0.6*v^5", "x + 0.002*v", "x - v*x^2"]
+)
+def test_windings_around_a_weak_focus_keep_apart(text: str) -> None:
+    formula = Formula(text)
+    system = PhaseSystem(formula.function, on_arrays=formula.on_arrays)
+    made = compute_portrait(system, window_of(system, 3.0))
+    turns_there = 0
+    for curve in made.orbits:
+        x, v = curve.T
+        downwards = (v[:-1] > 0.0) & (v[1:] <= 0.0)
+        turns_there += int((downwards & (x[1:] > 0.0) & (x[1:] < made.window.right)).sum())
+    assert turns_there <= 45
+    assert sum(length_of(curve, made.window) for curve in made.orbits) < 60.0
+
+
+def test_a_motion_ends_at_a_pole_of_its_damping() -> None:
+    """Backwards in time motions of x'' + tan x' + x = 0 come to x' = pi/2 and end there."""
+    (line,) = followed(of(lambda v, x: np.tan(v) + x), WIDE, 0.5, 1.2, -1.0, tolerance=1e-6)
+    assert line[-1, 1] == pytest.approx(0.5 * pi, abs=1e-3)
+    assert len(line) < 150
+
+
+def test_a_motion_with_switches_ends_where_its_steps_lead_nowhere() -> None:
+    """Beside the poles of its damping steps are ever shorter, backwards in time."""
+    formula = Formula("1.7*x*v^3 - 4*x*abs(x) - 0.04*tan(2.2*v) - 0.5*sign(v)")
+    system = PhaseSystem(formula.function, switching=formula.switching)
+    line = switched.curve(system, WIDE, (-1.0, 1.0), -1.0)
+    assert len(line) < 1000
+
+
 def test_no_curve_ends_in_mid_air() -> None:
     """End stops with little damping, a limit cycle, dry friction."""
     stops = of(lambda v, x: 0.1 * v + x + 20.0 * (x - np.clip(x, -1.0, 1.0)))
@@ -366,6 +406,11 @@ def test_a_window_ends_before_a_pole_and_holds_the_motions_from_its_starts() -> 
     assert 1.0 / sqrt(3.0) < window.top < 1.0
     falling = window_of(of(lambda v, x: 1.0 / x**2), 3.0, [(0.5, 0.0)])
     assert falling.left > 0.0
+    weak = of(lambda v, x: 6.0 - 1.7 * x + 0.06 * np.tan(1.69 * x))
+    window = window_of(weak, 3.0, [(0.0, 0.0)])
+    assert -0.93 < window.left < window.right < 0.93  # 0.5 pi / 1.69 = 0.9295
+    growing = of(lambda v, x: 0.4 * v - 4.0 * np.tan(0.37 * x))  # its pole is beyond the reach
+    assert 3.0 < window_of(growing, 3.0, [(0.5, 0.0)]).right <= 0.5 * pi / 0.37
     root = of(lambda v, x: np.sqrt(x))
     assert -0.01 < window_of(root, 3.0, [(0.5, 0.0)]).left < 0.1
     # a sharp maximum, a jump and a weak singularity are no poles
