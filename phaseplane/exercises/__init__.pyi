@@ -1,7 +1,5 @@
 from .geogebra import Command as Command
 from .geogebra import commands as commands
-from .geogebra import evaluated as evaluated
-from .geogebra import read_geogebra as read_geogebra
 from .geogebra import write_geogebra as write_geogebra
 from .marking import Mark as Mark
 from .marking import Marks as Marks

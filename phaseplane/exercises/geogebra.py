@@ -7,14 +7,10 @@ auxiliary curve. The commands can be read back from a file and evaluated, to che
 
 from __future__ import annotations
 
-import ast
-import math
-import re
 from cmath import exp
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 from zipfile import ZIP_DEFLATED, ZipFile
 
@@ -236,119 +232,3 @@ def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
 
 def _split(text: str) -> list[str]:
     return [part + ")" if not part.endswith(")") else part for part in text.split("), ")]
-
-
-def read_geogebra(path: Path) -> list[Command]:
-    """Return the commands and expressions of a GeoGebra file; polylines are left out.
-
-    Raises
-    ------
-    ValueError : if it is not a GeoGebra file.
-    """
-    try:
-        with ZipFile(path) as archive:
-            root = ElementTree.fromstring(archive.read("geogebra.xml"))
-    except Exception as error:  # any error that a damaged file causes
-        raise ValueError(f"{path}: not a GeoGebra file: {error}") from None
-    construction = root.find("construction")
-    found = []
-    for element in construction if construction is not None else ():
-        if element.tag == "expression":
-            found.append(Command(element.get("label", ""), "", (element.get("exp", ""),)))
-        elif element.tag == "command" and element.get("name") != "Polyline":
-            given, made = element.find("input"), element.find("output")
-            assert given is not None
-            assert made is not None
-            values = tuple(given.attrib[f"a{i}"] for i in range(len(given.attrib)))
-            found.append(Command(made.get("a0", ""), element.get("name", ""), values))
-    return found
-
-
-# Evaluating.
-
-
-def evaluated(made: Sequence[Command]) -> dict[str, complex]:
-    """Return the points that commands make, as GeoGebra would: x + i x-bar by label.
-
-    Raises
-    ------
-    ValueError : a command that this module does not write.
-    """
-    known: dict[str, Any] = {}
-    for command in made:
-        arguments = [_value(argument, known) for argument in command.arguments]
-        known[command.label] = _made(command.name, arguments)
-    return {label: value for label, value in known.items() if isinstance(value, complex)}
-
-
-def _made(name: str, arguments: list[Any]) -> Any:
-    match name, arguments:
-        case "", [value]:
-            return complex(value)
-        case "Line", [a, b]:
-            return (a, b)
-        case "Midpoint", [a, b]:
-            return 0.5 * (a + b)
-        case "Rotate", [point, angle, centre]:
-            return centre + (point - centre) * exp(1j * angle)
-        case "Dilate", [point, factor, centre]:
-            return centre + factor * (point - centre)
-        case "ClosestPoint", [(a, b), point]:
-            way = (b - a) / abs(b - a)
-            return a + way * ((point - a) * way.conjugate()).real
-        case "Intersect", [(a, b), (c, d)]:
-            found = meet(a, b, c, d)
-            if found is None:
-                raise ValueError("Intersect: the lines are parallel")
-            return found
-    raise ValueError(f"command {name!r} with {len(arguments)} arguments is not known")
-
-
-_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
-    "x": lambda z: z.real, "y": lambda z: z.imag, "Distance": lambda a, b: abs(a - b),
-    "sgn": lambda u: (u > 0) - (u < 0), "ln": math.log, "abs": abs, "max": max, "min": min,
-    **{name: getattr(math, name) for name in (
-        "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp",
-    )},
-}  # fmt: skip
-
-
-def _value(text: str, known: Mapping[str, Any]) -> Any:
-    """Evaluate an argument: numbers, labels, points, + - * / ^, a blank for times, functions."""
-    names: dict[str, Any] = {"pi": math.pi, "xAxis": (0j, 1 + 0j)}
-    for label in sorted(known, key=len, reverse=True):
-        if label in text:
-            name = f"g{len(names)}_"
-            text = text.replace(label, name)
-            names[name] = known[label]
-    text = re.sub(r"(?<=[\w)]) (?=[\w(])", "*", text).replace("^", "**")
-    tree = ast.parse(text, mode="eval")
-    return _walked(tree.body, names)
-
-
-def _walked(node: ast.expr, names: Mapping[str, Any]) -> Any:
-    match node:
-        case ast.Constant(value=int() | float() as value):
-            return value
-        case ast.Name(name) if name in names:
-            return names[name]
-        case ast.Tuple([x, y]):
-            return complex(_walked(x, names), _walked(y, names))
-        case ast.UnaryOp(ast.USub(), inner):
-            return -_walked(inner, names)
-        case ast.Call(ast.Name(name), arguments, []) if name in _FUNCTIONS:
-            return _FUNCTIONS[name](*(_walked(a, names) for a in arguments))
-        case ast.BinOp(left, operator, right):
-            a, b = _walked(left, names), _walked(right, names)
-            match operator:
-                case ast.Add():
-                    return a + b
-                case ast.Sub():
-                    return a - b
-                case ast.Mult():
-                    return a * b
-                case ast.Div():
-                    return a / b
-                case ast.Pow():
-                    return a**b
-    raise ValueError(f"{ast.unparse(node)!r} is not known")

@@ -1,4 +1,4 @@
-"""The abstract base of canvases, and a canvas that stores what is drawn on it."""
+"""The abstract base of canvases."""
 
 from __future__ import annotations
 
@@ -21,24 +21,3 @@ class Canvas(ABC):
     @abstractmethod
     def end(self) -> None:
         """Finish the picture."""
-
-
-class Echo(Canvas):
-    """A canvas that keeps what it was given."""
-
-    def __init__(self) -> None:
-        self.stays: Page | None = None
-        self.frames: list[Page] = []
-        self.ended = False
-
-    def begin(self, page: Page) -> None:
-        """Keep the page that stays."""
-        self.stays = page
-
-    def frame(self, page: Page) -> None:
-        """Keep the page."""
-        self.frames.append(page)
-
-    def end(self) -> None:
-        """Note the end."""
-        self.ended = True

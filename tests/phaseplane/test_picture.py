@@ -24,10 +24,10 @@ from recorded import (
 
 from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
 from phaseplane.picture import page
-from phaseplane.picture.canvas import Echo
+from phaseplane.picture.canvas import Canvas
 from phaseplane.picture.chart import Chart, part_of
 from phaseplane.picture.letters import NEAR, place, text_box
-from phaseplane.picture.page import Arrow, Dots, Lines, graduation_of
+from phaseplane.picture.page import Arrow, Dots, Lines, Page, graduation_of
 from phaseplane.picture.paper import Box, arcs
 from phaseplane.picture.quantities import QUANTITIES, display_unit, unit_text
 from phaseplane.picture.story import arms_page, story_of, told_steps
@@ -38,8 +38,8 @@ from phaseplane.picture.styles import (
     PARTS,
     ROLES,
     Hue,
-    contrast,
     hue_of,
+    luminance,
     style_of,
 )
 from phaseplane.picture.text import level_text, markdown, typeset
@@ -111,6 +111,23 @@ def test_letters_do_not_overlap_stay_in_view_and_are_near_or_led(
     assert all(view.contains(box) for box in boxes)
     for point, box, led in zip(points, boxes, made.led, strict=True):
         assert led or abs(box.nearest(point) - point) <= NEAR * em
+
+
+class Echo(Canvas):
+    """A canvas that keeps what it was given."""
+
+    def __init__(self) -> None:
+        self.frames: list[Page] = []
+        self.ended = False
+
+    def begin(self, page: Page) -> None:
+        self.stays = page
+
+    def frame(self, page: Page) -> None:
+        self.frames.append(page)
+
+    def end(self) -> None:
+        self.ended = True
 
 
 def test_a_story_in_order() -> None:
@@ -258,6 +275,12 @@ def test_what_the_viewer_can_show_is_kept() -> None:
     kept = "x\N{SUBSCRIPT TWO} \N{GREEK CAPITAL LETTER OMEGA} \N{MINUS SIGN}1 A1*'\n"
     assert legible(kept) == kept
     assert legible("y\N{COMBINING MACRON}") == "\N{LATIN SMALL LETTER Y WITH MACRON}"
+
+
+def contrast(one: str, other: str) -> float:
+    """The contrast of two colours, from 1 to 21."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
 
 
 HUES = {**{r: s.hue for r, s in ROLES.items() if r not in ("halo", "here")}, **PARTS}
