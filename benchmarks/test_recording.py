@@ -19,9 +19,9 @@ import rerun as rr
 from phaseplane.scenarios.draw.live import show_live
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate.runner import run
-from recorded import quarter_car
 from rerun.chunk import RrdReader
 from rerun.experimental import ViewerClient
+from worked_example import ap57
 
 from phaseplane.constructions import construct_motion, delta
 from phaseplane.constructions.primitives import Drawing, Frame
@@ -36,7 +36,7 @@ pytestmark = pytest.mark.slow
 
 
 def construction(steps: int) -> Drawing:
-    return construct_motion(quarter_car(), delta, step=0.0025, steps=steps)
+    return construct_motion(ap57(), delta, step=0.0025, steps=steps)
 
 
 def encoded(content: Content) -> Path:
@@ -139,7 +139,7 @@ def test_a_frame_of_a_long_recording_costs_the_viewer_little(
     """The processor time of a frame, ms, without that of the rasteriser in software."""
     path = tmp_path / "long.rrd"
     step = 0.0025 if steps < 20_000 else 0.0005
-    record(Content("long", construct_motion(quarter_car(), delta, step=step, steps=steps)), path)
+    record(Content("long", construct_motion(ap57(), delta, step=step, steps=steps)), path)
     port, frames = free_port("127.0.0.1", 0), 60
     command = [viewer_program(), "--headless", "--bind", "127.0.0.1", "--port", str(port)]
     with Popen(

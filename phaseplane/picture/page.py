@@ -32,7 +32,7 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 another start."""
 _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
-_WIDEST = 0.24  # part of the width that the name of an axis may take up
+_WIDEST = 0.27  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
 _SEEN = 2e-4  # m of paper: distance of two points that are seen apart
 _RECENT = 200  # steps of a long motion that are drawn in full

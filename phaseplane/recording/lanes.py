@@ -53,7 +53,7 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
 def lanes_share(content: Content) -> float:
     """Return the height of the lanes where that of the sheet is `SHEET_SHARE`; zero without lanes."""
     lanes = min(len(lanes_of(content)), 3)
-    return 0.6 + 0.6 * lanes if lanes else 0.0
+    return 0.6 + 0.8 * lanes if lanes else 0.0
 
 
 def send_lanes(recording: rr.RecordingStream, content: Content, clock: Clock) -> None:

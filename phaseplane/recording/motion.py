@@ -26,8 +26,8 @@ _HALF_WIDTH = 0.1  # half width of a plane, m of paper
 _APART = 0.34  # distance between the origins of planes, m of paper
 _AT_REST = 1e-3  # of the largest motion with the same unit
 _ROUND = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0, 10.0)
-_EMS = 50.0  # of type over the height of a window on a small screen
-_MOST_EMS = 43.0  # of type over the height of a view
+_EMS = 47.0  # of type over the height of a window on a small screen
+_MOST_EMS = 40.0  # of type over the height of a view
 _PANE = 1.3  # width of a pane over its height
 
 

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from phaseplane.suspension.characteristics import damper, linear
-from phaseplane.suspension.roads import bump
 from rerun.chunk import RrdReader
 
 from phaseplane.constructions import (
@@ -20,13 +18,11 @@ from phaseplane.constructions import (
     Frame,
     Mark,
     Plane,
-    QuarterCarPlanes,
     Scheme,
     Stroke,
 )
 from phaseplane.recording import Content
 
-KGF = 9.80665
 STEP = 0.0025
 DISTANCE = 0.25
 STAGES = 3
@@ -183,20 +179,6 @@ def has_geometry(row: Row | None) -> bool:
 def paper(vertices: Any) -> Any:
     """Vertices read back, as complex numbers."""
     return np.asarray(vertices, float) @ [1, 1j]
-
-
-def quarter_car(**sheet: Any) -> QuarterCarPlanes:
-    """The example of AP57 section 8."""
-    return QuarterCarPlanes(
-        sprung_mass=30 * KGF,
-        unsprung_mass=3 * KGF,
-        spring=linear(1500 * KGF),
-        damper=damper(200 * KGF, 50 * KGF),
-        tyre_stiffness=15000 * KGF,
-        tyre_damping=100 * KGF,
-        road=bump(height=0.05, length=1.0, speed=20.0),
-        **sheet,
-    )
 
 
 def content(steps: int = 60) -> Content:

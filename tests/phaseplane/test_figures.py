@@ -4,23 +4,21 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib import ft2font
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.text import Annotation, Text
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import cubic, damper, linear
+from worked_example import STEP, ap57, hidden
 
 from phaseplane.constructions import (
     EquationPlane,
     OneDofPlane,
-    QuarterCarPlanes,
     construct_motion,
     family,
     tangent,
@@ -34,21 +32,10 @@ from phaseplane.picture.views import telling_frame
 
 DARK, LIGHT = Look(dark=True).palette, Look().palette
 
-KGF = 9.80665
-
 
 @pytest.fixture(scope="module")
 def drawing():
-    car = QuarterCarPlanes(
-        30.0 * KGF,
-        3.0 * KGF,
-        linear(1500.0 * KGF),
-        damper(200.0 * KGF, 50.0 * KGF),
-        15000.0 * KGF,
-        100.0 * KGF,
-        roads.bump(0.05, 1.0, 20.0),
-    )
-    return construct_motion(car, step=0.0025, steps=60)
+    return construct_motion(ap57(), step=STEP, steps=60)
 
 
 @pytest.fixture(scope="module")
@@ -145,29 +132,7 @@ def test_a_step_in_flight_shows_b0_and_one_projection(drawing):
 
 
 def test_letters_do_not_hide_each_other(lettered):
-    renderer = FigureCanvasAgg(lettered).get_renderer()
-    lettered.draw(renderer)
-    boxes = [
-        (t.get_text(), t.get_window_extent(renderer))
-        for t in lettered.axes[0].texts
-        if t.get_text()
-    ]
-    canvas = lettered.bbox
-    assert [text for text, box in boxes if not canvas.contains(*box.min)] == []
-    assert [text for text, box in boxes if not canvas.contains(*box.max)] == []
-
-    def overlap(one, other) -> float:
-        across = min(one.x1, other.x1) - max(one.x0, other.x0)
-        up = min(one.y1, other.y1) - max(one.y0, other.y0)
-        smaller = min(one.width * one.height, other.width * other.height)
-        return max(0.0, across) * max(0.0, up) / smaller
-
-    hidden = [
-        (one[0], other[0])
-        for one, other in combinations(boxes, 2)
-        if overlap(one[1], other[1]) > 0.1
-    ]
-    assert hidden == []
+    assert hidden(lettered) == []
 
 
 def test_no_such_frame(drawing):

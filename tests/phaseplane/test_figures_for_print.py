@@ -11,7 +11,6 @@ from matplotlib.text import Text
 from phaseplane.suspension.characteristics import damper, linear
 from phaseplane.suspension.roads import obstacle
 from PIL import Image
-from recorded import quarter_car
 from worked_example import STEP, ap57
 
 from phaseplane import figures
@@ -21,7 +20,7 @@ from phaseplane.figures import Look, save
 
 @pytest.fixture(scope="module")
 def drawing() -> Drawing:
-    return construct_motion(quarter_car(), delta, step=0.0025, steps=30)
+    return construct_motion(ap57(), delta, step=0.0025, steps=30)
 
 
 def strips(figure: object, role: str) -> list[np.ndarray]:

@@ -19,8 +19,8 @@ from recorded import (
     content,
     drawing,
     frame,
-    quarter_car,
 )
+from worked_example import ap57
 
 from phaseplane.constructions import Axis, Curve, EquationPlane, Mark, construct_motion, delta
 from phaseplane.picture import page
@@ -153,7 +153,7 @@ def test_a_story_in_order() -> None:
 
 
 def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
-    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     ticks = list(story_of(made, stays, arms_page(made), {}, (12,)))
     stages = made.schemes["contact"].stages
@@ -167,7 +167,7 @@ def test_the_present_stage_is_on_top_and_in_the_units_of_the_axes() -> None:
 
 
 def test_arrows_at_the_rim_come_with_their_letters() -> None:
-    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     step = next(f.step for f in made.frames if not stays.view.holds(f.points["D1"]))
     ticks = [t for t in story_of(made, stays, arms_page(made), {}, (step,)) if t.step == step]
@@ -210,7 +210,7 @@ def test_a_story_computes_the_ways_of_its_motion_once(monkeypatch: pytest.Monkey
 
 
 def test_what_is_long_past_is_faint_in_a_story() -> None:
-    made = construct_motion(quarter_car(), delta, step=0.0025, steps=500)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=500)
     stays = pages_of(Content("quarter car", made))[0]
     *_, last = story_of(made, stays, arms_page(made), {}, (12, 490))
     past, recent = (i for i in last.page.items if isinstance(i, Lines) and i.role == "trail")
@@ -220,7 +220,7 @@ def test_what_is_long_past_is_faint_in_a_story() -> None:
 
 
 def test_all_columns_of_a_chart_are_named_in_its_view() -> None:
-    made = construct_motion(quarter_car(), delta, step=0.0025, steps=10)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=10)
     names = tuple(f"{axle}_suspension_deflection_{i}" for axle in ("front", "rear") for i in "12")
     histories = {"time": [0.0, 0.02], **{name: [0.0, 0.01] for name in names}}
     page = Chart(made, histories, names, QUANTITIES[0]).stays
@@ -304,7 +304,7 @@ def test_the_moving_point_stands_out_on_any_ground() -> None:
 
 
 def test_the_ring_does_not_hide_the_step() -> None:
-    made = construct_motion(quarter_car(), delta, step=0.0025, steps=30)
+    made = construct_motion(ap57(), delta, step=0.0025, steps=30)
     stays = pages_of(Content("quarter car", made))[0]
     told = [t.page for t in story_of(made, stays, arms_page(made), {}, (12,)) if t.step == 12]
     ringed = [any(dots.role == "halo" for dots in page.of(Dots)) for page in told]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from cmath import phase
-from itertools import combinations
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
-from worked_example import STEP, ap57, by_scipy, column
+from worked_example import STEP, ap57, by_scipy, column, hidden
 
 from phaseplane import figures
 from phaseplane.constructions import (
@@ -67,24 +65,6 @@ def dimension_lines(figure: Figure) -> list[tuple[complex, complex]]:
 
 def lengths(figure: Figure) -> list[float]:
     return [abs(b - a) for a, b in dimension_lines(figure)]
-
-
-def hidden(figure: Figure) -> list[tuple[str, str]]:
-    """Texts that cover each other by more than a tenth, or leave the figure."""
-    renderer = FigureCanvasAgg(figure).get_renderer()
-    figure.draw(renderer)
-    boxes = [
-        (t.get_text(), t.get_window_extent(renderer)) for t in figure.axes[0].texts if t.get_text()
-    ]
-    canvas = figure.bbox
-    found = [(text, "edge") for text, box in boxes if not canvas.contains(*box.min)]
-    found += [(text, "edge") for text, box in boxes if not canvas.contains(*box.max)]
-    for (one, a), (other, b) in combinations(boxes, 2):
-        across, up = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
-        smaller = min(a.width * a.height, b.width * b.height)
-        if max(0.0, across) * max(0.0, up) > 0.1 * smaller:
-            found.append((one, other))
-    return found
 
 
 def test_figure_7_is_drawn_to_the_papers_lengths(grounded: Drawing) -> None:

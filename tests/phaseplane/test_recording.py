@@ -17,7 +17,6 @@ from recorded import (
     DISTANCE,
     FLIGHT,
     HISTORIES,
-    KGF,
     PLANES,
     STEP,
     Recorded,
@@ -25,10 +24,10 @@ from recorded import (
     drawing,
     frame,
     paper,
-    quarter_car,
     spiral,
 )
 from rerun.chunk import RrdReader
+from worked_example import KGF, ap57
 
 from phaseplane.constructions import (
     RULES,
@@ -340,7 +339,7 @@ def test_detail_decides_what_is_logged(tmp_path: Path, detail: str) -> None:
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
-    figure = construct_motion(quarter_car(), rule, step=0.0025, steps=60)
+    figure = construct_motion(ap57(), rule, step=0.0025, steps=60)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     trail = recorded.rows["/sheet/trail/wheel_displacement/recent"]
@@ -361,7 +360,7 @@ def test_figure_7_with_lift_off(tmp_path: Path, rule: Rule) -> None:
 
 
 def test_normals_of_figure_7(tmp_path: Path) -> None:
-    figure = construct_motion(quarter_car(lift_off=False), delta, step=0.0025, steps=20)
+    figure = construct_motion(ap57(lift_off=False), delta, step=0.0025, steps=20)
     record(figure, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     strokes = [stroke.role for stroke in figure.schemes["contact"].strokes]

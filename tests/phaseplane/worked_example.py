@@ -1,10 +1,13 @@
-"""AP57's worked example in SI, and an independent solution of it."""
+"""AP57's worked example in SI, an independent solution of it, and texts that its figures hide."""
 
 from __future__ import annotations
 
+from itertools import combinations
 from math import cos, pi, sin
 
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from phaseplane.suspension import roads
 from phaseplane.suspension.characteristics import damper, linear
 from scipy.integrate import solve_ivp
@@ -81,3 +84,21 @@ def by_scipy(times: np.ndarray, lift_off: bool) -> tuple[np.ndarray, list[float]
 
 def column(drawing, name: str) -> np.ndarray:
     return np.array([frame.readings[name] for frame in drawing])
+
+
+def hidden(figure: Figure) -> list[tuple[str, str]]:
+    """Texts that cover each other by more than a tenth, or leave the figure."""
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    boxes = [
+        (t.get_text(), t.get_window_extent(renderer)) for t in figure.axes[0].texts if t.get_text()
+    ]
+    canvas = figure.bbox
+    found = [(text, "edge") for text, box in boxes if not canvas.contains(*box.min)]
+    found += [(text, "edge") for text, box in boxes if not canvas.contains(*box.max)]
+    for (one, a), (other, b) in combinations(boxes, 2):
+        across, up = min(a.x1, b.x1) - max(a.x0, b.x0), min(a.y1, b.y1) - max(a.y0, b.y0)
+        smaller = min(a.width * a.height, b.width * b.height)
+        if max(0.0, across) * max(0.0, up) > 0.1 * smaller:
+            found.append((one, other))
+    return found
