@@ -8,7 +8,8 @@ long as every comparison comes out the same.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from array import array
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
     from .systems import System
     from .trace import Node
 
-_Function = Callable[..., list[float] | None]
-_FIRST = 16  # changes before the first record; twice as many before each further one
+_Function = Callable[..., bool]  # whether it has set the numbers
+_FIRST = (
+    8  # changes before the first record, which costs as much; twice as many before each further one
+)
 
 
 class Retuning:
@@ -34,31 +37,33 @@ class Retuning:
 
     def __init__(self, model: str) -> None:
         self._model = model
-        self._names: tuple[str, ...] = ()
-        self._laws: _Function | None = None
+        self._names: dict[str, None] = {}
+        self._function: _Function | None = None
+        self._laws = array("d")
         self._built, self._enough = 0, _FIRST
 
-    def laws(self, parameters: Mapping[str, Value], changed: Collection[str]) -> list[float] | None:
+    def laws(self, now: Mapping[str, Value], changed: Mapping[str, Value]) -> array[float] | None:
         """Return what `laws_of` gives after a change of parameters; None if the system must be built.
 
         Parameters
         ----------
-        parameters : all of them
-        changed : the names of those that may have changed since the last call
+        now : all of them before the change
+        changed : those that may change
         """
-        if not {*changed} <= {*self._names}:
+        if not changed.keys() <= self._names.keys():
             self.forget()
-            self._names = tuple({**dict.fromkeys(self._names), **dict.fromkeys(changed)})
-        if self._laws is None:
+            self._names.update(dict.fromkeys(changed))
+        if self._function is None:
             return None
+        given = [changed[name] if name in changed else now[name] for name in self._names]
         try:
-            return self._laws(*[parameters[name] for name in self._names])
+            return self._laws if self._function(*given) else None
         except ArithmeticError:
             return None
 
     def forget(self) -> None:
         """Forget the laws: something else has changed, too."""
-        self._laws = None
+        self._function = None
 
     def note(self, parameters: Mapping[str, Value], fits: Callable[[System], bool]) -> None:
         """Note that the laws of a system that was built have been taken; after enough of them, record.
@@ -71,7 +76,7 @@ class Retuning:
         self._built += 1
         if self._built >= self._enough:
             self._built, self._enough = 0, 2 * self._enough
-            self._laws = _recorded(self._model, parameters, self._names, fits)
+            self._function = _recorded(self._model, parameters, self._names, fits, self._laws)
 
 
 def _recorded(
@@ -79,10 +84,11 @@ def _recorded(
     parameters: Mapping[str, Value],
     names: Iterable[str],
     fits: Callable[[System], bool],
+    laws: array[float],
 ) -> _Function | None:
-    """Return the function of the named parameters that returns all laws; None if there is none.
+    """Return the function of the named parameters that sets the laws; None if there is none.
 
-    It returns None where the set-up would differ from what was noted.
+    It returns false where the set-up would differ from what was noted.
     """
     from .trace import Tape  # noqa: PLC0415  (most runs record nothing)
 
@@ -108,7 +114,8 @@ def _recorded(
         return None
     if any(element.yield_force < inf for element in system.elements):
         return None
-    return _compiled(nodes, holds, rows, [number.node for number in given.values()])
+    laws[:] = array("d", [row.value for row in rows])
+    return _compiled(nodes, holds, rows, [number.node for number in given.values()], laws)
 
 
 def _real(value: Value) -> float:
@@ -131,7 +138,11 @@ def _needed(nodes: Iterable[Node]) -> set[int]:
 
 
 def _compiled(
-    nodes: Iterable[Node], holds: Mapping[int, bool], rows: Iterable[Node], given: Sequence[Node]
+    nodes: Iterable[Node],
+    holds: Mapping[int, bool],
+    rows: Iterable[Node],
+    given: Sequence[Node],
+    laws: array[float],
 ) -> _Function:
     """Return the function of given numbers that does what was noted.
 
@@ -139,29 +150,31 @@ def _compiled(
     ----------
     nodes : what depends on them; operands come before what is made of them
     holds : by identity, whether a condition holds
-    rows : the numbers to be returned
+    rows : the numbers to be set
     given : the parameters of the function
+    laws : where the numbers that depend on them are set, if all conditions hold
     """
     texts = {id(node): f"p{k}" for k, node in enumerate(given)}
 
     def text(node: Node) -> str:
         return texts.get(id(node)) or repr(node.value)
 
-    lines = [f"def laws({', '.join(texts.values())}):"]
+    lines = [f"def set_laws({', '.join(texts.values())}):"]
     for node in nodes:
         if id(node) in holds:
             left, right = node.operands
             unless = "not " if holds[id(node)] else ""
-            lines.append(f"    if {unless}{text(left)} {node.text} {text(right)}: return None")
+            lines.append(f"    if {unless}{text(left)} {node.text} {text(right)}: return False")
         elif id(node) not in texts:
             found = _written(node.text, *map(text, node.operands))
             texts[id(node)] = f"t{len(texts)}"
             lines.append(f"    {texts[id(node)]} = {found}")
-    lines.append(f"    return [{', '.join(map(text, rows))}]")
-    known: dict[str, Any] = {"inf": inf}
+    lines += [f"    laws[{at}] = {text(row)}" for at, row in enumerate(rows) if row.of]
+    lines.append("    return True")
+    known: dict[str, Any] = {"inf": inf, "laws": laws}
     exec("\n".join(lines), known)
-    laws: _Function = known["laws"]
-    return laws
+    set_laws: _Function = known["set_laws"]
+    return set_laws
 
 
 def _written(operation: str, *operands: str) -> str:

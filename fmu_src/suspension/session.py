@@ -9,6 +9,7 @@ step (see `kernel.run`).
 from __future__ import annotations
 
 import json
+from array import array
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -94,8 +95,9 @@ class Session:
         self._tolerance = self._allowed(tolerance)
         self._warned = self._passed_over = False
         self.events: deque[Event] = deque(maxlen=_MOST_EVENTS)
-        self.parameters = checked_parameters(model, parameters)
-        self._tuned: dict[str, Value] = {}
+        self._parameters: Checked | None = checked_parameters(model, parameters)
+        self._now: dict[str, Value] = {**self._parameters}  # as they are now
+        self._tuned: dict[str, Value] = {}  # as they are from the next step on
         self._retuning = Retuning(model)
         self._energies: Energies | None = None  # at the present time, once asked for
         self._inputs = inputs(model)
@@ -120,6 +122,13 @@ class Session:
     def time(self) -> float:
         """The present time, s."""
         return float(self._run.time)
+
+    @property
+    def parameters(self) -> Checked:
+        """All parameters at the present time."""
+        if self._parameters is None:
+            self._parameters = Checked(self.model, self._now)
+        return self._parameters
 
     @property
     def clock(self) -> Any:
@@ -209,7 +218,7 @@ class Session:
         ------
         ParameterError : unknown or fixed parameter, or a value that it cannot have.
         """
-        refuse_unknown([name], self.parameters, f"{self.model} has no parameter")
+        refuse_unknown([name], self._now, f"{self.model} has no parameter")
         variable = declared_parameters(self.model)[name]
         if not variable.tunable:
             raise ParameterError(f"{name} = {value!r}: this parameter cannot change during a run")
@@ -337,33 +346,28 @@ class Session:
         Laws of elements are replaced in place. Any other change requires a new integrator.
         """
         tuned, self._tuned = self._tuned, {}
-        parameters = Checked(self.model, {**self.parameters, **tuned})
-        if parameters == self.parameters:
+        if tuned.items() <= self._now.items():
             return
-        laws = self._retuning.laws(parameters, tuned)
-        system = None
+        laws = self._retuning.laws(self._now, tuned)
         if laws is None:
-            system = self._on_present_road(parameters)
-            self._refuse(system)
-        self._stop_here()
-        self._run.account.find(self._integrator, self.time)
-        self.parameters = parameters
-        if laws is not None:
-            self._integrator.retune(laws)
+            self._take(Checked(self.model, {**self._now, **tuned}))
+        else:
+            self._stop_here()
+            self._run.retune(laws)
             self._is_old = True
-        elif system is not None:
-            self._take(system)
-        self._behind = self._integrator.snapshot()
-        self._run.contacts.compare(self._integrator, self.time)
-        self._run.account.carry(self._integrator)
+        self._now.update(tuned)
+        self._parameters = None
         self._energies = None
 
-    def _take(self, system: System) -> None:
-        """Let the integrator go on with another system; another one does if more than laws differ."""
+    def _take(self, parameters: Checked) -> None:
+        """Continue with the system of other parameters."""
+        system = self._on_present_road(parameters)
+        self._refuse(system)
+        self._stop_here()
         if self._fits(system):
-            self._integrator.retune(laws_of(system))
+            self._run.retune(array("d", laws_of(system)))
             self._system, self._is_old = system, False
-            self._retuning.note(_on_level_road(self.parameters), self._fits)
+            self._retuning.note(_on_level_road(parameters), self._fits)
         else:
             self._replace_integrator(system)
             self._retuning.forget()
@@ -489,8 +493,8 @@ class Session:
             return self.readers[name]()
         if name in self._inputs:
             return float(self._run.input_now(self._inputs.index(name)))
-        refuse_unknown([name], (*declared, *self._inputs, *self.parameters), "no variable")
-        return self._tuned.get(name, self.parameters[name])
+        refuse_unknown([name], (*declared, *self._inputs, *self._now), "no variable")
+        return self._tuned.get(name, self._now[name])
 
     def many(self, names: Sequence[str]) -> ReadMany:
         """Return the function that reads variables by their indices in `names`, many in one call.
@@ -516,12 +520,12 @@ class Session:
         return json.dumps(
             {
                 "model": self.model,
-                "parameters": self.parameters,
+                "parameters": self._now,
                 "ok": self.ok,
                 "tuned": self._tuned,
                 "run": self._run.snapshot(),
                 "integrator": self._integrator.snapshot().hex(),
-                "behind": self._behind.hex(),
+                "behind": self._behind.hex() if self._integrator.time > self.time else "",
             }
         ).encode()
 
@@ -533,7 +537,7 @@ class Session:
         ValueError : a snapshot of another model or with other parameters.
         """
         kept = json.loads(state)
-        if (kept["model"], kept["parameters"]) != (self.model, self.parameters):
+        if (kept["model"], kept["parameters"]) != (self.model, self._now):
             raise ValueError("this state belongs to another model or to other parameters")
         self._integrator.restore(bytes.fromhex(kept["integrator"]))
         self._behind = bytes.fromhex(kept["behind"])

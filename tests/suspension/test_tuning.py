@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from array import array
 from math import cos, pi, sin, sqrt
 
 import pytest
 from phaseplane.suspension import retuning
 from phaseplane.suspension import session as session_module
+from phaseplane.suspension.engine import laws_of
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.signals import Signal
 from phaseplane.suspension.variables import MODELS, ParameterError
@@ -287,6 +289,13 @@ def test_parameters_that_change_often_give_the_bits_of_systems_built_anew(
     assert built[1] >= 99
     sought = which in ("saturating", "a curved spring under preload")  # not by plain sums alone
     assert built[0] < (102 if sought else 70)
+
+
+def test_laws_of_another_system_are_refused() -> None:
+    run = Session("QuarterCar", {})._run
+    laws = array("d", laws_of(Session("HalfCar", {}).system))
+    with pytest.raises(ValueError, match=f"{len(laws)} numbers are not the "):
+        run.retune(laws)
 
 
 def test_another_parameter_ends_what_was_noted(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -163,24 +163,6 @@ class Integrator(March):
         self.ledger.strike_balance(self.state.time, self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
 
-    def retune(self, laws):
-        """Continue with other laws of the elements; see `take_laws`.
-
-        Parameters
-        ----------
-        laws : `laws_of` a system that fits and differs in its laws alone
-
-        Raises
-        ------
-        ValueError : if these are not the laws of such a system.
-        """
-        if len(laws) != self.net.laws_size:
-            raise ValueError(
-                f"{len(laws)} numbers are not the {self.net.laws_size} of these elements"
-            )
-        memory = Memory(len(laws))
-        self.take_laws(memory.doubles(laws), 0)
-
     def set_signal(self, signal, coefficients, jumps=True):
         """Replace a one-segment signal from now on by c0 + c1 s + c2 s^2 + c3 s^3, s = t - now.
 

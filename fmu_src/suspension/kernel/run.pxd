@@ -1,6 +1,6 @@
 cimport cython
 from .account cimport Account
-from .arrays cimport Memory
+from .arrays cimport Lent, Memory
 from .contacts cimport Contacts
 from .inputs cimport Inputs
 from .integrator cimport Integrator
@@ -42,5 +42,9 @@ cdef class Run:
     cdef void _enter_course(self, int k) noexcept nogil
     @cython.locals(found=bint, s=int, r=int, i=int)
     cpdef int find_rest(self) noexcept nogil
+    cdef void take_laws(self, double *x, int at) noexcept nogil
+    @cython.locals(size=Py_ssize_t, lent=Lent)
+    cpdef object retune(self, laws)
+    cdef void _begin_anew(self, Integrator integrator) noexcept nogil
     @cython.locals(k=int)
     cdef void hand_on(self, Integrator integrator, int *counterpart) noexcept nogil

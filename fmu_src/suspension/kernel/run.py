@@ -13,7 +13,7 @@ here until their time has come.
 from __future__ import annotations
 
 from .account import Account
-from .arrays import Memory
+from .arrays import Lent, Memory
 from .contacts import Contacts
 from .inputs import Inputs
 from .rest import Rest
@@ -168,14 +168,44 @@ class Run:
             self.rest.q[i] = 0.0
         return self.rest.find() if found else 0
 
-    # -- another integrator --------------------------------------------------------------------------
+    # -- other parameters ----------------------------------------------------------------------------
+
+    def take_laws(self, x, at):
+        """Go on with other laws of the elements, from x[at:]."""
+        self.account.find(self.integrator, self.time)
+        self.integrator.take_laws(x, at)
+        self._begin_anew(self.integrator)
+
+    def retune(self, laws):
+        """Go on with other laws of the elements.
+
+        Parameters
+        ----------
+        laws : `laws_of` a system that fits and differs in its laws alone; an array of doubles
+
+        Raises
+        ------
+        ValueError : if these are not the laws of such a system.
+        """
+        size = self.integrator.net.laws_size
+        if len(laws) != size:
+            raise ValueError(f"{len(laws)} numbers are not the {size} of these elements")
+        lent = Lent(laws)
+        self.take_laws(lent.numbers, 0)
 
     def hand_on(self, integrator, counterpart):
         """Let another integrator go on from the present one; the host then puts it in its place."""
+        self.account.find(self.integrator, self.time)
         for k in range(self.lines):
             self._enter_course(k)
             integrator.net.replace_signal(self.line_signal[k], self.line_time[k], self.coefficients)
         integrator.take_over(self.integrator, counterpart)
+        self._begin_anew(integrator)
+
+    def _begin_anew(self, integrator):
+        """Compare contacts and let the energies go on where the integrator's ledger begins anew."""
+        self.contacts.compare(integrator, self.time)
+        self.account.carry(integrator)
 
     def replace(self, integrator, counterpart):
         """Let another integrator go on from the present one, in its place.

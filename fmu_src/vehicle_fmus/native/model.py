@@ -42,15 +42,15 @@ from .translate import needed, translated
 
 _ROOTS = [
     *(("Integrator", name) for name in (
-        "begin_row", "take_laws", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
+        "begin_row", "_advance", "_look_at_pace", "keeps_pace", "_enter_state", "sample",
         "sample_forces", "limited_time_at", "residual_at", "stable_step", "yielding", "at_limit",
         "_follow_state",
     )),
     *(("Run", name) for name in (
-        "begin", "set_input", "sets_in", "hand_over", "find_rest", "hand_on",
+        "begin", "set_input", "sets_in", "hand_over", "find_rest", "hand_on", "take_laws",
     )),
-    *(("Contacts", name) for name in ("begin", "note", "compare", "next", "forget_waiting")),
-    *(("Account", name) for name in ("begin", "carry", "find", "find_drift")),
+    *(("Contacts", name) for name in ("begin", "note", "next", "forget_waiting")),
+    *(("Account", name) for name in ("begin", "find", "find_drift")),
     *(("Network", name) for name in ("signal_at", "next_corner", "set_datum", "take_moving")),
 ]  # fmt: skip
 _Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name

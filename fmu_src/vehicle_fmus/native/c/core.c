@@ -349,16 +349,13 @@ static int take_parameters(Instance *one) {
     now->tuned = 0;
     if (memcmp(now->parameters, now->used, sizeof now->used) == 0) return 0;
     if (stop_here(one)) return 1;
-    Account_find(run->account, run->integrator, run->time);
     if (find_numbers(one, 1)) return 1;
     if (use_changes(one)) {
-        Integrator_take_laws(&now->machine.integrator, now->row, LAWS);
+        Run_take_laws(run, now->row, LAWS);
     } else if (replace_machine(one)) {
         return 1;
     }
     now->kept = 0;
-    Contacts_compare(run->contacts, run->integrator, run->time);
-    Account_carry(run->account, run->integrator);
     if (run->contacts->waiting > 0) enter_due(one, run->time);
     return 0;
 }
