@@ -32,7 +32,7 @@ FEWEST, MOST = 40, 60
 """Ticks of a story, where the schemes allow it."""
 # least distance of a state point from its origin in a step that is told, of the largest
 _AWAY = 0.25
-_TELLING = 12  # fewest steps from which those are chosen
+_TELLING = 6  # fewest steps from which those are chosen
 _CANDIDATES = 1000  # most of them
 _VERTICES = 1000  # of a motion in each tick
 _TOLD = ("lift_off", "touchdown")

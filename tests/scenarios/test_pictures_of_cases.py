@@ -19,7 +19,7 @@ from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.letters import NEAR
 from phaseplane.picture.page import Page
-from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of
+from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
 from phaseplane.picture.views import frame_at
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
@@ -84,6 +84,14 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
     for width, height in PANES:
         scale = min(width / stays.view.half.real, height / stays.view.half.imag) / 2.0
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
+
+
+def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
+    """Also in a short motion, which begins at rest."""
+    drawing = drawing_of("h83_example40")
+    (plane,) = drawing.planes
+    size = [abs(f.points[plane.state] - plane.displacement.origin) for f in drawing.frames]
+    assert min(size[step] for step in told_steps(drawing)) > 0.2 * max(size)
 
 
 @pytest.mark.parametrize("name", DRAWN)
