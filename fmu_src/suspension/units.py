@@ -94,6 +94,11 @@ def to_si(quantity: str, unit: str) -> float:
     raise UnitError(f"unit {name!r} does not fit here; allowed: {', '.join((unit, *display))}")
 
 
+def counted(count: int, what: str) -> str:
+    """Return a number of things, e.g. 1 step or 62 steps."""
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
+
+
 def nearest(name: str, names: object) -> str:
     """Return a hint with the closest known name to end a message with, or an empty string."""
     from difflib import get_close_matches  # noqa: PLC0415  (for mistakes only)

@@ -31,12 +31,16 @@ def family(
     ------
     StepError, ValueError, ArithmeticError : as of `construct_motion`.
     """
-    first = construct_motion(construction, rule, step=step, duration=duration)
-    (plane,) = construction.planes
-    others: list[Drawing] = []
-    for x, velocity in starts:
+    every: list[Drawing] = []
+    own = construction.initial_displacement, construction.initial_velocity
+    for x, velocity in (own, *starts):
         moved = replace(construction, initial_displacement=x, initial_velocity=velocity)
-        others.append(construct_motion(moved, rule, step=step, duration=duration))
+        try:
+            every.append(construct_motion(moved, rule, step=step, duration=duration))
+        except ArithmeticError as error:
+            raise ArithmeticError(f"from the start ({x:g}, {velocity:g}) {error}") from None
+    (plane,) = construction.planes
+    first, *others = every
     # the auxiliary curves reach as far as any of the integral curves
     fixed = construction.curves([frame for one in (first, *others) for frame in one])
     kept = tuple(curve for curve in first.curves if curve.role != "auxiliary")

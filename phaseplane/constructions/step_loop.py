@@ -103,7 +103,8 @@ def _frames(
             readings = construction.readings(mode, states, time, readings, elapsed)
         except OverflowError:
             raise ArithmeticError(
-                f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s"
+                f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s, or "
+                "less time if the motion itself grows without bound"
             ) from None
         scheme = construction.scheme_of(mode)
         yield Frame(number, time, window.duration, scheme, points, readings, event, mode)

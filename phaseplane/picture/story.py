@@ -11,6 +11,7 @@ import numpy as np
 from phaseplane.constructions.primitives import Drawing, Mark
 from phaseplane.constructions.sheet import events_of
 from phaseplane.constructions.storage import Frame
+from phaseplane.suspension.units import counted
 
 from . import dimensions
 from .page import CURVES, Arrow, Page
@@ -108,9 +109,9 @@ def story_of(
     page.events()
     page.dots("state", [motion[-1] for motion in stays.motions], 1.6)
     read = readings_table((drawing.end or last).readings, quantities)
-    said = f"**The whole motion**: {len(drawing.frames)} steps. {_FURTHER}\n\n{read}"
-    caption = f"The whole motion: {len(drawing.frames)} steps"
     count = len(drawing.frames)
+    said = f"**The whole motion**: {counted(count, 'step')}. {_FURTHER}\n\n{read}"
+    caption = f"The whole motion: {counted(count, 'step')}"
     yield Tick(page, arms.following(), said, caption, count, last.time + last.duration)
 
 

@@ -10,6 +10,7 @@ from time import perf_counter
 from typing import Any
 
 import click
+from phaseplane.suspension.units import counted
 from phaseplane.suspension.variables import ParameterError, refuse_unknown
 
 from phaseplane import figures
@@ -108,7 +109,7 @@ def replay(
         click.echo(
             as_json(summary)
             if as_data
-            else f"{summary['title']}: {summary['steps']} steps"
+            else f"{summary['title']}: {counted(summary['steps'], 'step')}"
             + (f" in {places}" if places else "")
             + format_drift(summary)
         )

@@ -9,6 +9,8 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from phaseplane.suspension.units import counted
+
 from phaseplane import constructions, exercises, figures
 from phaseplane.constructions.construction import CONTACT
 from phaseplane.exercises.letters import lettered
@@ -64,7 +66,7 @@ class Exercise:
     def extent(self) -> str:
         """The number of steps, and their start if that is later than the scene's."""
         begin = self.drawing.frames[0].time
-        return f"{self.steps} steps" + (f" from t = {begin:.4g} s" if begin else "")
+        return counted(self.steps, "step") + (f" from t = {begin:.4g} s" if begin else "")
 
 
 def exercise(scene: Scene, steps: int, paper: str) -> Exercise:

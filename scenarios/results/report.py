@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from phaseplane.suspension.profiles import fade_length
+from phaseplane.suspension.units import counted
 
 from .. import results
 from .quantities import reading, shown_in
@@ -122,7 +123,7 @@ def _table(measures: Mapping[str, Mapping[str, Any]]) -> Iterator[str]:
 
 def _steps(measures: Mapping[str, Any]) -> str:
     steps = measures.get("step_count", {}).get("value")
-    return f"{steps} steps, " if steps is not None else ""
+    return f"{counted(steps, 'step')}, " if steps is not None else ""
 
 
 def _by(summary: Mapping[str, Any]) -> str:
@@ -167,7 +168,7 @@ def _drawn(drawn: Mapping[str, Any] | None) -> Iterator[Line]:
     """Yield the graphical construction, and its control by a second path (AP57 section 4)."""
     if drawn is None:
         return
-    yield "construction", f"{drawn['steps']} steps in {drawn['seconds']:.3f} s"
+    yield "construction", f"{counted(drawn['steps'], 'step')} in {drawn['seconds']:.3f} s"
     for i, words in enumerate(_lengths(drawn, "control")):
         yield "" if i else "control", f"differs by at most {words} (AP57 eqs. 24, 25)"
     for i, words in enumerate(_lengths(drawn, "drift")):

@@ -57,6 +57,8 @@ def solve(
         found = motion(switching, start, times[:rows].tolist(), partial(going_on, number))
         if len(found.times) < rows:
             rows, complaint = len(found.times), found.complaint
+            if complaint and len(starts) > 1:
+                complaint = f"from the start ({start[0]:g}, {start[1]:g}) {complaint}"
         prefix = f"start{number + 1}_" if number else ""
         columns |= {
             f"{prefix}displacement": np.array(found.displacements),

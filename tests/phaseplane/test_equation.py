@@ -163,6 +163,15 @@ def test_an_equation_that_runs_away_says_when():
         construct_motion(one, step=0.01, duration=20.0)
 
 
+def test_of_several_starts_the_one_that_runs_away_is_named():
+    """x'' = x'^3 from x' = 2 reaches infinity at 1/8 s."""
+    still = EquationPlane(lambda v, x, t: x - v**3, initial_displacement=0.1)
+    with pytest.raises(
+        ArithmeticError, match=r"^from the start \(0, 2\) the construction diverges"
+    ):
+        family(still, [(0.2, 0.0), (0.0, 2.0)], step=0.1, duration=5.0)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -194,3 +194,26 @@ def test_another_equation_takes_the_title_away_and_keeps_a_new_one() -> None:
     assert load_scene("van_der_pol", ["equation=sin(x)", "title=Pendulum"]).title == "Pendulum"
     assert load_scene("van_der_pol", ["parameters.equation=sin(x)"]).title == "Equation"
     assert load_scene("van_der_pol", ["displacement_start=1"]).title.startswith("Van der Pol")
+
+
+def test_of_several_starts_the_one_that_runs_away_is_named(tmp_path: Path) -> None:
+    scene = tmp_path / "runaway.toml"
+    scene.write_text(
+        'fmu = "Equation"\nduration = "5 s"\n[parameters]\nequation = "x - v^3"\n'
+        'displacement_start = 0.1\n[construction]\nstep = "0.1 s"\nstarts = [[0.2, 0.0], [0.0, 2.0]]\n'
+    )
+    ran = CliRunner().invoke(main, ["run", str(scene), "-o", str(tmp_path / "out")])
+    assert ran.exit_code == 1
+    assert "from the start (0, 2) no step is short enough" in ran.stderr
+    drawn = CliRunner().invoke(main, ["replay", str(scene), "--figure", str(tmp_path / "a.png")])
+    assert drawn.exit_code == 1
+    assert "from the start (0, 2) the construction diverges" in drawn.stderr
+
+
+def test_a_construction_at_rest_is_one_step(tmp_path: Path) -> None:
+    still = ["--set", "equation=x + 0.3*sign(v)", "--set", "displacement_start=0.1"]
+    told = CliRunner().invoke(
+        main, ["replay", "van_der_pol", *still, "--figure", str(tmp_path / "rest.png")]
+    )
+    assert told.exit_code == 0, told.stderr
+    assert ": 1 step in " in told.stdout
