@@ -32,8 +32,10 @@ cdef class Signals:
                    acceleration=double, jerk=double, amplitude=double, angle=double,
                    speed=double, c=double, d=double)
     cdef void signal(self, int s, double t) noexcept nogil
-    @cython.locals(now=int, k=int, start=double)
+    @cython.locals(now=int, k=int)
     cdef void signal_at(self, int s, double t, bint after) noexcept nogil
+    @cython.locals(start=double)
+    cdef bint _has_begun(self, int s, int k, double t, bint after) noexcept nogil
     cdef double value_before(self, int s, double t) noexcept nogil
     @cython.locals(s=int)
     cdef void all_signals(self, double t) noexcept nogil

@@ -152,15 +152,19 @@ class Signals:
         The present segment may be a later one.
         """
         now = self.signal_now[s]
-        k = 0
-        while k + 1 < self.signal_count[s]:
-            start = self.segment[(self.signal_first[s] + k + 1) * SEGMENT + START]
-            if start > t or (start == t and not after):
-                break
+        k = now
+        while k > 0 and not self._has_begun(s, k, t, after):
+            k -= 1
+        while k + 1 < self.signal_count[s] and self._has_begun(s, k + 1, t, after):
             k += 1
         self.signal_now[s] = k
         self.signal(s, t)
         self.signal_now[s] = now
+
+    def _has_begun(self, s, k, t, after):
+        """Return whether segment k of signal s has begun before t, or also at t if `after`."""
+        start = self.segment[(self.signal_first[s] + k) * SEGMENT + START]
+        return start < t or (start == t and after)
 
     def value_before(self, s, t):
         """Return the value of signal s just before t, a road's from zero."""
