@@ -13,15 +13,14 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
-from phaseplane.suspension.trace import Number, number
+from phaseplane.suspension.trace import Number
 
 from .declarations import NUMBERS
 from .kernel_sources import Sources
-from .statements import constants, in_lines
-from .translate import in_c
+from .statements import ZERO, in_lines
+from .translate import in_c, in_digits
 
 _STATE = "snapshot."  # the record of the state
-_LONGEST = 1000  # numbers of an array within the record's initial value
 
 
 @dataclass(slots=True)
@@ -31,14 +30,21 @@ class _Found:
     Parameters
     ----------
     state : what is in the record of the state, by identity
+    later : arrays that are filled before they are read, by identity
     """
 
     state: frozenset[int]
+    later: frozenset[int]
     objects: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
     arrays: dict[int, tuple[str, str, Any]] = field(default_factory=dict)
-    pointers: list[str] = field(default_factory=list)
+    within: dict[int, str] = field(default_factory=dict)  # arrays that are parts of objects
+    pointers: list[tuple[str, Any]] = field(default_factory=list)  # to objects and arrays
     values: dict[str, list[str]] = field(default_factory=dict)
     noted: dict[str, Number] = field(default_factory=dict)
+
+    def place(self, one: Any) -> str:
+        """Return the name of an object or array, empty if it is outside."""
+        return self.within.get(id(one)) or {**self.objects, **self.arrays}[id(one)][0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +69,7 @@ def image(
     kernel: Sources,
     record: str,
     outside: Collection[object] = (),
+    later: Collection[object] = (),
     state: Any = None,
 ) -> Image:
     """Return the record of an object and all that it refers to, its initial value, and its wiring.
@@ -74,6 +81,7 @@ def image(
     kernel : the declarations
     record : name of the record in C
     outside : objects that are elsewhere; pointers to them are left to others
+    later : arrays that are filled before they are read, so that their values need not be packed
     state : the `KernelState` of an integrator, which with the arrays of its memory becomes a record
         `Snapshot`, the field `snapshot` of the whole one
 
@@ -82,8 +90,10 @@ def image(
     TypeError : a field that does not hold what is declared.
     """
     lasting = [state, *state.memory.blocks] if state else []
-    found = _Found(frozenset(map(id, lasting)), {id(one): ("", "", one) for one in outside})
+    found = _Found(frozenset(map(id, lasting)), frozenset(map(id, later)))
+    found.objects |= {id(one): ("", "", one) for one in outside}
     _walk(root, type(root).__name__, name, kernel, found)
+    found.arrays = {key: array for key, array in found.arrays.items() if key not in found.within}
     fields = {at: f"    {kind} {at};" for at, kind, _ in found.objects.values() if at}
     for at, kind, values in found.arrays.values():
         fields[at] = f"    {NUMBERS[kind]} {at}[{max(len(values), 1)}];"
@@ -98,28 +108,21 @@ def image(
     parts += [f"typedef struct {record} {{"]
     parts += [text for at, text in fields.items() if not at.startswith(_STATE)]
     parts += ["    Snapshot snapshot;"] * bool(state) + [f"}} {record};", ""]
-    long = {}  # apart from the record: compilers would look through it for every field
-    inside = []
-    for at, kind, numbers in found.arrays.values():
-        if not any(numbers):
-            continue
-        texts = [_number(value, kind, "an item") for value in numbers]
-        if len(texts) > _LONGEST:
-            long[at] = constants(f"{at}_as_packed", texts, NUMBERS[kind])
-        else:
-            inside += [f"    .{at} = {{", in_lines(texts, 8), "    },"]
-    parts += [*long.values(), f"static const {record} {record.lower()}_as_packed = {{"]
+    parts += [f"static const {record} {record.lower()}_as_packed = {{"]
     for at, values in found.values.items():
         parts += [f"    .{at} = {{", *(f"        {value}," for value in values), "    },"]
-    parts += [*inside, "};", "", "/* Let the pointers of a copy point into that copy. */"]
+    for at, kind, numbers in found.arrays.values():
+        if texts := _leading(numbers, kind, found):
+            parts += [f"    .{at} = {{", in_lines(texts, 8), "    },"]
+    parts += ["};", "", "/* Let the pointers of a copy point into that copy. */"]
     parts += [f"static void {record.lower()}_wire({record} *of) {{"]
-    parts += [f"    {pointer};" for pointer in found.pointers]
+    for pointer, to in found.pointers:
+        if place := found.place(to):
+            parts.append(f"    of->{pointer} = {'&' * (id(to) in found.objects)}of->{place};")
     parts += ["}", "", "/* Make one as packed. */"]
     parts += [f"static void {record.lower()}_make({record} *of) {{"]
-    parts += [f"    *of = {record.lower()}_as_packed;"]
-    parts += [f"    memcpy(of->{at}, {at}_as_packed, sizeof {at}_as_packed);" for at in long]
-    parts += [f"    {record.lower()}_wire(of);"]
-    names = {key: at for key, (at, _, _) in found.arrays.items()}
+    parts += [f"    *of = {record.lower()}_as_packed;", f"    {record.lower()}_wire(of);"]
+    names = {key: at for key, (at, _, _) in found.arrays.items()} | found.within
     return Image("\n".join([*parts, "}", ""]), found.noted, names)
 
 
@@ -127,7 +130,7 @@ def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> Non
     kind = kernel.in_c(kind)
     found.objects[id(one)] = name, kind, one
     found.values[name] = values = []
-    for attribute, declared in kernel.fields[kind].items():
+    for attribute, declared in kernel.stored(kind).items():
         if not in_c(declared, kernel):
             continue
         value: Any = getattr(one, attribute, None)
@@ -136,42 +139,45 @@ def _walk(one: Any, kind: str, name: str, kernel: Sources, found: _Found) -> Non
                 found.noted[f"{name}.{attribute}"] = value
                 value = value.value
             text = _number(value, declared, f"{kind}.{attribute}")
-            if text not in ("0", "0.0"):
+            if text not in ZERO:
                 values.append(f".{attribute} = {text}")
         elif fixed := re.fullmatch(r"(\w+)\[(\d+)\]", declared):
             if len(value) > int(fixed[2]):
                 raise TypeError(f"{kind}.{attribute} has {len(value)} numbers, {fixed[2]} declared")
-            if any(value):
-                inner = ", ".join(_number(x, fixed[1], attribute) for x in value)
-                values.append(f".{attribute} = {{{inner}}}")
+            found.within[id(value)] = f"{name}.{attribute}"
+            if texts := _leading(value, fixed[1], found):
+                lines = in_lines(texts, 12).strip().removesuffix(",")
+                values.append(f".{attribute} = {{{lines}}}")
         elif value is not None:
-            at = _place(value, declared, f"{name}_{attribute}", kernel, found)
-            if at:
-                found.pointers.append(f"of->{name}.{attribute} = {at}")
+            found.pointers.append((f"{name}.{attribute}", value))
+            _enter(value, declared, f"{name}_{attribute}", kernel, found)
     if not values:
         del found.values[name]
 
 
-def _place(value: Any, declared: str, name: str, kernel: Sources, found: _Found) -> str:
-    """Return where an object or array is, which is entered if it is new."""
+def _enter(value: Any, declared: str, name: str, kernel: Sources, found: _Found) -> None:
+    """Enter an object or array if it is new."""
     within = _STATE if id(value) in found.state else ""
     if declared.endswith("*"):
         if id(value) not in found.arrays:
             found.arrays[id(value)] = within + name, declared[:-1], value
-        return f"of->{found.arrays[id(value)][0]}"
-    if id(value) not in found.objects:
+    elif id(value) not in found.objects:
         short = name.split("_", 1)[1]
         taken = {at for at, _, _ in found.objects.values()}
         _walk(value, declared, within + (name if short in taken else short), kernel, found)
-    at = found.objects[id(value)][0]
-    return f"&of->{at}" if at else ""
+
+
+def _leading(numbers: Any, kind: str, found: _Found) -> list[str]:
+    """Return the numbers of an array up to the last that is not zero; C sets the others to zero."""
+    texts = [] if id(numbers) in found.later else [_number(x, kind, "an item") for x in numbers]
+    while texts and texts[-1] in ZERO:
+        texts.pop()
+    return texts
 
 
 def _number(value: Any, kind: str, where: str) -> str:
     if value is None:
         return "0"  # set before it is read
-    if kind == "double":
-        return number(float(value))
-    if int(value) != value:
+    if kind != "double" and int(value) != value:
         raise TypeError(f"{where} = {value!r} is declared as {kind}")
-    return str(int(value))
+    return in_digits(value, kind)

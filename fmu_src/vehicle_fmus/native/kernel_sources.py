@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib import import_module
 from pathlib import Path
@@ -53,10 +53,14 @@ class Sources:
     ----------
     modules : the modules of the kernel
     used : names of such classes; without any, the first of several stands for them
+    fixed : values of fields that one system fixes, by class and name; see `structure`
+    lengths : of arrays that lie within their records, by class and name
     """
 
     modules: tuple[Module, ...]
     used: frozenset[str] = frozenset()
+    fixed: Mapping[tuple[str, str], Any] = field(default_factory=dict)
+    lengths: Mapping[tuple[str, str], int] = field(default_factory=dict)
 
     @cached_property
     def _declared(self) -> dict[str, Record]:
@@ -97,12 +101,19 @@ class Sources:
 
     @cached_property
     def fields(self) -> dict[str, dict[str, str]]:
-        """The fields of every record, those of its bases first, with their types."""
-        return {
+        """The fields of every class in C, those of its bases first, with their types."""
+        found = {
             name: {f: k for part in self.bases(name) for f, k in self.records[part].fields.items()}
             for name in self.records
             if self.in_c(name) == name
         }
+        for (name, f), length in self.lengths.items():
+            found[name][f] = found[name][f].replace("*", f"[{length}]")
+        return found
+
+    def stored(self, name: str) -> dict[str, str]:
+        """Return the fields of a record: those of its class that are not fixed."""
+        return {f: k for f, k in self.fields[name].items() if (name, f) not in self.fixed}
 
     @cached_property
     def constants(self) -> dict[str, str]:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from math import inf
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -38,6 +39,7 @@ from phaseplane.suspension.variables import (
 from .image import image
 from .kernel_sources import plain_integrator, plain_module, sources, values_of_constants
 from .statements import Statement, constants, written
+from .structure import specialised
 from .translate import needed, translated
 
 _ROOTS = [
@@ -53,6 +55,11 @@ _ROOTS = [
     *(("Account", name) for name in ("begin", "find", "find_drift")),
     *(("Network", name) for name in ("signal_at", "next_corner", "set_datum", "take_moving")),
 ]  # fmt: skip
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_HOST = "".join(
+    _COMMENT.sub("", path.read_text("utf-8"))
+    for path in sorted(Path(__file__).parent.joinpath("c").glob("*.c"))
+)  # what is compiled with every model
 _Expressions = Mapping[int, tuple[Any, str]]  # by value reference, each with the output's name
 _REFUSING = {True: "if (!({value})) return {at};", False: "if ({value}) return {at};"}
 _MOST_ALIKE = 8  # guards that are said one by one
@@ -120,7 +127,6 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         theta=solver["solver.theta"],
         beyond_stable=solver["solver.beyond_stable"],
     )
-    kernel = sources(used=[type(plain.method).__name__])
     directions = _directions(plain, system)
     if not plain.fits(_directed(system, packed)):
         raise ValueError("the structure of the system depends on how it is built")
@@ -131,22 +137,29 @@ def model_in_c(model: str, given: Mapping[str, Value]) -> Translation:
         plain, 0.0, len(inputs), driven(system, inputs, sampled),
         [system.element(axle.tyre) for axle in tyres], sampled,
     )  # fmt: skip
-    machine = image(plain, "integrator", kernel, "Machine", state=plain.state)
-    conduct = image(run, "run", kernel, "Conduct", outside=[plain, plain.net])
+    net = plain.net
+    free = [net.row_direction] if any(isinstance(b, Number) for b in directions) else []
+    kernel = specialised(
+        sources(used=[type(plain.method).__name__]), run, _HOST, free, state=plain.state
+    )
+    filled = [net.segment, net.height, net.level, net.piece]  # with the row of numbers
+    machine = image(plain, "integrator", kernel, "Machine", later=filled, state=plain.state)
+    conduct = image(run, "run", kernel, "Conduct", outside=[plain, net])
     rest = [0.0] * plain.n
     names = (name for names in initial_names(system.coordinates) for name in names)
     starts = [noted.get(name, 0.0) for name in names]
     read, rates = _read(model, system, tape), _rates(model, system, tape)
     fields: dict[str, Number] = dict(machine.noted)
-    at = machine.arrays[id(plain.net.row_direction)]
-    fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
+    if free:
+        at = machine.arrays[id(net.row_direction)]
+        fields |= {f"{at}[{k}]": b for k, b in enumerate(directions) if isinstance(b, Number)}
     row = plain.row(system, rest, rest)
     laws = len(row) - len(plain_module("network").laws_of(packed))
     tunable = frozenset(v.name for v in declared if v.tunable)
     setting = _set_up(tape, row, laws, starts, (read, rates), fields, references, tunable)
     continuous = frozenset(declared[k].name for k in read if _is_continuous(declared[k], system))
     parts = [
-        translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS)),
+        translated(kernel, values_of_constants(kernel), needed(kernel, _ROOTS), _HOST),
         machine.text,
         conduct.text,
         _tables(declared, references, parameters, inputs, system),

@@ -18,6 +18,8 @@ _LEAST = 32  # repetitions that become a loop
 _SHORTEST = 4  # iterations of a loop; fewer are written one by one
 _LONGEST_PERIOD = 16  # statements of an iteration
 _PER_LINE = 8
+ZERO = ("0", "0.0")
+"""How a zero is written, which C sets where nothing is said."""
 _DEEPEST = 12  # operations within one another in one statement
 _Reference = tuple[str, Any]  # what is the same in all iterations of a loop, and what may change
 
@@ -237,8 +239,10 @@ class _Writer:
 
 
 def constants(name: str, numbers: Sequence[str], kind: str = "double") -> str:
-    """Return the definition of a constant array."""
-    return f"static const {kind} {name}[{len(numbers)}] = {{\n{in_lines(numbers, 4)}\n}};"
+    """Return the definition of a constant array; zeros are left out if most numbers are."""
+    filled = [f"[{k}] = {x}" for k, x in enumerate(numbers) if x not in ZERO]
+    shown = numbers if 2 * len(filled) >= len(numbers) else filled or ["0"]
+    return f"static const {kind} {name}[{len(numbers)}] = {{\n{in_lines(shown, 4)}\n}};"
 
 
 def in_lines(numbers: Sequence[str], indented: int) -> str:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import ast
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ from phaseplane.suspension.trace import number
 
 from .declarations import NUMBERS
 from .kernel_sources import Definition, Sources
+from .statements import constants
 
 _MATHS = (
     "fabs", "sqrt", "pow", "exp", "log", "log1p", "sin", "cos", "sinh", "cosh", "tanh", "floor", "ceil",
@@ -96,6 +97,7 @@ def translated(
     kernel: Sources,
     values: Mapping[str, int | float],
     routines: Sequence[tuple[str, str]] | None = None,
+    host: str = "",
 ) -> str:
     """Return C for some routines, or for all: constants, records, prototypes and functions.
 
@@ -104,6 +106,7 @@ def translated(
     kernel : the sources
     values : the value of every constant
     routines : class in C and name of each; None for all
+    host : C that is compiled with it, and may use the constants
 
     Raises
     ------
@@ -111,10 +114,11 @@ def translated(
     """
     chosen = list(kernel.routines) if routines is None else list(routines)
     bodies = [_Routine(kernel, kernel.routines[key]) for key in chosen]
+    used = {word for text in (host, *(b.code for b in bodies)) for word in re.findall(r"\w+", text)}
     parts = [
         "#include <math.h>\n#include <stddef.h>\n",
-        _constants(kernel, values),
-        *_records(kernel),
+        _constants(kernel, values, used),
+        *_records(kernel, used),
         _CHOOSING,
         "\n".join(f"static {body.head};" for body in bodies) + "\n",
     ]
@@ -136,14 +140,28 @@ static inline int max_of_integers(int a, int b) { return b > a ? b : a; }
 """
 
 
-def _constants(kernel: Sources, values: Mapping[str, int | float]) -> str:
-    lines = []
-    for name, kind in kernel.constants.items():
-        if kind == "int":
-            lines.append(f"enum {{ {constant(name)} = {int(values[name])} }};")
+def _constants(kernel: Sources, values: Mapping[str, int | float], used: Collection[str]) -> str:
+    """Return the definitions of the constants that are used, and of what one system fixes."""
+    of_kernel = [(constant(name), k, values[name]) for name, k in kernel.constants.items()]
+    fixed = [(called(*at), kernel.fields[at[0]][at[1]], x) for at, x in kernel.fixed.items()]
+    lines, integers = [], []
+    for name, kind, value in of_kernel + fixed:
+        if name not in used:
+            continue
+        if kind.endswith("*"):
+            texts = [in_digits(x, kind[:-1]) for x in value]
+            lines.append(constants(name, texts or ["0"], NUMBERS[kind[:-1]]))
+        elif kind == "double":
+            lines.append(f"#define {name} {number(float(value))}")
         else:
-            lines.append(f"#define {constant(name)} {number(float(values[name]))}")
-    return "\n".join(lines) + "\n"
+            integers.append(f"    {name} = {int(value)},")
+    enum = ["enum {", *integers, "};"] if integers else []  # one: members of two are not compared
+    return "\n".join([*enum, *lines, ""])
+
+
+def in_digits(value: float, kind: str) -> str:
+    """Return a number of the kernel as a constant of this type."""
+    return number(float(value)) if kind == "double" else str(int(value))
 
 
 def constant(name: str) -> str:
@@ -167,17 +185,27 @@ def in_c(kind: str, kernel: Sources) -> bool:
     return kind.endswith(("*", "]")) or kind in NUMBERS or kind in kernel.records
 
 
-def _records(kernel: Sources) -> Iterator[str]:
-    names = list(kernel.fields)
-    yield "\n".join(f"typedef struct {name} {name};" for name in names) + "\n"
-    for name in names:
-        lines = [f"struct {name} {{"]
-        for field, kind in kernel.fields[name].items():
-            if in_c(kind, kernel):
-                lines.append(f"    {declared(field, kind, kernel)};")
-        if len(lines) == 1:
-            lines.append("    int unused;")
-        yield "\n".join([*lines, "};\n"])
+def _records(kernel: Sources, used: Collection[str]) -> Iterator[str]:
+    """Yield the definitions of the records that are used, and of those that they refer to."""
+    waiting = [name for name in kernel.fields if name in used]
+    names: set[str] = set()
+    while waiting:
+        name = waiting.pop()
+        if name not in names:
+            names.add(name)
+            kinds = kernel.stored(name).values()
+            waiting += [kernel.in_c(kind) for kind in kinds if kind in kernel.records]
+    yield (
+        "\n".join(f"typedef struct {name} {name};" for name in kernel.fields if name in names)
+        + "\n"
+    )
+    for name in filter(names.__contains__, kernel.fields):
+        lines = [
+            f"    {declared(field, kind, kernel)};"
+            for field, kind in kernel.stored(name).items()
+            if in_c(kind, kernel)
+        ]
+        yield "\n".join([f"struct {name} {{", *(lines or ["    int unused;"]), "};\n"])
 
 
 class _Routine:
@@ -188,6 +216,8 @@ class _Routine:
         types = definition.types
         self.kinds = {**types.parameters, **types.variables}  # of all local names
         self.calls: set[tuple[str, str]] = set()
+        self.changed: set[tuple[str, str]] = set()  # fields, by class and name
+        self.replaced: set[tuple[str, str]] = set()  # those that are arrays and become others
         self._depth = 0
         self._lines: list[str] = []
         self._hoisted = 0
@@ -235,13 +265,13 @@ class _Routine:
             )
             first = inside.removeprefix(" *").strip()
             lines.append(f"/* {first} */" if "\n" not in inside else f"/*\n{inside}\n */")
-        lines += [
-            *_wrapped(f"static {self.head} {{"),
-            *self._local_declarations(),
-            *self._lines,
-            "}",
-        ]
-        return "\n".join(lines) + "\n"
+        return "\n".join([*lines, self.code])
+
+    @cached_property
+    def code(self) -> str:
+        """The function without its comment."""
+        head = _wrapped(f"static {self.head} {{")
+        return "\n".join([*head, *self._local_declarations(), *self._lines, "}\n"])
 
     def _local_declarations(self) -> Iterator[str]:
         parameters = self.definition.types.parameters
@@ -486,9 +516,18 @@ class _Routine:
                 raise self._wrong(node, "a record has one owner; it cannot be assigned")
         elif isinstance(node, ast.Attribute | ast.Subscript):
             target = self._expression(node)
+            self._note_change(node.value if isinstance(node, ast.Subscript) else node)
+            if isinstance(node, ast.Attribute) and target.is_array:
+                self.replaced.add((self._record(node.value)[1], node.attr))
         else:
             raise self._wrong(node, "this cannot be assigned to")
+        if value is not None and target.is_array:
+            self._note_change(value)  # through the other name
         return target, target if value is None else self._as(target.kind, value)
+
+    def _note_change(self, node: ast.expr) -> None:
+        if isinstance(node, ast.Attribute):
+            self.changed.add((self._record(node.value)[1], node.attr))
 
     # -- expressions -------------------------------------------------------------------------------
 
@@ -497,12 +536,14 @@ class _Routine:
         if kind == "bint":
             return self._truth(node)
         found = self._expression(node)
-        if found.kind == kind or (kind == "double" and found.kind in _INTEGERS):
+        if kind == "double" and found.kind in (kind, *_INTEGERS):
             return found
         if kind in _INTEGERS and found.kind in _INTEGERS:
             return found
         if found.is_array and kind.endswith("*") and kind[:-1] == found.item:
-            return replace(found, kind=kind)
+            is_fixed = "->" not in found.text and found.text not in map(self._name, self.kinds)
+            text = f"({NUMBERS[found.item]} *) {found.text}" if is_fixed else found.text
+            return replace(found, text=text, kind=kind)
         records = self.kernel.records.keys() >= {kind, found.kind}
         if records and self.kernel.in_c(kind) == self.kernel.in_c(found.kind):
             return found
@@ -580,6 +621,8 @@ class _Routine:
         fields = self.kernel.fields[held]
         if node.attr not in fields or not in_c(fields[node.attr], self.kernel):
             raise self._wrong(node, f"{held} has no field {node.attr} in C")
+        if (held, node.attr) in self.kernel.fixed:
+            return C(called(held, node.attr), fields[node.attr])
         return C(
             f"{owner.text}->{node.attr}", fields[node.attr], _PRIMARY, owner.reads | {node.attr}
         )
@@ -752,6 +795,9 @@ class _Routine:
         self._compare_effects(node, given)
         text = f"{called(*key)}({', '.join(g.text for g in (*owner, *given))})"
         effects = _effects(self.kernel)[key]
+        for argument, c in zip(node.args, given, strict=True):
+            if c.is_array and _ANY_ARRAY in effects.writes:
+                self._note_change(argument)
         found = self._joined(text, types.returns, _PRIMARY, [*owner, *given])
         # what is passed is evaluated before the call; only what it does itself can clash with others
         return replace(
@@ -793,6 +839,12 @@ def _ends(body: Sequence[ast.stmt]) -> bool:
 
 
 # -- what routines change --------------------------------------------------------------------------
+
+
+def changed(kernel: Sources) -> tuple[set[tuple[str, str]], set[tuple[str, str]]]:
+    """Return the fields, by class and name, that routines change; and arrays that are replaced."""
+    found = [_Routine(kernel, definition) for definition in kernel.routines.values()]
+    return set().union(*(r.changed for r in found)), set().union(*(r.replaced for r in found))
 
 
 @dataclass(frozen=True, slots=True)

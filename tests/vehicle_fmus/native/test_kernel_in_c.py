@@ -17,6 +17,7 @@ from phaseplane.vehicle_fmus.native.kernel_sources import (
     sources,
     values_of_constants,
 )
+from phaseplane.vehicle_fmus.native.structure import specialised
 from phaseplane.vehicle_fmus.native.translate import check, needed, number, translated
 
 ROOTS = [("Integrator", name) for name in ("begin_row", "_advance", "sample", "sample_forces")]
@@ -35,7 +36,7 @@ int go(const double *times, int count, double *out) {
         if (status) return status;
         Integrator_sample(one, times[k]);
         Integrator_sample_forces(one, times[k]);
-        for (int i = 0; i < one->n; i++) {
+        for (int i = 0; i < %d; i++) {
             *out++ = one->reading->q[i];
             *out++ = one->reading->v[i];
             *out++ = one->reading->a[i];
@@ -64,16 +65,21 @@ def test_the_kernel_is_in_the_small_language() -> None:
     assert check(KERNEL) == []
 
 
+@pytest.mark.parametrize("is_specialised", [False, True], ids=["any system", "this system"])
 @pytest.mark.parametrize("what", RUNS)
-def test_the_same_bits_as_the_compiled_kernel(what: str, tmp_path: Path, compiler: str) -> None:
+def test_the_same_bits_as_the_compiled_kernel(
+    what: str, is_specialised: bool, tmp_path: Path, compiler: str
+) -> None:
     model, parameters, options = RUNS[what]
     system = build(model, parameters)
     plain = plain_integrator()(system, **options)
     kernel = sources(used=[type(plain.method).__name__])
     rest = [0.0] * plain.n
-    code = translated(kernel, values_of_constants(kernel), needed(kernel, ROOTS))
-    code += image(plain, "integrator", kernel, "Memory").text
-    code += MAIN % ", ".join(map(number, plain.row(system, rest, rest)))
+    main = MAIN % (", ".join(map(number, plain.row(system, rest, rest))), plain.n)
+    if is_specialised:
+        kernel = specialised(kernel, plain, main)
+    code = translated(kernel, values_of_constants(kernel), needed(kernel, ROOTS), main)
+    code += image(plain, "integrator", kernel, "Memory").text + main
     tmp_path.joinpath("kernel.c").write_text(code)
     flags = ["-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Werror", "-shared", "-fPIC"]
     library = tmp_path / "kernel.so"

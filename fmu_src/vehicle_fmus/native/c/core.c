@@ -460,7 +460,7 @@ static int advance(Instance *one, double until) {
     now->handed = until;
     if (run->time > run->start) note_switches(one, -INFINITY);
     if (run->time == run->start && run->start < until) {
-        for (int c = 0; c < run->contacts->tyres; c++) {
+        for (int c = 0; c < TYRES; c++) {
             if (run->contacts->airborne[c]) say(one, FINE, "%swheel in the air at the start", wheels[c]);
         }
     }
