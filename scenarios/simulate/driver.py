@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from fmpy import __version__ as fmpy_version
-from fmpy import extract, read_model_description
+from fmpy import extract, platform, platform_tuple, read_model_description
 from fmpy.fmi1 import printLogMessage
 from fmpy.simulation import instantiate_fmu
 from phaseplane.vehicle_fmus.archives import write_all
@@ -42,7 +42,7 @@ _given: list[Any] = []
 
 
 @dataclass
-class _Log:
+class Log:
     """The log messages of an FMU."""
 
     lines: list[tuple[int, str, str]] = field(default_factory=list)
@@ -61,6 +61,10 @@ class _Log:
     def take_newer(self, environment: object, status: int, category: bytes, message: bytes) -> None:
         """Store a message of FMI 3.0."""
         self.take(environment, b"", status, category, message)
+
+    def taker(self, description: ModelDescription) -> Callable[..., None]:
+        """Return the log callback of an FMU with this description."""
+        return self.take_newer if is_fmi3(description) else self.take
 
     def complaint(self) -> str:
         """Return the FMU's last error message, or "".
@@ -85,13 +89,14 @@ class OpenFmu:
 
     def __init__(self, fmu: Fmu, unpacked: Path) -> None:
         self.fmu, self._unpacked = fmu, str(unpacked)
-        self._log = _Log()
+        self._log = Log()
         self._instance: Any = None
         try:
             if fmu.path is not None:
                 extract(fmu.path, self._unpacked)
                 mend_unpacked(unpacked)  # FMUs by others may crash this process without it
             self._description = _description_of(unpacked, lasting=fmu.path is None)
+            refuse_other_platforms(unpacked, self._description)
         except Exception as error:
             raise RunError(f"cannot load {fmu.model}: {one_line(error)}") from error
 
@@ -110,7 +115,7 @@ class OpenFmu:
             self._instance = instantiate_fmu(
                 self._unpacked, self._description,
                 "ModelExchange" if slave is None else "CoSimulation",
-                debug_logging=True, logger=self._log.take_newer if newer else self._log.take,
+                debug_logging=True, logger=self._log.taker(self._description),
                 event_mode_used=newer and slave is not None and slave.hasEventMode,
                 early_return_allowed=newer and slave is not None
                 and slave.mightReturnEarlyFromDoStep,
@@ -212,6 +217,20 @@ def opened(fmu: Fmu) -> Iterator[tuple[OpenFmu, float | None]]:
             yield open_fmu, build_time
         finally:
             open_fmu.close()
+
+
+def refuse_other_platforms(unpacked: Path, description: ModelDescription) -> None:
+    """Refuse an unpacked FMU without a library for this platform.
+
+    Raises
+    ------
+    FileNotFoundError : there is none; the message names those that there are.
+    """
+    wanted = platform_tuple if is_fmi3(description) else platform
+    there = sorted(folder.name for folder in unpacked.glob("binaries/*") if any(folder.iterdir()))
+    if wanted not in there:
+        others = f", only for {', '.join(there)}" if there else ""
+        raise FileNotFoundError(f"the FMU has no library for this platform, {wanted}{others}")
 
 
 def _description_of(unpacked: Path, *, lasting: bool) -> ModelDescription:

@@ -76,29 +76,36 @@ def through_fmu(bench: Workbench, tolerance: float) -> Run:
     from fmpy import read_model_description, simulate_fmu  # noqa: PLC0415  (heavy)
     from fmpy.simulation import instantiate_fmu  # noqa: PLC0415  (heavy)
 
+    from ..simulate.driver import Log, refuse_other_platforms  # noqa: PLC0415  (needs FMPy)
+
     problem = bench.problem
     if problem.model not in FILES:
         raise UnableError("FMUs are measured only for models of the package and .fmu files")
     folder = str(_unpacked(problem.model, problem.file))
     description = read_model_description(folder, validate=False)
-    instance = instantiate_fmu(folder, description, "CoSimulation")
+    refuse_other_platforms(Path(folder), description)
+    log = Log()
+    instance = instantiate_fmu(folder, description, "CoSimulation", logger=log.taker(description))
     names = [f"{name}_displacement".removeprefix("_") for name in problem.system.coordinates]
     settings = {**problem.parameters, "solver.tolerance": tolerance}
 
     def run() -> Vector:
         instance.reset()
-        table = simulate_fmu(
-            folder,
-            validate=False,
-            start_time=0.0,
-            stop_time=problem.duration,
-            output_interval=problem.duration / problem.intervals,
-            start_values=settings,
-            output=names,
-            model_description=description,
-            fmu_instance=instance,
-            terminate=False,
-        )
+        try:
+            table = simulate_fmu(
+                folder,
+                validate=False,
+                start_time=0.0,
+                stop_time=problem.duration,
+                output_interval=problem.duration / problem.intervals,
+                start_values=settings,
+                output=names,
+                model_description=description,
+                fmu_instance=instance,
+                terminate=False,
+            )
+        except Exception as error:
+            raise RuntimeError(log.complaint() or one_line(error)) from error
         return np.column_stack([table[name] for name in names])
 
     return run

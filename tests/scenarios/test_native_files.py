@@ -73,7 +73,7 @@ def test_a_scene_runs_it_and_measures_between_its_rows(car: Path, tmp_path: Path
 
 
 def test_its_accuracy_is_measured(car: Path, tmp_path: Path) -> None:
-    """The file itself is stepped, with the parameters that it was packed with."""
+    """The file itself is stepped, with the parameters that it was packed with; a refusal is told."""
     scene = tmp_path / "kerb.toml"
     scene.write_text(f"fmu = '{car}'\nduration = 0.2\nparameters.sprung_mass = 320\n")
     problem = find_problem(str(scene))
@@ -81,3 +81,7 @@ def test_its_accuracy_is_measured(car: Path, tmp_path: Path) -> None:
     bench = Workbench(problem, truth(problem))
     run = through_fmu(bench, 1e-8)
     assert np.abs(run() - bench.true).max() < 1e-7 * np.abs(bench.true).max()
+    with pytest.raises(
+        RuntimeError, match=r"solver\.tolerance: the structure .* does not allow this"
+    ):
+        through_fmu(bench, 1e-3)()

@@ -242,13 +242,23 @@ def test_steps_are_no_calls_through_fmpys_methods(
     assert len(calls) == 2 * few
 
 
-def test_an_fmu_without_a_binary_does_not_load(fmu: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("folder", "why"),
+    [("", "platform, \\S+$"), ("binaries/elsewhere/", "platform, \\S+, only for elsewhere$")],
+)
+def test_an_fmu_without_a_library_for_this_platform_does_not_load(
+    folder: str, why: str, fmu: Path, tmp_path: Path
+) -> None:
     bare = tmp_path / "bare.fmu"
     with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(bare, "w") as part:
         for name in whole.namelist():
             if not name.startswith("binaries"):
                 part.writestr(name, whole.read(name))
-    with pytest.raises(RunError, match="cannot load QuarterCar: Cannot find shared library"):
+            elif folder and not name.endswith("/"):
+                part.writestr(folder + Path(name).name, whole.read(name))
+    with pytest.raises(
+        RunError, match=f"cannot load QuarterCar: the FMU has no library for this {why}"
+    ):
         run(scene_of(bare))
 
 
