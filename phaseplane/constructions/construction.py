@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol
 
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.primitives import Curve, Plane, Scheme
 from phaseplane.constructions.steps import Points, States
 from phaseplane.constructions.storage import Frame
@@ -59,14 +60,9 @@ class Construction(Protocol):
         """Construct the points for these state points, with the mean excitation over the window."""
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
-        """Return the readings at an instant; integrals continue from the previous readings."""
+        """Return the readings at an instant; integrals continue from those before."""
 
     def curves(self, frames: Sequence[Frame]) -> tuple[Curve, ...]:
         """Return the curves that stay on the sheet, over the range of these frames."""

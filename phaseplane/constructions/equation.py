@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from phaseplane.constructions.construction import CONTACT, Window
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.laws import check_finite, check_positive
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import one_plane_scheme
@@ -147,12 +148,7 @@ class EquationPlane(SwitchedPlane):
         return (function(velocity, x, 0.0, mode) - mean) / self.angular_frequency**2
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return displacement, velocity, acceleration read off the sheet (as in AP57 eq. 11)."""
         points = self.points(mode, states, Window(time))

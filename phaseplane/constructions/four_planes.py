@@ -27,7 +27,7 @@ from phaseplane.constructions.construction import (
     Construction,
     Window,
 )
-from phaseplane.constructions.control import controlled
+from phaseplane.constructions.control import Before, controlled
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.four_planes_schemes import half_car_scheme
 from phaseplane.constructions.laws import (
@@ -300,12 +300,7 @@ class HalfCarPlanes(Construction):
     # Readings.
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return all motions read off the sheet, SI (AP57 eqs. 21 to 24 for each axle).
 
@@ -322,5 +317,5 @@ class HalfCarPlanes(Construction):
             body = axle.body_motion(read)
             names = (f"{name}_body_{what}" for what in ("displacement", "velocity", "acceleration"))
             read |= dict(zip(names, body, strict=True))
-            read |= controlled(f"{name}_body", body, by_force, previous, elapsed)
+            read |= controlled(f"{name}_body", body, by_force, before)
         return read

@@ -18,7 +18,7 @@ from typing import ClassVar
 
 from phaseplane.constructions.body import AXLES, BodyMasses
 from phaseplane.constructions.construction import CONTACT, Construction, Window
-from phaseplane.constructions.control import controlled
+from phaseplane.constructions.control import Before, controlled
 from phaseplane.constructions.coupling import Lines, lines_across
 from phaseplane.constructions.inertial_scheme import inertial_scheme
 from phaseplane.constructions.laws import (
@@ -236,12 +236,7 @@ class HalfCarRigidTyresPlanes(Construction):
     # Readings.
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return displacements, velocities and accelerations read off the sheet (AP57 eq. 39), SI.
 
@@ -278,5 +273,5 @@ class HalfCarRigidTyresPlanes(Construction):
                 f"{axle}_body_velocity": body[1],
                 f"{axle}_body_acceleration": body[2],
                 f"{axle}_road_elevation": xi[0],
-            } | controlled(f"{axle}_body", body, by_force, previous, elapsed)
+            } | controlled(f"{axle}_body", body, by_force, before)
         return read

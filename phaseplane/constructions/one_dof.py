@@ -14,7 +14,7 @@ from math import sqrt
 from typing import ClassVar
 
 from phaseplane.constructions.construction import CONTACT, Window
-from phaseplane.constructions.control import controlled
+from phaseplane.constructions.control import Before, controlled
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -163,12 +163,7 @@ class OneDofPlane(SwitchedPlane):
         return (states[0] + jump,)
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return displacement, velocity and acceleration read off the sheet (AP57 eq. 11), SI.
 
@@ -189,6 +184,6 @@ class OneDofPlane(SwitchedPlane):
             **dict(
                 zip(("body_displacement", "body_velocity", "body_acceleration"), body, strict=True)
             ),
-            **controlled("body", body, by_force, previous, elapsed),
+            **controlled("body", body, by_force, before),
             "road_elevation": elevation,
         }

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import isfinite
 
 from phaseplane.constructions.construction import Construction, Window
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import state_point
@@ -47,12 +48,12 @@ def overlay(
     rows = _rows(construction, times, columns, airborne)
     stepper = Stepper(construction, rule)
     made: list[Frame] = []
-    readings: Mapping[str, float] | None = None
-    elapsed, old_mode = 0.0, rows[0][2]
+    before: Before | None = None
+    old_mode = rows[0][2]
     for (time, states, mode), (next_time, next_states, _) in pairwise(rows):
         window = Window(time, next_time - time)
         points, successors = stepper.step(mode, states, window)
-        own = construction.readings(mode, states, time, readings, elapsed)
+        own = construction.readings(mode, states, time, before)
         jolt = next((t for t in construction.jolts if time < t <= next_time), None)
         if jolt is not None:
             successors = construction.jolted(mode, successors, jolt)
@@ -65,9 +66,8 @@ def overlay(
         event = construction.event(old_mode, mode) if old_mode != mode else ""
         scheme = construction.scheme_of(mode)
         made.append(Frame(len(made), time, window.duration, scheme, points, readings, event))
-        old_mode, elapsed = mode, window.duration
-        if jolt is not None:
-            readings = None
+        old_mode = mode
+        before = Before(readings, window.duration) if jolt is None else None
     longest = max(frame.duration for frame in made)
     words = f"laid over {len(made)} steps of up to {1e3 * longest:.4g} ms"
     return drawing(construction, rule, StoredFrames(made), longest, words)

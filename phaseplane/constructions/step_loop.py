@@ -7,12 +7,13 @@ lift-off U and touchdown V are state points, and wherever the road jumps.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isfinite, pi
 from typing import NamedTuple
 
 from phaseplane.constructions.construction import JOLT, Construction, Window
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.primitives import Drawing
 from phaseplane.constructions.rules import Rule, delta
 from phaseplane.constructions.sheet import turn_angles
@@ -81,8 +82,7 @@ def _frames(
     time, mode, states, event = start
     jolts = iter([*(t for t in construction.jolts if time < t < end), inf])
     jolt = next(jolts)
-    readings: Mapping[str, float] | None = None
-    elapsed = 0.0
+    before: Before | None = None
     number, tick = 0, 1
     fresh = bool(event) and event != JOLT
     while time < end and not (
@@ -100,7 +100,7 @@ def _frames(
                 window = Window(time, found.part)
                 target = window.end
                 points, successors = stepper.step(mode, states, window)
-            readings = construction.readings(mode, states, time, readings, elapsed)
+            readings = construction.readings(mode, states, time, before)
         except OverflowError:
             raise ArithmeticError(
                 f"the construction diverges after {time:.6g} s; try a step shorter than {step:g} s, or "
@@ -109,7 +109,7 @@ def _frames(
         scheme = construction.scheme_of(mode)
         yield Frame(number, time, window.duration, scheme, points, readings, event, mode)
         number += 1
-        elapsed = window.duration
+        before = Before(readings, window.duration)
         time, states, event = target, successors, ""
         old_mode = mode
         if found:
@@ -118,7 +118,7 @@ def _frames(
                 mode = construction.mode_with(mode, limit)
             states = construction.remembered(states, states)
         if time == jolt:
-            jolt, readings, event = next(jolts), None, JOLT
+            jolt, before, event = next(jolts), None, JOLT
             states = construction.jolted(mode, states, time)
             mode = construction.mode_at(states, time)
         fresh = mode != old_mode
@@ -128,7 +128,7 @@ def _frames(
             tick += 1
     if ending is not None:
         points = construction.points(mode, states, Window(time))
-        readings = construction.readings(mode, states, time, readings, elapsed)
+        readings = construction.readings(mode, states, time, before)
         scheme = construction.scheme_of(mode)
         ending.append(Frame(number, time, 0.0, scheme, points, readings, event, mode))
 

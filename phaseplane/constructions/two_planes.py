@@ -24,7 +24,7 @@ from phaseplane.constructions.construction import (
     Construction,
     Window,
 )
-from phaseplane.constructions.control import controlled
+from phaseplane.constructions.control import Before, controlled
 from phaseplane.constructions.laws import (
     LEVEL_ROAD,
     Damper,
@@ -305,12 +305,7 @@ class QuarterCarPlanes(Construction):
     # Readings.
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return all motions read off the sheet (AP57 eqs. 21 to 24), SI, with the check by eq. 25."""
         points = self.points(mode, states, Window(time))
@@ -318,4 +313,4 @@ class QuarterCarPlanes(Construction):
         body = self.axle.body_motion(read)
         read["body_displacement"], read["body_velocity"], read["body_acceleration"] = body
         by_force = -self.axle.strut_force(points) / self.sprung_mass
-        return read | controlled("body", body, by_force, previous, elapsed)
+        return read | controlled("body", body, by_force, before)

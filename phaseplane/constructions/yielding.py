@@ -15,6 +15,7 @@ from math import sqrt
 from typing import ClassVar
 
 from phaseplane.constructions.construction import Window
+from phaseplane.constructions.control import Before
 from phaseplane.constructions.laws import check_finite, check_number, check_positive
 from phaseplane.constructions.lienard import Lienard
 from phaseplane.constructions.one_plane import OnePlane, one_plane_scheme
@@ -202,12 +203,7 @@ class ElastoplasticPlane(OnePlane):
         return UNLOAD if successor == ELASTIC else YIELD
 
     def readings(
-        self,
-        mode: str,
-        states: States,
-        time: float,
-        previous: Mapping[str, float] | None,
-        elapsed: float,
+        self, mode: str, states: States, time: float, before: Before | None
     ) -> dict[str, float]:
         """Return displacement, velocity, acceleration read off the sheet (as in AP57 eq. 11), SI.
 

@@ -132,7 +132,7 @@ def test_projection_gives_the_feet_of_the_formulas(one, mode, window):
 
 @given(cars, modes)
 def test_both_readings_of_the_accelerations_agree(one, mode):
-    read = one.readings(mode, one.initial, 0.01, None, 0.0)
+    read = one.readings(mode, one.initial, 0.01, None)
     for axle in ("front", "rear"):
         by_planes, by_forces = (
             read[f"{which}{axle}_body_acceleration"] for which in ("", "control_")

@@ -104,7 +104,7 @@ def test_lines_lie_between_the_axes_for_either_sign(one):
 
 @given(cars)
 def test_both_readings_of_the_accelerations_agree(one):
-    read = one.readings("contact", one.initial, 0.01, None, 0.0)
+    read = one.readings("contact", one.initial, 0.01, None)
     for axle in ("front", "rear"):
         by_planes, by_forces = (
             read[f"{which}{axle}_body_acceleration"] for which in ("", "control_")

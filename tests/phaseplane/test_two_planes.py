@@ -152,7 +152,7 @@ def test_points_lie_on_the_lines_that_give_them(car, window):
 def test_readings_balance_the_forces(car):
     """Accelerations read off as Q1D1 and Q2D2 (AP57 eqs. 23, 24) satisfy eqs. 12 and 29."""
     for mode in ("contact", "flight"):
-        read = car.readings(mode, car.initial, 0.01, None, 0.0)
+        read = car.readings(mode, car.initial, 0.01, None)
         y, v = read["suspension_deflection"], read["suspension_deflection_rate"]
         force = car.damper.force(v) + car.spring.force(y)
         tyre = (car.sprung_mass + car.unsprung_mass) * car.gravity - read["contact_force"]
