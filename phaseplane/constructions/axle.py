@@ -35,7 +35,6 @@ class Place:
     numbers : of the planes of suspension and wheel
     scales : paper per displacement in each plane (a : 1 and b : 1)
     heights : of the y axes, m of paper
-    offset : of the wheel's y-bar axis to the right of the suspension's, m of paper
     sense : of the suspension's y axis, 1 to the right; the wheel's is opposite
     lines : the names of lines I and II
     """
@@ -43,7 +42,6 @@ class Place:
     numbers: tuple[str, str]
     scales: tuple[float, float]
     heights: tuple[float, float]
-    offset: float = 0.0
     sense: float = 1.0
     lines: tuple[str, str] = ("I", "II")
 
@@ -147,7 +145,7 @@ class Axle:
         """Plane 2: y2 = x2 over the line y2 = -(k2/c2) Omega2 y-bar2, or the tyre's deflection."""
         place, omega = self.place, self.angular_frequencies[1]
         n, scale = place.numbers[1], place.scales[1]
-        origin = complex(place.offset, place.heights[1])
+        origin = complex(0.0, place.heights[1])
         shown = "wheel_displacement" if self.linear_tyre else "tyre_deflection"
         foot = "D" if self.linear_tyre else "H"
         plane = plane_at(f"{self.prefix}{shown}", n, omega, origin, -place.sense, scale, foot)

@@ -38,7 +38,6 @@ class EquationPlane(SwitchedPlane):
         motion
     scale : of the sheet, m of paper per unit of x
     initial_displacement, initial_velocity : x and x' at time 0
-    protractor_at : vertex of the turn angle on the sheet, m of paper; default: below the plane
     auxiliary_levels : x_i of the auxiliary curves, between which A is interpolated; empty: A is on
         the curve through P's x
     words : the equation as text, for the title
@@ -56,7 +55,6 @@ class EquationPlane(SwitchedPlane):
     scale: float = 0.02
     initial_displacement: float = 0.0
     initial_velocity: float = 0.0
-    protractor_at: complex | None = None
     auxiliary_levels: tuple[float, ...] = ()
     words: str = "x'' + f(x', x, t) = 0"
     unit: str = ""
@@ -132,7 +130,7 @@ class EquationPlane(SwitchedPlane):
     @cached_property
     def protractor(self) -> complex:
         """The vertex of the turn angle on the sheet."""
-        return self.scale * (-3.0 - 4.0j) if self.protractor_at is None else self.protractor_at
+        return self.scale * (-3.0 - 4.0j)
 
     def shift_in(self, mode: Mode, states: States, window: Window) -> float:
         """Return -1/Omega^2 times the change of f since t = 0, averaged over the window.

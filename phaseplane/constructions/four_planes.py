@@ -122,7 +122,6 @@ class HalfCarPlanes(Construction):
     contact : contact rule, `gap` or `force`; see `QuarterCarPlanes`
     plane_scales : paper per displacement in the planes of struts and of wheels (a : 1 and b : 1)
     plane_distance : l, from one y axis to the next, m of paper
-    protractor_at : vertex of the turn angles on the sheet, m of paper; default: below all planes
 
     Raises
     ------
@@ -139,7 +138,6 @@ class HalfCarPlanes(Construction):
     contact: str = "gap"
     plane_scales: tuple[float, float] = (1.0, 2.5)
     plane_distance: float = 0.25
-    protractor_at: complex | None = None
 
     title: ClassVar[str] = "Half car in four phase planes"
 
@@ -216,8 +214,6 @@ class HalfCarPlanes(Construction):
     @cached_property
     def protractor(self) -> complex:
         """The vertex of the turn angles on the sheet."""
-        if self.protractor_at is not None:
-            return self.protractor_at
         return complex(-1.2, -2.7) * self.plane_distance
 
     # The construction.

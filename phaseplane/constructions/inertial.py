@@ -26,7 +26,6 @@ from phaseplane.constructions.laws import (
     Damper,
     Jumps,
     Strut,
-    check_finite,
     check_pairs,
     check_positive,
 )
@@ -51,9 +50,7 @@ class HalfCarRigidTyresPlanes(Construction):
     front_road, rear_road : xi1(t) and xi2(t), m; where they jump, the state points jump with them
     plane_scales : paper per displacement in plane 1 and plane 2; AP57 uses a : 1 for both
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
-    plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
     initial_deflections, initial_rates : y_i and y_i' at time 0, after a jump of the roads, m and m/s
-    protractor_at : vertex of the turn angles on the sheet, m of paper; default: below plane 2
     auxiliary_levels : y_i of the auxiliary curves, m, between which A is interpolated; empty: A is on
         the curve through P's y
 
@@ -74,10 +71,8 @@ class HalfCarRigidTyresPlanes(Construction):
     rear_road: Signal = LEVEL_ROAD
     plane_scales: tuple[float, float] = (1.0, 1.0)
     plane_distance: float = 0.25
-    plane_offset: float = 0.0
     initial_deflections: tuple[float, float] = (0.0, 0.0)
     initial_rates: tuple[float, float] = (0.0, 0.0)
-    protractor_at: complex | None = None
     auxiliary_levels: tuple[float, ...] = ()
 
     title: ClassVar[str] = "Half car on rigid tyres in two phase planes"
@@ -86,7 +81,6 @@ class HalfCarRigidTyresPlanes(Construction):
     def __post_init__(self) -> None:
         """Check the parameters."""
         check_positive(self, ("plane_distance",))
-        check_finite(self, ("plane_offset",))
         check_pairs(self, ("plane_scales",), positive=True)
         check_pairs(self, ("initial_deflections", "initial_rates"))
         _ = self.masses, self.struts
@@ -132,7 +126,7 @@ class HalfCarRigidTyresPlanes(Construction):
     @cached_property
     def lienards(self) -> tuple[Lienard, Lienard]:
         """Both planes with their auxiliary curves."""
-        origins = (0j, complex(self.plane_offset, -self.plane_distance))
+        origins = (0j, complex(0.0, -self.plane_distance))
         senses = (1.0, -1.0 if self.coupling_mass >= 0.0 else 1.0)
         one, two = (
             Lienard.of_strut(
@@ -170,9 +164,7 @@ class HalfCarRigidTyresPlanes(Construction):
     @cached_property
     def protractor(self) -> complex:
         """The vertex of the turn angles on the sheet."""
-        if self.protractor_at is not None:
-            return self.protractor_at
-        return complex(self.plane_offset, 0.0) + complex(-1.2, -1.5) * self.plane_distance
+        return complex(-1.2, -1.5) * self.plane_distance
 
     # The construction.
 

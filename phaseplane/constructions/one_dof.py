@@ -49,7 +49,6 @@ class OneDofPlane(SwitchedPlane):
     road : xi(t), m; where its elevation or velocity jumps, the state point jumps with it
     scale : of the sheet, paper per displacement (a : 1)
     initial_deflection, initial_rate : y and y' at time 0, after a jump of the road, m and m/s
-    protractor : vertex of the turn angle on the sheet, m of paper
     auxiliary_levels : y_i of the auxiliary curves, m, between which A is interpolated; empty: A is on
         the curve through P's y
 
@@ -66,11 +65,11 @@ class OneDofPlane(SwitchedPlane):
     scale: float = 1.0
     initial_deflection: float = 0.0
     initial_rate: float = 0.0
-    protractor: complex = complex(-0.1, -0.12)
     auxiliary_levels: tuple[float, ...] = ()
     friction: float = 0.0
 
     title: ClassVar[str] = "One degree of freedom in its phase plane"
+    protractor: ClassVar[complex] = complex(-0.1, -0.12)
 
     def __post_init__(self) -> None:
         """Check the parameters."""

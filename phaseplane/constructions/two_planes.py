@@ -73,10 +73,8 @@ class QuarterCarPlanes(Construction):
         and damper together press on the road (AP57 eq. 28 for U and V)
     plane_scales : paper per displacement in plane 1 and plane 2 (a : 1 and b : 1)
     plane_distance : l, from the y1 axis down to the y2 axis, m of paper
-    plane_offset : of the y-bar axis of plane 2 to the right of that of plane 1, m of paper
     initial_deflection, initial_deflection_rate : y and y' at time 0, m and m/s
     initial_wheel_displacement, initial_wheel_velocity : x2 and x2' at time 0, m and m/s
-    protractor_at : vertex of the turn angles on the sheet, m of paper; by default below plane 2
     auxiliary_levels : the y_i of the auxiliary curves of plane 1, m, between which A1 is
         interpolated; by default A1 is on the curve for the y of P1
     tyre : f(x2 - xi) and phi(x2' - xi', x2 - xi) of a nonlinear tyre, in place of stiffness and
@@ -100,12 +98,10 @@ class QuarterCarPlanes(Construction):
     lift_off: bool = True
     plane_scales: tuple[float, float] = (1.0, 2.5)
     plane_distance: float = 0.25
-    plane_offset: float = 0.0
     initial_deflection: float = 0.0
     initial_deflection_rate: float = 0.0
     initial_wheel_displacement: float = 0.0
     initial_wheel_velocity: float = 0.0
-    protractor_at: complex | None = None
     auxiliary_levels: tuple[float, ...] = ()
     tyre: Strut | None = None
     contact: str = "gap"
@@ -127,7 +123,7 @@ class QuarterCarPlanes(Construction):
         check_number("friction", self.friction, 0.0)
         check_number("gravity", self.gravity, 0.0, exclusive=self.lift_off)
         initial = ("deflection", "deflection_rate", "wheel_displacement", "wheel_velocity")
-        check_finite(self, ("plane_offset", *(f"initial_{name}" for name in initial)))
+        check_finite(self, tuple(f"initial_{name}" for name in initial))
         _ = self.axle
 
     # What follows from the data.
@@ -145,9 +141,7 @@ class QuarterCarPlanes(Construction):
             road=self.road,
             lift_off=self.lift_off,
             contact=self.contact,
-            place=Place(
-                ("1", "2"), self.plane_scales, (0.0, -self.plane_distance), self.plane_offset
-            ),
+            place=Place(("1", "2"), self.plane_scales, (0.0, -self.plane_distance)),
             auxiliary_levels=self.auxiliary_levels,
             friction=self.friction,
         )
@@ -206,9 +200,7 @@ class QuarterCarPlanes(Construction):
     @cached_property
     def protractor(self) -> complex:
         """The vertex of the turn angles on the sheet."""
-        if self.protractor_at is not None:
-            return self.protractor_at
-        return complex(self.plane_offset, 0.0) + complex(-1.2, -1.5) * self.plane_distance
+        return complex(-1.2, -1.5) * self.plane_distance
 
     # The construction.
 

@@ -49,7 +49,6 @@ class ElastoplasticPlane(OnePlane):
     scale : of the sheet, paper per displacement (a : 1)
     initial_displacement, initial_velocity : u and u' at time 0, m and m/s
     permanent_set : R at time 0, m
-    protractor_at : vertex of the turn angle on the sheet, m of paper; default: below the plane
 
     Raises
     ------
@@ -67,7 +66,6 @@ class ElastoplasticPlane(OnePlane):
     initial_displacement: float = 0.0
     initial_velocity: float = 0.0
     permanent_set: float = 0.0
-    protractor_at: complex | None = None
 
     title: ClassVar[str] = "Oscillator with a spring that yields in its phase plane"
     schemes: ClassVar[Mapping[str, Scheme]] = {
@@ -131,8 +129,6 @@ class ElastoplasticPlane(OnePlane):
     @cached_property
     def protractor(self) -> complex:
         """The vertex of the turn angle on the sheet."""
-        if self.protractor_at is not None:
-            return self.protractor_at
         return self.scale * self.yield_force / self.spring_rate * (-3.0 - 4.0j)
 
     # The construction.

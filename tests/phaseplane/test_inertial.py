@@ -55,7 +55,6 @@ cars = st.builds(
     rear_road=st.builds(roads.bump, st.floats(-0.1, 0.1), st.floats(0.5, 3.0), st.just(20.0)),
     plane_scales=st.tuples(scale, scale),
     plane_distance=st.floats(0.02, 2.0),
-    plane_offset=st.floats(-0.5, 0.5),
     initial_deflections=st.tuples(st.floats(-0.1, 0.1), st.floats(-0.1, 0.1)),
     initial_rates=st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)),
 )

@@ -47,7 +47,7 @@ def test_lift_off_and_touchdown_converge(lift_off_and_touchdown):
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 def test_steps_end_on_u_and_v(rule):
     """There B2Q2 = b x2st (AP57 eq. 28), so that B2 and B0 are one point."""
-    car = ap57(plane_scales=(0.7, 3.1), plane_offset=0.03, contact="force")
+    car = ap57(plane_scales=(0.7, 3.1), contact="force")
     drawing = construct_motion(car, rule, step=STEP, duration=0.15)
     events = [frame for frame in drawing if frame.event]
     assert [f.event for f in events] == ["lift_off", "touchdown"]
