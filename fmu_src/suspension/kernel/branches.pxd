@@ -5,6 +5,7 @@ from .elements cimport Elements
 cdef double _CREEP
 
 cdef class Branches(Elements):
+    cdef readonly int laws_size
     cdef double *opening, *breakaway, *initial_set
     cdef int *departing
     cdef bint always_straight

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cython
 
-from .elements import ELASTIC, Elements
+from .elements import ELASTIC, Elements, element_numbers
 from .layout import (
     BRANCHES,
     C0,
@@ -41,6 +41,8 @@ class Branches(Elements):
     def __init__(self, system, joins):
         Elements.__init__(self, system, joins)
         memory, elements = self.memory, self.elements
+        # numbers that `enter_elements` reads
+        self.laws_size = sum(len(element_numbers(element)) for element in system.elements)
         kinds = BRANCHES * elements
         kept = self.state.memory
         self.opening = memory.zeros(elements)  # deflection beyond which there is a gap

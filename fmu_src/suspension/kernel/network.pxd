@@ -9,7 +9,7 @@ cdef double SLAVED, _HIGH, _CORNER, _PARTS
 
 @cython.final
 cdef class Network(Branches):
-    cdef readonly int loads, size, laws_size  # numbers of the system, and of its elements
+    cdef readonly int loads, size
     cdef bint can_rise
     cdef double *mass, *mass_factor, *flexibility, *load_direction, *zero
     cdef int *load_signal

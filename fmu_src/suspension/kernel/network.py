@@ -74,7 +74,7 @@ class Network(Branches):
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
         numbers = numbers_of(system)
-        self.size, self.laws_size = len(numbers), len(laws_of(system))
+        self.size = len(numbers)
         memory = Memory()  # needed here only
         if self.enter_system(memory.doubles(numbers), 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
