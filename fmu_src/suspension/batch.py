@@ -11,8 +11,7 @@ from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from itertools import pairwise
-from math import ceil, isfinite, nan
+from math import ceil, nan
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -117,9 +116,9 @@ def run_many(
     'damper.rebound_rate = -1: must be at least 0 in N.s/m'
     """
     instants = array("d", times)
-    if not instants or not all(map(isfinite, instants)):
+    if not instants or not np.all(np.isfinite(instants)):
         raise ParameterError("times must be finite, and at least one must be given")
-    if any(b < a for a, b in pairwise(instants)):
+    if np.any(np.diff(instants) < 0.0):
         raise ParameterError("times must ascend")
     for names, known in ((outputs, outputs_over_time), (at_end, outputs_at_end)):
         refuse_unknown(names, known(model), f"a batch of {model} has no output")
@@ -311,7 +310,7 @@ class _Bench:
         rest = (0.0,) * len(system.mass)
         state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
         kind = self._kind(_solver(parameters), system)
-        kind.numbers.extend(kind.integrator.row(system, *state))
+        kind.numbers += array("d", kind.integrator.row(system, *state))
         kind.runs.append(run)
         if kind.series.needs_systems:
             kind.systems.append(system)

@@ -93,8 +93,8 @@ def road(shape: str, first: str = "the wheel") -> tuple[Variable, ...]:
                   "of sine (a washboard)", "m", positive=True),
         parameter("road.ramp_length", 0.0, "length of the ramps up and down of plank and pothole, "
                   "included in their length; 0: edges without a ramp", "m", minimum=0.0),
-        parameter("road.start", 0.0, f"time at which {first} reaches the road's first point",
-                   "s"),
+        parameter("road.start", 0.0, f"time at which {first} reaches the road's first point, at any "
+                  "speed; a level stretch in m is a gap at the start of road.sequence", "s"),
         parameter("speed", 20.0, "speed of travel", "m/s", display="km/h", positive=True),
         parameter("road.first_frequency", 0.5, "frequency at the start of the sweep", "Hz",
                   minimum=0.0),

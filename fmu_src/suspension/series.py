@@ -214,9 +214,10 @@ class Series:
 
 def joints(system: System) -> list[float]:
     """Return the times at which roads and loads have joints, s, ascending."""
-    return sorted(
-        segment.start for signal in system.signals.values() for segment in signal.segments[1:]
-    )
+    starts: list[float] = []
+    for signal in system.signals.values():
+        starts += [segment.start for segment in signal.segments[1:]]
+    return sorted(starts)
 
 
 def _upright(numbers: Any) -> Column:

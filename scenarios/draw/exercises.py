@@ -360,6 +360,10 @@ def _sheet(
         for p in planes
     ]
     scale = ", ".join(_format_scale(p) for p in planes)
+    right = sum(is_right for _, is_right in read)
+    words = (
+        [f"{right} of {len(read)} points right (green crosses; the others are red)"] if read else []
+    )
     return figures.exercise_sheet(
         exercises.sheet_data(drawing),
         _seen(drawing),
@@ -370,6 +374,7 @@ def _sheet(
             f"{made.extent}; scale {scale}; " + ", ".join(
                 f"Δτ{p.number} = {p.angular_frequency * made.scene.construction.step:.4g}" for p in planes
             ),
+            *words,
         ],
         head=head,
         filled=figures.Filled(rows, points, feet_at, read),

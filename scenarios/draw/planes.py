@@ -39,7 +39,10 @@ def planes_of(
     InputError : if the model has no construction, or its elements cannot be drawn.
     """
     if model not in CONSTRUCTED:
-        raise InputError(f"{model} has no construction; allowed: {', '.join(CONSTRUCTED)}")
+        raise InputError(
+            f"{model} has no construction; allowed: {', '.join(CONSTRUCTED)}; show.planes draws phase "
+            "planes of any outputs"
+        )
     try:
         if model == EQUATION:
             return _of_equation(parameters, settings)

@@ -109,7 +109,7 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
     acceleration : m/s2, shape (points,)
     velocity : m/s, shape (points,); without it b is 0
     """
-    from scipy.signal import lfilter, residue  # noqa: PLC0415
+    from scipy.signal import lfilter  # noqa: PLC0415
 
     out = np.zeros(len(time))
     if len(time) < 2:
@@ -121,8 +121,7 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
         if velocity is None
         else np.diff(velocity) / np.diff(time) - 0.5 * (a0 + a1)
     )
-    residues, poles, _ = residue(*_weighting())
-    for r, p in zip(residues, poles, strict=True):
+    for r, p in _fractions():
         if p.imag < 0.0:
             continue  # with its conjugate
         x = np.zeros(len(time), complex)
@@ -135,6 +134,15 @@ def weighted(time: Column, acceleration: Column, velocity: Column | None = None)
             x[-1] = decay * x[-2] + np.dot(gains, (a0[-1], a1[-1], bulge[-1]))
         out += (r * x).real * (2.0 if p.imag > 0.0 else 1.0)
     return out
+
+
+@cache
+def _fractions() -> list[tuple[complex, complex]]:
+    """Return residue and pole of each partial fraction of Wk."""
+    from scipy.signal import residue  # noqa: PLC0415
+
+    residues, poles, _ = residue(*_weighting())
+    return list(zip(residues, poles, strict=True))
 
 
 def _after(p: complex, step: float) -> tuple[complex, complex, complex, complex]:

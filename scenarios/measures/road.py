@@ -59,7 +59,6 @@ def roughness_index(position: Column, elevation: Column) -> float:
     position : m, shape (points,), ascending
     elevation : m, shape (points,)
     """
-    from scipy.linalg import expm  # noqa: PLC0415
     from scipy.signal import lfilter  # noqa: PLC0415
 
     spacing = float(position[-1] - position[0]) / (len(position) - 1)
@@ -82,12 +81,10 @@ def roughness_index(position: Column, elevation: Column) -> float:
         [spring, damping, -spring - tyre, -damping],
     ])  # fmt: skip
     b = np.array([0.0, 0.0, 0.0, tyre])
-    block = np.zeros((5, 5))
-    block[:4, :4], block[:4, 4] = a, b
-    exact = expm(block * (spacing / _SPEED))  # for a constant slope between points
-    # mode by mode: each is a first-order recurrence
-    factors, modes = np.linalg.eig(exact[:4, :4])
-    gains = np.linalg.solve(modes, exact[:4, 4])
+    # mode by mode, exact for a constant slope between points: each is a first-order recurrence
+    rates, modes = np.linalg.eig(a)
+    growth = np.expm1(rates * (spacing / _SPEED))
+    factors, gains = 1.0 + growth, growth / rates * np.linalg.solve(modes, b)
     states = np.linalg.solve(modes, [start, 0.0, start, 0.0])
     rate = sum(
         shape * lfilter([1.0], [1.0, -factor], gain * slope, zi=[factor * state])[0]
