@@ -15,8 +15,7 @@ def test_a_communication_step(tmp_path: Path) -> None:
 
 def test_a_native_fmu_in_a_host_in_c(tmp_path: Path) -> None:
     costs = host_costs(tmp_path)
-    assert costs["step"] <= 1e-6, costs
-    assert costs["step on random road"] <= 3e-6, costs
+    assert max(costs["step"], costs["step on random road"]) <= 1e-6, costs
     assert max(costs["instance"], costs["instance with random road"]) <= 1e-3, costs
 
 

@@ -164,8 +164,7 @@ def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable
         refuse_unknown([name], declared, f"{fmu.model} has no parameter")
         value = declared[name].checked(raw)
         if name in fmu.fixed and value != declared[name].start:
-            now, start = (str(v).lower() if isinstance(v, bool) else shown(v)
-                          for v in (value, declared[name].start))  # fmt: skip
+            now, start = (_with_unit(v, declared[name].unit) for v in (value, declared[name].start))
             packed = "without one" if declared[name].start == "" else f"for {start}"
             raise ParameterError(
                 f"{name} = {now}: this FMU was packed {packed}, and its structure depends on it; "
@@ -177,6 +176,12 @@ def _parameter(fmu: Fmu, name: str, raw: object, declared: Mapping[str, Variable
     except OverflowError:
         why = f"{name} = {shown(raw)}: too large"
     raise RefusedError(f"parameters.{name}", why)
+
+
+def _with_unit(value: Value, unit: str) -> str:
+    if isinstance(value, bool | str):
+        return str(value).lower() if isinstance(value, bool) else shown(value)
+    return f"{value:g} {'' if unit == '1' else unit}".rstrip()
 
 
 def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds]:

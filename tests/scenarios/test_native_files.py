@@ -61,6 +61,8 @@ def test_a_scene_is_refused_another_structure_and_told_what_to_do(car: Path) -> 
     assert "packed for true" in why
     assert "phaseplane build --native --set lift_off=" in why
     assert why.count("\n") == 1
+    _, _, why = invoked("run", str(car), "--set", "payload=30")
+    assert "payload = 30 kg: this FMU was packed for 0 kg, and" in why
     status, _, why = invoked("run", str(car), "--set", "spring.table=-1:-9,0:0,1:9")
     assert (status, "was packed without one, and" in why) == (2, True)
 
