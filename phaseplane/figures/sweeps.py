@@ -204,7 +204,7 @@ def _matrix(varied: Quantities, measured: Quantities, palette: Palette) -> Figur
             if i == rows - 1:
                 axes.set_xlabel(_words(key, key_unit), fontsize=8.5)
     figure.align_ylabels(list(panels[:, 0]))
-    figure.tight_layout(rect=(0.0, 0.0, 1.0, 1.0 - 0.35 / height), h_pad=0.4, w_pad=0.4)
+    figure.tight_layout(rect=(0.0, 0.0, 1.0, 1.0 - 0.35 / height), h_pad=0.4, w_pad=1.5)
     return figure
 
 

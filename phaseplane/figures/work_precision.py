@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle
 from math import ceil
@@ -16,9 +16,14 @@ from phaseplane.figures import style
 from phaseplane.figures.style import Palette, dress, new_figure, palette_for
 
 _LARGEST, _FAILED, _SMALLEST = 1.0, 10.0, 1e-13  # error: axis end, failed runs, axis start
-_COLOURS = (style.ORANGE, style.GREEN, style.PINK, style.OCHRE, style.TEAL, style.VIOLET, style.RED)
-_MARKERS = "osD^vP"
+_COLOURS = (style.TEAL, style.ORANGE, style.RED, style.GREEN, style.PINK, style.OCHRE, style.VIOLET)
+_MARKERS = "osD^vPX*"
 _DASHES = {"incremental": "-", "FMU": "-", "construction": ":", "peer": "--"}
+_GROUPS = {
+    "this package": ("incremental", "FMU"), "constructions": ("construction",),
+    "other solvers": ("peer",),
+}  # fmt: skip
+_FIXED = {"extrapolated": style.BLUE, "construction": style.GREY}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +75,12 @@ def work_precision(
     names = list(dict.fromkeys((c.name, c.family) for _, curves in panels for c in curves))
     names.sort(key=lambda name: list(_DASHES).index(name[1]))
     looks = _looks(names)
-    legend = 0.16 * ceil(len(names) / max(2 * columns, 3)) + 0.15
+    groups = {
+        heading: members
+        for heading, families in _GROUPS.items()
+        if (members := [name for name in names if name[1] in families])
+    }
+    legend = 0.16 * (max(map(len, groups.values())) + 1) + 0.2
     height = 3.3 * rows + legend + 0.4
     figure = new_figure(max(4.0 * columns, 7.0), height, palette)
     figure.subplots_adjust(
@@ -91,32 +101,56 @@ def work_precision(
             axes.set_ylabel("run time", fontsize=8)
         if k + columns >= len(panels):
             axes.set_xlabel("largest error, relative to the peak", fontsize=8)
-    handles = [_handle(name, family, looks[name, family]) for name, family in names]
-    made = figure.legend(
-        handles=handles, loc="lower center", ncols=max(2 * columns, 3), fontsize=7,
-        frameon=False, handlelength=3.2, labelcolor=palette.ink,
-    )  # fmt: skip
-    made.set_in_layout(False)
+    _legends(figure, groups, looks, palette, (legend - 0.05) / height)
     if title:
         figure.suptitle(title, fontsize=11, color=palette.ink, y=1.0 - 0.12 / height, va="top")
     return figure
 
 
+def _legends(
+    figure: Figure,
+    groups: Mapping[str, Sequence[tuple[str, str]]],
+    looks: Mapping[tuple[str, str], _Look],
+    palette: Palette,
+    top: float,
+) -> None:
+    """Write the legends of the groups side by side."""
+    for k, (heading, members) in enumerate(groups.items()):
+        made = figure.legend(
+            handles=[_handle(name, family, looks[name, family]) for name, family in members],
+            loc="upper left", bbox_to_anchor=((k + 0.12) / len(groups), top), fontsize=7,
+            frameon=False, handlelength=3.2, labelcolor=palette.ink, borderpad=0.0,
+            title=heading, title_fontsize=7.5, alignment="left",
+        )  # fmt: skip
+        made.get_title().set_color(palette.ink)
+        made.set_in_layout(False)
+
+
 def _looks(names: Sequence[tuple[str, str]]) -> dict[tuple[str, str], _Look]:
-    """Return the styles: heavy blue for the incremental solver, blue for its FMU, cycled for others."""
-    colours, markers = cycle(_COLOURS), cycle(_MARKERS)
-    looks = {}
+    """Return the styles: heavy blue for the incremental solver, else a colour for each package.
+
+    The orders of one method, and the solvers of one package, differ in their markers.
+    """
+    colours = dict.fromkeys(_package(*name) for name in names)
+    others = [each for each in colours if each not in _FIXED]
+    shade = _FIXED | dict(zip(others, cycle(_COLOURS), strict=False))
     own = next((name for name in names if name[1] == "incremental"), None)
-    for name in names:
-        if name == own:
-            looks[name] = _Look(style.BLUE, "o", 2.2)
-        elif name[1] == "FMU":
-            looks[name] = _Look(style.BLUE, "s", 1.2)
-        elif name[1] == "construction":
-            looks[name] = _Look(style.GREY, next(markers), 1.0)
-        else:
-            looks[name] = _Look(next(colours), next(markers), 1.1)
+    looks = {}
+    for package in colours:
+        members = [name for name in names if _package(*name) == package]
+        for name, marker in zip(members, cycle(_MARKERS), strict=False):
+            looks[name] = _Look(shade[package], marker, 2.2 if name == own else 1.1)
     return looks
+
+
+def _package(name: str, family: str) -> str:
+    """Return what curves of one colour have in common."""
+    if family == "construction":
+        return family
+    first = name.replace(",", " ").split()[0]
+    if family == "peer":
+        return first
+    return "extrapolated" if first == "extrapolated" else "fixed steps"
 
 
 def _style(axes: Axes, palette: Palette) -> None:
@@ -159,7 +193,7 @@ def _draw(axes: Axes, curve: Curve, look: _Look) -> None:
 
 
 def _handle(name: str, family: str, look: _Look) -> Line2D:
-    label = name if family in ("incremental", "peer") else f"{family}: {name}"
+    label = f"{family}: {name}" if family == "FMU" else name
     return Line2D(
         [], [], color=look.colour, marker=look.marker, markersize=3.0, lw=look.width,
         ls=_DASHES.get(family, "-"), label=label,

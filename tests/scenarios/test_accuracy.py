@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -261,6 +262,31 @@ def test_bad_input_is_one_line(arguments: tuple[str, ...], words: str) -> None:
 # -- the picture ---------------------------------------------------------------------------------
 
 
+def test_solvers_have_their_packages_colour_and_legends_room() -> None:
+    """Many solvers: no look is used twice, no colour in two packages, and no entry covers another."""
+    names = [("extrapolated", "incremental"), ("extrapolated, order 4", "incremental"),
+             *((rule, "incremental") for rule in ("equilibrium", "mean", "tangent", "wilson", "exact")),
+             ("extrapolated", "FMU"), *((f"rule {k}", "construction") for k in range(8)),
+             *((f"{package} {k}", "peer")
+               for package in ("scipy", "numbalsoda", "cvode", "heyoka") for k in range(4))]  # fmt: skip
+    curves = [Curve(name, family, ((1e-3, 1e-4), (1e-6, 2e-4))) for name, family in names]
+    for panels in (1, 2, 3):
+        figure = work_precision([("problem", curves)] * panels)
+        figure.draw_without_rendering()
+        lines = [line for line in figure.axes[0].lines if line.get_marker() != "x"]
+        looks = [(line.get_color(), line.get_marker(), line.get_linestyle()) for line in lines]
+        assert len(set(looks)) == len(names)
+        boxes = [
+            text.get_window_extent() for legend in figure.legends for text in legend.get_texts()
+        ]
+        assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+        assert max(box.x1 for box in boxes) < figure.bbox.x1
+        assert min(box.y0 for box in boxes) > 0.0
+        colours = {name.split()[0]: line.get_color()
+                   for (name, _), line in zip(names[-16:], lines[-16:], strict=True)}  # fmt: skip
+        assert len(set(colours.values())) == 4
+
+
 def test_failures_are_drawn_as_crosses_apart() -> None:
     curves = [Curve("good", "incremental", ((1e-3, 1e-4), (1e-6, 2e-4)), ()),
               Curve("bad", "peer", (), (3e-3,))]  # fmt: skip
@@ -271,6 +297,7 @@ def test_failures_are_drawn_as_crosses_apart() -> None:
     assert crosses.get_marker() == "x"
     assert crosses.get_xdata()[0] > 1.0
     assert {axes.get_xscale(), axes.get_yscale()} == {"log"}
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["good", "bad"]
+    told = [[text.get_text() for text in legend.get_texts()] for legend in figure.legends]
+    assert told == [["good"], ["bad"]]
     with pytest.raises(ValueError, match="nothing to draw"):
         work_precision([])
