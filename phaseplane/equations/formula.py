@@ -442,6 +442,11 @@ _IN_GEOGEBRA = {"log": "ln", "sign": "sgn"}
 _OPERATORS = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Pow: "^"}
 
 
+def spelled_number(value: float) -> str:
+    """Return a number as GeoGebra reads it, where e is Euler's number."""
+    return repr(value).replace("e", "E")
+
+
 def _spelled(
     node: ast.AST, terms: Mapping[str, str], values: Mapping[str, float], signs: Sequence[float]
 ) -> str:
@@ -449,12 +454,12 @@ def _spelled(
         return _spelled(inner, terms, values, signs)
 
     match node:
-        case ast.Constant(value):
-            return repr(value)
+        case ast.Constant(float() | int() as value):
+            return spelled_number(value)
         case ast.Name(name):
             if name in terms:
                 return terms[name]
-            return "pi" if name == "pi" else f"({values[name]!r})"
+            return "pi" if name == "pi" else f"({spelled_number(values[name])})"
         case ast.Subscript(slice=ast.Constant(number)):
             return f"({float(signs[int(str(number))])!r})"
         case ast.UnaryOp(operator, operand):

@@ -19,8 +19,10 @@ from phaseplane.constructions.primitives import Drawing, Plane
 from phaseplane.constructions.rules import REPEATED, Rule
 from phaseplane.constructions.stepping import signed_frequency
 from phaseplane.constructions.storage import Frame
+from phaseplane.equations.formula import spelled_number
 
 _FORMAT = {"format": "5.0", "app": "classic"}
+_VIEW = 600.0, 500.0  # pixels
 _COLOURS = {"P": (0, 90, 181), "D": (213, 94, 0), "A": (140, 110, 0)}
 
 Law = Callable[[Frame, str, str], str]
@@ -69,7 +71,7 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
     turn = signed_frequency(plane) * frame.duration
     made = _feet(plane, frame, law, "", n)
     p, d = f"P{n}", f"D{n}"
-    angle = repr(turn)
+    angle = spelled_number(turn)
 
     def tangent(label: str, factor: str) -> list[Command]:
         return [
@@ -96,7 +98,7 @@ def _of_step(plane: Plane, rule: Rule, frame: Frame, law: Law | None) -> list[Co
             factor = angle if plain or normal == 0.0 else mean
             return [*made, Command(following, "Dilate", (f"T{n}", factor, p))]
         case "delta":
-            made.append(Command(again, "Rotate", (p, repr(0.5 * turn), d)))
+            made.append(Command(again, "Rotate", (p, spelled_number(0.5 * turn), d)))
             made += repeated()
             return [*made, Command(following, "Rotate", (p, angle, foot))]
     made += [*tangent(again, angle), *repeated()]
@@ -162,21 +164,21 @@ def _feet(plane: Plane, frame: Frame, law: Law | None, suffix: str, n: str) -> l
     points = frame.points
     dash = "'" if suffix else ""
     p, q, a, foot, d = (f"{name}{dash}{n}" for name in ("P", "Q", "A", "A*", "D"))
-    foot = foot.replace("*", "^{*}")
+    foot = f"A{dash}{n[:-1]}*}}"  # GeoGebra's labels may have signs in their indices alone
     at = {name: _place(plane, points[name + suffix]) for name in ("P", "A", "A*", "D")}
     omega = plane.angular_frequency
-    spelled = law(frame, f"({omega!r} y({p}))", f"x({p})") if law is not None else ""
+    spelled = law(frame, f"({spelled_number(omega)} y({p}))", f"x({p})") if law is not None else ""
     reading = (
-        f"{p} + (-({spelled}) / {omega * omega!r}, 0)"
+        f"{p} + (-({spelled}) / {spelled_number(omega * omega)}, 0)"
         if spelled
-        else f"{p} + ({(at['A'] - at['P']).real!r}, 0)"
+        else f"{p} + ({spelled_number((at['A'] - at['P']).real)}, 0)"
     )
     shift = (at["D"] - at["A*"]).real
     return [
         Command(q, "ClosestPoint", ("xAxis", p)),
         Command(a, "", (reading,)),
         Command(foot, "ClosestPoint", ("xAxis", a)),
-        Command(d, "", (f"{foot} + ({shift + 0.0!r}, 0)",)),
+        Command(d, "", (f"{foot} + ({spelled_number(shift + 0.0)}, 0)",)),
     ]
 
 
@@ -185,7 +187,7 @@ def _place(plane: Plane, point: complex) -> complex:
 
 
 def _point(z: complex) -> str:
-    return f"({z.real!r}, {z.imag!r})"
+    return f"({spelled_number(z.real)}, {spelled_number(z.imag)})"
 
 
 # Files.
@@ -194,6 +196,7 @@ def _point(z: complex) -> str:
 def write_geogebra(path: Path, made: Sequence[Command], drawing: Drawing) -> None:
     """Write a GeoGebra file of the commands, with the auxiliary curves as polylines."""
     root = ElementTree.Element("geogebra", _FORMAT)
+    _view(root, drawing)
     construction = ElementTree.SubElement(root, "construction", title=drawing.title, author="")
     (plane,) = drawing.planes
     for i, curve in enumerate(c for c in drawing.curves if c.role == "auxiliary"):
@@ -205,6 +208,22 @@ def write_geogebra(path: Path, made: Sequence[Command], drawing: Drawing) -> Non
     xml = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     with ZipFile(path, "w", ZIP_DEFLATED) as archive:
         archive.writestr("geogebra.xml", xml)
+
+
+def _view(root: ElementTree.Element, drawing: Drawing) -> None:
+    """Show the points of the construction and the origin, on equal scales."""
+    (plane,) = drawing.planes
+    places = [_place(plane, z) for frame in drawing.frames for z in frame.points.values()]
+    left, right = (pick(0.0, *(z.real for z in places)) for pick in (min, max))
+    low, high = (pick(0.0, *(z.imag for z in places)) for pick in (min, max))
+    (width, height), full = _VIEW, 1.15  # with a margin
+    scale = min(width / (right - left or 1.0), height / (high - low or 1.0)) / full
+    ElementTree.SubElement(
+        ElementTree.SubElement(root, "euclidianView"), "coordSystem",
+        xZero=f"{0.5 * width - scale * 0.5 * (left + right):.6g}",
+        yZero=f"{0.5 * height + scale * 0.5 * (low + high):.6g}",
+        scale=f"{scale:.6g}", yscale=f"{scale:.6g}",
+    )  # fmt: skip
 
 
 def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
@@ -223,7 +242,10 @@ def _written(parent: ElementTree.Element, command: Command, kind: str) -> None:
     r, g, b = _COLOURS.get(letter, (110, 110, 110))
     shown = kind != "line" and letter not in "TRF"
     ElementTree.SubElement(
-        element, "show", object=str(shown).lower(), label=str(letter == "P").lower()
+        element,
+        "show",
+        object=str(shown).lower(),
+        label=str(command.label.startswith("P_")).lower(),
     )
     ElementTree.SubElement(element, "objColor", r=str(r), g=str(g), b=str(b), alpha="0.0")
     if kind == "point":

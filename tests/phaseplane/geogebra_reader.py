@@ -54,6 +54,9 @@ def read_geogebra(path: Path) -> list[Command]:
             assert made is not None
             values = tuple(given.attrib[f"a{i}"] for i in range(len(given.attrib)))
             found.append(Command(made.get("a0", ""), element.get("name", ""), values))
+    # GeoGebra refuses to open files with other labels, and reads e as Euler's number
+    assert all(re.fullmatch(r"[A-Za-z]'?_\{\d+\*?\}", command.label) for command in found)
+    assert not any(re.search(r"\de", element.get("exp", "")) for element in construction)
     return found
 
 

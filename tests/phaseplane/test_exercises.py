@@ -70,7 +70,7 @@ def law_of(text: str, plane: EquationPlane):
 @pytest.mark.parametrize("rule", RULES.values(), ids=RULES)
 @pytest.mark.parametrize(
     "text",
-    ["(x^2 - 1)*v + x", "x + 0.3*sign(v)", "x + 0.2*v - 0.3*cos(t)", "sign(x + 0.3*v)",
+    ["(x^2 - 1)*v + x", "x + 1e-7*v", "x + 0.3*sign(v)", "x + 0.2*v - 0.3*cos(t)", "sign(x + 0.3*v)",
      "sin(x) + max(v, 0.1)*hypot(x, v)/(1 + log(2))"],
 )  # fmt: skip
 def test_the_commands_for_geogebra_make_the_points_of_the_construction(rule, text, tmp_path: Path):
