@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import csv
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from .units import UNITS, UnitError, nearest, to_si
+from .units import UNITS, UnitError, nearest, spelled, to_si
 
 _COMMENT = "#"
 
@@ -45,7 +46,7 @@ def read_columns(
 
     Parameters
     ----------
-    path : of the file, UTF-8
+    path : of the file; see `encoding_of`
     wanted : the columns
     delimiter : separator of the columns
     decimal : "." or ",", but not the delimiter
@@ -63,7 +64,7 @@ def read_columns(
             f"decimal = {decimal!r}: must be '.' or ',', and not the delimiter {delimiter!r}"
         )
     columns: list[list[float]] = [[] for _ in wanted]
-    with open(path, encoding="utf-8-sig", newline="") as file:
+    with open(path, encoding=encoding_of(path), newline="") as file:
         try:
             rows = _numbered(csv.reader(file, delimiter=delimiter))
             _, heading = next(rows, (0, []))
@@ -92,7 +93,7 @@ def read_columns(
                 for column, value in zip(columns, values, strict=True):
                     column.append(value)
         except (UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{name} is not a CSV file in UTF-8: {error}") from None
+            raise ValueError(f"{name} is not a CSV file: {error}") from None
     if not columns[0]:
         raise ValueError(f"{name} has no rows below its heading")
     return columns
@@ -112,7 +113,7 @@ def read_points(
 
     Parameters
     ----------
-    path : of the file, UTF-8
+    path : of the file; see `encoding_of`
     position, value : headings of the two columns
     position_unit : of the first, a length, time or speed (`m`, `mm`, `s`, `m/s`, ...)
     value_unit : of the second, a length, force or number (`m`, `mm`, `N`, `kN`, `1`, ...)
@@ -179,6 +180,26 @@ def _kind(unit: str) -> str:
     return "m/s2" if "m/s2" in fits else fits[0]
 
 
+def encoding_of(path: str | PathLike[str]) -> str:
+    """Return the encoding of a text file: UTF-8, UTF-16 with its mark, or else Latin-1.
+
+    Spreadsheets write all three. In Latin-1 every byte is a letter, such as that of m/s².
+
+    Raises
+    ------
+    OSError : the file cannot be read.
+    """
+    with open(path, "rb") as file:
+        content = file.read()
+    if content.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) and len(content) % 2 == 0:
+        return "utf-16"
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return "latin-1"
+    return "utf-8-sig"
+
+
 def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
     """Return the headings of a CSV file.
 
@@ -186,7 +207,7 @@ def headings(path: str | PathLike[str], delimiter: str = ",") -> list[str]:
     ------
     OSError : the file cannot be read.
     """
-    with open(path, encoding="utf-8-sig", newline="") as file:
+    with open(path, encoding=encoding_of(path), newline="") as file:
         return next(_numbered(csv.reader(file, delimiter=delimiter)), (0, []))[1]
 
 
@@ -200,7 +221,7 @@ def _numbered(rows: Iterator[list[str]]) -> Iterator[tuple[int, list[str]]]:
 
 def _bare(cell: str) -> str:
     """Return a unit without brackets."""
-    return cell.strip("[]()")
+    return spelled(cell.strip("[]()"))
 
 
 _DISPLAYED: Mapping[str, float] = {name: 1.0 for unit in UNITS.values() for name in unit.display}

@@ -63,7 +63,15 @@ UNITS: dict[str, Unit] = {
 }
 
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S.*)?$")
-_SPELLINGS = str.maketrans({"*": ".", "·": ".", "⋅": ".", "²": "2", "³": "3", "^": None})
+_SPELLINGS = str.maketrans({
+    "*": ".", "·": ".", "⋅": ".", "²": "2", "³": "3", "^": None, "µ": "u", "μ": "u", "°": "deg",
+    " ": None,
+})  # fmt: skip
+
+
+def spelled(unit: str) -> str:
+    """Return a unit as it is spelled here: m/s^2 and m/s² are m/s2."""
+    return unit.strip().translate(_SPELLINGS)
 
 
 def to_si(quantity: str, unit: str) -> float:
@@ -82,10 +90,7 @@ def to_si(quantity: str, unit: str) -> float:
     if match is None:
         what, example = ("number", "1.5") if unit == "1" else ("number with a unit", f"1.5 {unit}")
         raise UnitError(f"{quantity!r} is not a {what}; write for example {example!r}")
-    number, name = (
-        float(match[1]),
-        (match[2] or unit).strip().replace(" ", "").translate(_SPELLINGS),
-    )
+    number, name = float(match[1]), spelled(match[2] or unit)
     if name == unit:
         return number
     display = UNITS[unit].display

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from phaseplane.suspension.measurement_files import read_table_of_units
+from phaseplane.suspension.measurement_files import encoding_of, read_table_of_units
 from phaseplane.suspension.units import nearest
 
 from ..errors import InputError, one_line
@@ -108,7 +108,7 @@ def _write_csv(columns: Columns, _metadata: str, path: Path) -> None:
 
 def _read_csv(path: Path) -> tuple[dict[str, npt.NDArray[np.float64]], str]:
 
-    with path.open(encoding="utf-8-sig", newline="") as table:
+    with path.open(encoding=encoding_of(path), newline="") as table:
         lines = table.readlines()
     names = [name.strip() for name in next(csv.reader(lines[:1]), [])]
     rows = lines[1:]

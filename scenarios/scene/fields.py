@@ -287,12 +287,17 @@ def pair_of(kind: Kind, words: str) -> Kind:
     return Kind(read, schema)
 
 
+_PAIRS = (
+    'a list of pairs of outputs such as [["suspension_deflection", "suspension_deflection_rate"]]'
+)
+
+
 def _pair_of_names(value: object) -> tuple[str, str]:
     parts = [part.strip() for part in value.split(",")] if isinstance(value, str) else value
     match parts:
         case [str(a), str(b)] | (str(a), str(b)) if a and b:
             return a, b
-    raise ValueError('must be a list of pairs of outputs such as "deflection, rate"')
+    raise ValueError(f"must be {_PAIRS}")
 
 
 PAIRS_OF_NAMES = list_of(
@@ -300,7 +305,7 @@ PAIRS_OF_NAMES = list_of(
         _pair_of_names,
         {"type": ["array", "string"], "items": {"type": "string"}, "minItems": 2, "maxItems": 2},
     ),
-    'a list of pairs of outputs such as "deflection, rate"',
+    _PAIRS,
 )
 SECONDS, INSTANT = quantity("s"), quantity("s", zero=True)
 METRES, FACTOR = quantity("m"), quantity("1")

@@ -197,7 +197,7 @@ def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds]:
                 key, "expect.during must be a list: write [[expect.during]] for each"
             )
         if name not in known:
-            raise RefusedError(key, f"no measure {shown(name)}{nearest(name, known)}")
+            raise RefusedError(key, f"expect: no measure {shown(name)}{nearest(name, known)}")
         try:
             expected[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:

@@ -127,9 +127,13 @@ class SweepFile:
     def __post_init__(self) -> None:
         sampled = self.method in ("latin_hypercube", "sobol")
         if not self.vary or not self.measures:
-            raise ValueError("a sweep needs at least one key in vary and one measure")
+            raise ValueError("vary and measures need at least one entry each")
         if sampled != (self.runs is not None):
-            raise ValueError(f"give runs with the methods {METHODS[2]} and {METHODS[3]} only")
+            raise ValueError(
+                f"runs is missing, the number of runs of method {self.method}"
+                if sampled
+                else f"runs: for the methods {METHODS[2]} and {METHODS[3]} only"
+            )
         if self.method == "sobol" and self.runs and not log2(self.runs).is_integer():
             raise ValueError(f"runs = {self.runs}: must be a power of two for a Sobol sample")
         for key, values in self.vary.items():

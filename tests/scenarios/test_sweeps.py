@@ -127,13 +127,17 @@ def test_a_sample_fills_the_box_and_follows_its_seed(method: str) -> None:
         ('["2 cm", 0.05]', "[]", "the list is empty"),
         ('["2 cm", 0.05]', '["2 kg"]', "'kg' does not fit"),
         ('"36 km/h"', "-1", "must be greater than 0"),
-        ("[vary]", 'method = "sobol"\n[vary]', "give runs with the methods"),
+        (
+            "[vary]",
+            'method = "sobol"\n[vary]',
+            "runs is missing, the number of runs of method sobol",
+        ),
         ("[vary]", 'method = "sobol"\nruns = 5\n[vary]', "power of two"),
         ("[vary]", 'method = "latin_hypercube"\nruns = 5\n[vary]', "needs a range"),
         ("[vary]", 'method = "griddle"\n[vary]', "did you mean 'grid'?"),
         ("[vary]", 'method = "list"\n[vary]', "the same number of values"),
         ("[vary]", "[vary", "not TOML"),
-        ("[vary]", "runs = 4\n[vary]", "give runs with the methods"),
+        ("[vary]", "runs = 4\n[vary]", "runs: for the methods latin_hypercube and sobol only"),
     ],
 )
 def test_what_a_sweep_file_may_not_say(old: str, new: str, words: str) -> None:

@@ -1,7 +1,8 @@
 """CSV files as measuring programs write them."""
 
 import pytest
-from phaseplane.suspension.measurement_files import Wanted, read_columns, read_points
+from phaseplane.scenarios.results.tables import read_table
+from phaseplane.suspension.measurement_files import Wanted, headings, read_columns, read_points
 
 GERMAN = """# Pruefstand 3
 Weg;Kraft
@@ -28,6 +29,16 @@ def test_units_decimal_comma_and_comments(file):
         delimiter=";", decimal=",",
     )  # fmt: skip
     assert columns == [pytest.approx([-0.0105, 0.0, 0.02]), pytest.approx([-1220.0, 30.0, 2530.0])]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16"])
+def test_whatever_a_spreadsheet_writes_is_read(encoding, tmp_path):
+    path = tmp_path / "rig.csv"
+    path.write_text("Prüfzeit,Beschl.\ns,m/s²\n0,0.5\n1,-1\n", encoding=encoding)
+    assert headings(path) == ["Prüfzeit", "Beschl."]
+    wanted = [Wanted("Prüfzeit", ("s",)), Wanted("Beschl.", ("m/s2",))]
+    assert read_columns(path, wanted) == [[0.0, 1.0], [0.5, -1.0]]
+    assert read_table(path)[0]["Beschl."].tolist() == [0.5, -1.0]
 
 
 @pytest.mark.parametrize(
