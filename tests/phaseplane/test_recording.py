@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -45,11 +44,12 @@ from phaseplane.recording import DETAILS, new_recording, record
 from phaseplane.recording.canvas import BLOCK
 from phaseplane.recording.columns import rgba
 from phaseplane.recording.motion import pages_of
+from phaseplane.recording.server import viewer_program
 
 
 def test_rerun_verifies_the_file(path: Path) -> None:
-    tool = Path(sys.executable).with_name("rerun")
-    done = subprocess.run([tool, "rrd", "verify", path], capture_output=True, check=False)
+    command = [viewer_program(), "rrd", "verify", path]
+    done = subprocess.run(command, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
