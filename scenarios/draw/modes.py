@@ -16,6 +16,8 @@ from ..errors import InputError, check_picture, one_line
 from ..measures.linearised import linearised
 from ..scene.loading import load_scene
 
+_ROUNDING = 1e-9  # of the largest part of a shape
+
 
 def modes(
     reference: str, overrides: Sequence[str], figure: Path | None, *, dark: bool = False
@@ -43,6 +45,7 @@ def modes(
     modes = []
     for i, omega in enumerate(found.angular_frequencies.tolist()):
         shape = found.shapes[:, i] / found.shapes[abs(found.shapes[:, i]).argmax(), i]
+        shape[abs(shape) < _ROUNDING] = 0.0
         modes.append(
             {
                 "frequency": omega / (2.0 * pi),
@@ -75,7 +78,7 @@ def format_modes(summary: Mapping[str, Any]) -> str:
     """Return the modes as text for a terminal."""
     lines = [summary["title"], ""]
     for i, one in enumerate(summary["modes"], 1):
-        shape = ", ".join(f"{name} {part:.4g}" for name, part in one["shape"].items())
+        shape = ", ".join(f"{name} {part:.4g}" for name, part in one["shape"].items() if part)
         lines.append(
             f"mode {i}   {one['frequency']:.6g} Hz ({one['angular_frequency']:.6g} rad/s), damping ratio "
             f"{one['damping_ratio']:.4g}; {shape}"

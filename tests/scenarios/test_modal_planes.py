@@ -83,3 +83,11 @@ def test_what_has_no_modes_is_refused_in_a_line() -> None:
     assert "Equation is not a model of this package" in refused.stderr
     with pytest.raises(ValueError, match="a mode without stiffness"):
         modal_planes(Linearised(("a",), np.eye(1), np.zeros((1, 1)), np.zeros((1, 1)), {}, {}))
+
+
+def test_what_is_rounding_in_a_shape_is_zero() -> None:
+    told = CliRunner().invoke(main, ["modes", "full_car"]).stdout.splitlines()
+    assert (
+        told[2].split("; ")[1].startswith("heave 1, front_left_wheel 0.09167")
+    )  # no pitch, no roll
+    assert told[3].split("; ")[1].startswith("pitch 1, front_left_wheel")
