@@ -148,7 +148,7 @@ def _contact(prefix: str, measures: Mapping[str, Any]) -> Iterator[Line]:
     if count == 0:
         yield f"{axle}lift-off", "none"
     elif values["lift_offs"] is None:
-        yield f"{axle}lift-off", f"{count} times"
+        yield f"{axle}lift-off", counted(count, "time")
     for what in ("lift-off", "touchdown"):
         instants = values[f"{what.replace('-', '_')}s"]
         if instants:

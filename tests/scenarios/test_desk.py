@@ -181,6 +181,11 @@ def test_the_report_names_what_ran(bump):
     assert "lift-off" in bump._repr_html_()
 
 
+def test_one_lift_off_is_counted_once():
+    report = phaseplane.run("ap57", measures=["lift_off_count"]).report()
+    assert re.search("^lift-off +1 time$", report, re.MULTILINE)
+
+
 def test_the_columns_of_a_report_are_aligned():
     """Beside long names of wheels and long units, too."""
     report = phaseplane.run("full_car").report()
