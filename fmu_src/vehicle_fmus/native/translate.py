@@ -429,7 +429,11 @@ class _Routine:
         for node in ast.walk(bound):
             if isinstance(node, ast.Name) and node.id in assigned:
                 return False
-            if isinstance(node, ast.Attribute) and node.attr in _written(self.kernel):
+            if (
+                isinstance(node, ast.Attribute)
+                and node.attr in _written(self.kernel)
+                and (self._record(node.value)[1], node.attr) not in self.kernel.fixed
+            ):
                 return False
             if isinstance(node, ast.Call | ast.IfExp):
                 return False

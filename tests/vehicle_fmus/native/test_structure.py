@@ -24,11 +24,14 @@ class Owner:
         fill(self.filled, self.count)
         self.written[0] = self.table[self.count - 1] + self.rate + self.noted
         self.first, self.second = self.second, self.first
+        for i in range(self.count):
+            self.written[0] += self.table[i]
         self.reader.look()
 
 class Reader:
     def look(self):
-        self.seen = self.shared[0]
+        self.seen = self.shared[self.count]
+        self.count = 0
 """
 DECLARED = """
 @cython.locals(i=int)
@@ -39,9 +42,11 @@ cdef class Owner:
     cdef double rate, noted
     cdef double *table, *filled, *written, *first, *second
     cdef Reader reader
+    @cython.locals(i=int)
     cdef void step(self) noexcept nogil
 
 cdef class Reader:
+    cdef int count
     cdef double seen
     cdef double *shared
     cdef void look(self) noexcept nogil
@@ -57,7 +62,7 @@ def kernel(tmp_path: Path) -> Sources:
 
 def an_owner() -> Any:
     filled = array("d", [0.0, 0.0])
-    reader = type("Reader", (SimpleNamespace,), {})(seen=0.0, shared=filled)
+    reader = type("Reader", (SimpleNamespace,), {})(count=0, seen=0.0, shared=filled)
     return type("Owner", (SimpleNamespace,), {})(
         count=2, rate=0.5, noted=0.25, table=array("d", [3.0, 4.0]), filled=filled,
         written=array("d", [0.0]), first=array("d", [1.0]), second=array("d", [2.0]), reader=reader,
@@ -75,6 +80,7 @@ def test_what_nothing_changes_is_constant(kernel: Sources) -> None:
     assert "enum {\n    Owner_count = 2,\n};" in code
     assert "#define Owner_rate 0.5" in code
     assert "static const double Owner_table[2] = {\n    3.0, 4.0,\n};" in code
+    assert "for (int i = 0; i < Owner_count; i++)" in code
     assert "Owner_table[Owner_count - 1] + Owner_rate + self->noted" in code
 
 
