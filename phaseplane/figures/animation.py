@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from phaseplane.constructions.primitives import Drawing
-from phaseplane.figures.canvas import Sheet, new_page
+from phaseplane.figures.canvas import Sheet, heading_lines, new_page
 from phaseplane.figures.style import HEADING, PLAIN, Look, new_figure, printed
 from phaseplane.picture.files import replace_file
 from phaseplane.picture.story import Tick, arms_page, staged, story_of
@@ -96,7 +96,9 @@ def storyboard(
     rows = -(-len(stages) // columns)
     size = width / columns, width / columns * view.half.imag / view.half.real
     cell = size[0], min(size[1], 4.5) + 0.65
-    above = 0.7 if look.headed else 0.05
+    step = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
+    words = heading_lines((title, step), width)
+    above = 0.35 + 0.18 * len(words) if look.headed else 0.05
     whole = new_figure(width, rows * cell[1] + above, look.palette)
     scale = min(cell[0] / view.half.real, (cell[1] - 0.65) / view.half.imag) / 2.0
     stays = new_page(drawing, view, look, scale=1.2 * scale)
@@ -120,9 +122,8 @@ def storyboard(
             fill(tick.caption, int(13.0 * cell[0])), ha="center", va="top", fontsize=7.5,
             color=look.palette.ink,
         )  # fmt: skip
-    words = f"Step {chosen.step}, {format_time(chosen.time)}, stage by stage"
     whole.text(
-        0.5, 1.0 - 0.35 / whole.get_figheight(), f"{title}\n{words}" if title else words,
+        0.5, 1.0 - 0.5 * above / whole.get_figheight(), "\n".join(words),
         ha="center", va="center", fontsize=10.0, color=look.palette.ink, gid=HEADING,
     )  # fmt: skip
     return printed(whole, look)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from textwrap import wrap
 from typing import Any
@@ -49,6 +49,11 @@ def _scale(view: Box, look: Look) -> float:
     return min(_LARGEST[0] / size.real, _LARGEST[1] / size.imag)
 
 
+def heading_lines(texts: Iterable[str], width: float) -> list[str]:
+    """Return texts in lines that fit into the width of a figure, inches."""
+    return [line for text in texts for line in wrap(text, max(20, int(13 * width)))]
+
+
 class Sheet(Canvas):
     """A figure of a page, and of the pages that follow it in an animation."""
 
@@ -67,11 +72,7 @@ class Sheet(Canvas):
         width, height = size.real * scale, size.imag * scale
         columns = max(2, int(width / 1.3))
         rows = -(-len(legend) // columns)
-        heading = [
-            line
-            for text in (page.title, *page.words.split("\n"))
-            for line in wrap(text, max(20, int(13 * width)))
-        ]
+        heading = heading_lines((page.title, *page.words.split("\n")), width)
         below, above = 0.3 + 0.2 * rows, 0.3 + 0.17 * len(heading) if self.look.headed else 0.1
         full = (width + 2 * _BESIDE, height + below + above)
         self.figure = new_figure(*full, self.palette)
