@@ -6,7 +6,7 @@ from .modes cimport Modes
 from .motion cimport Motion
 from .network cimport Network
 
-cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
+cdef double READ_PHASE, ROUNDING_OF_RATES, _SHARE, _OF_SPEED, _LOW_ORDER, _ROUNDING, _LEAST_LENGTH, _READ_SHARE, _NEGLIGIBLE, _MISSED, _LONG_PHASE, _STRONG
 
 @cython.final
 cdef class Errors:
@@ -17,9 +17,9 @@ cdef class Errors:
     cdef int n, order
     cdef bint controlled, own_jerks
     cdef double tolerance, time, step, error, allowed, none
-    cdef double *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
+    cdef double *velocity_scale, *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
-    @cython.locals(i=int, size=double)
+    @cython.locals(i=int, size=double, reach=double, speed=double, least=double)
     cdef void begin(self) noexcept nogil
     cdef inline void note(self, double size) noexcept nogil
     @cython.locals(factor=double)
@@ -39,9 +39,11 @@ cdef class Errors:
     cdef void note_middle(self, double h) noexcept nogil
     @cython.locals(phase=double, cube=double)
     cdef void note_reading(self, double h) noexcept nogil
-    @cython.locals(i=int, rounding=double, lack=double)
+    @cython.locals(i=int, rounding=double, lack=double, share=double)
     cdef void _note_lack(self, double h) noexcept nogil
     @cython.locals(i=int, decay=double)
     cdef double of_reading(self, double h) noexcept nogil
     @cython.locals(i=int, u=double, of_q=double, of_v=double, error=double)
     cdef bint can_read(self, double x, double h) noexcept nogil
+
+cdef double _least_scale(double reach, double speed) noexcept nogil

@@ -13,6 +13,8 @@ _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 ROUNDING_OF_RATES = 1e-14  # of velocities, as several substeps add it up
 _LEAST_LENGTH = 1e-290  # m, instead of none
+_OF_SPEED = 0.2  # share of the largest displacement that an error as large as the largest velocity is
+_LOW_ORDER = 5  # exponent of the step in the error, up to which the septic is as accurate as the step
 _READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
 # phase of the fastest motion up to which the septic can be as accurate as the step
 READ_PHASE = 3.0
@@ -40,6 +42,8 @@ class Errors:
         self.none = 0.0  # error below which steps grow most
         self.time = self.step = 0.0  # start and length of the attempt, s
         memory, n = self.net.memory, self.n
+        # turns errors of velocity into errors of displacement, s
+        self.velocity_scale = memory.zeros(n)
         self.middle_a = memory.zeros(n)
         self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)
         self.septic_a = memory.zeros(n)
@@ -56,8 +60,12 @@ class Errors:
         size = self.motion.state.scale
         for i in range(self.n):
             size = max(size, fabs(self.motion.q[i]), fabs(self.motion.origin[i]))
-        self.allowed = _SHARE * self.tolerance * self.motion.reach_at(self.motion.qb)
-        self.allowed = max(self.allowed, _ROUNDING * size) + _LEAST_LENGTH
+        reach = self.motion.reach_at(self.motion.qb)
+        speed = self.motion.speed_at(self.motion.vb)
+        self.allowed = max(_SHARE * self.tolerance * reach, _ROUNDING * size) + _LEAST_LENGTH
+        least = _least_scale(reach, speed)
+        for i in range(self.n):
+            self.velocity_scale[i] = max(self.modes.velocity_scale[i], least)
 
     def note(self, size):
         """Update the largest error, m."""
@@ -75,7 +83,7 @@ class Errors:
         """Return the error of accelerations that does not matter in a step, m/s^2; 0 for a fixed one."""
         if not self.controlled:
             return 0.0
-        slowest = h
+        slowest = max(h, _least_scale(self.motion.state.reach, self.motion.state.speed))
         for i in range(self.n):
             slowest = max(slowest, self.modes.velocity_scale[i])
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
@@ -182,17 +190,20 @@ class Errors:
         """Count the residual `lack` halfway as an error of the step.
 
         An error e of the septic, which vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is
-        at most 0.12 h e''.
+        at most 0.12 h e''. It does not add up over the steps, so it may be as large as the tolerance. At
+        low orders, however, the residual of a curved force also shows what all columns miss, and then
+        its effect on velocities adds up.
         """
+        share = 1.0 if self.balance.bends.count and self.order <= _LOW_ORDER else _SHARE
         # of the septic's rate, a difference of q over the step, which dampers pass on to all they move
         rounding = 0.0
         for i in range(self.n):
             rounding = max(rounding, fabs(self.motion.q[i]) + fabs(self.motion.qb[i]))
         rounding *= 1e-15 / h * self.modes.quickest
         for i in range(self.n):
-            lack = _SHARE * h * max(0.0, self.lack[i] - rounding)
-            self.note(h / 32.0 * lack)
-            self.note(0.12 * self.modes.velocity_scale[i] * lack)
+            lack = h * max(0.0, self.lack[i] - rounding)
+            self.note(_SHARE * h / 32.0 * lack)
+            self.note(share * 0.12 * self.velocity_scale[i] * lack)
 
     def of_reading(self, h):
         """Return the error halfway in a step that ends on a knee, over the one allowed; else 0.
@@ -222,7 +233,15 @@ class Errors:
         of_q = 8.0 * h * h * u * u * u * u
         of_v = 32.0 * h * u * u * u * max(fabs(1.0 - 2.0 * x), 0.25)
         for i in range(self.n):
-            error = max(of_q, of_v * self.modes.velocity_scale[i]) * self.lack[i]
+            error = max(of_q, of_v * self.velocity_scale[i]) * self.lack[i]
             if not error <= _READ_SHARE * self.allowed:
                 return 0
         return 1
+
+
+def _least_scale(reach, speed):
+    """Return the time, s, by which errors of velocity count as displacements at least.
+
+    Without it a light wheel that swings fast, but little, would only be as accurate as the body needs.
+    """
+    return _OF_SPEED * reach / speed if speed > 0.0 else 0.0

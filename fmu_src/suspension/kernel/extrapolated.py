@@ -26,7 +26,7 @@ if not cython.compiled:
 _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
 # the least share of that difference that is taken for the error with curved forces
-_BENT_BETTER = 0.3
+_BENT_BETTER = 0.4
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
 _EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
@@ -95,7 +95,7 @@ class Extrapolated(Method):
         for i in range(self.n):
             error = max(0.0, fabs(self.columns.error_v[i]) - rounding)
             self.errors.note(fabs(self.columns.error_q[i]))
-            self.errors.note(error * self.modes.velocity_scale[i])
+            self.errors.note(error * self.errors.velocity_scale[i])
         self._expect_better(h)
         if self.balance.bends.count:
             self.errors.note_middle(h)

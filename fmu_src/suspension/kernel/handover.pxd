@@ -8,7 +8,7 @@ cdef class Handover:
     cdef Network net
     cdef int n, elements
     cdef double *q, *v, *origin, *work, *limited_time
-    cdef double reach, scale, datum, exchange, supplied, residual
+    cdef double reach, speed, scale, datum, exchange, supplied, residual
     cdef long long steps
 
     @cython.locals(i=int)

@@ -22,7 +22,7 @@ class Handover:
         self.q, self.v = memory.zeros(self.n), memory.zeros(self.n)
         self.origin = memory.zeros(self.n)  # from which the motion is measured
         self.work, self.limited_time = memory.zeros(self.elements), memory.zeros(self.elements)
-        self.reach = self.scale = self.datum = 0.0
+        self.reach = self.speed = self.scale = self.datum = 0.0
         self.exchange = self.supplied = self.residual = 0.0
         self.steps = 0
 
@@ -31,7 +31,8 @@ class Handover:
         for i in range(self.n):
             self.q[i], self.v[i] = motion.q[i], motion.v[i]
             self.origin[i] = motion.origin[i]
-        self.reach, self.scale = net.state.reach, net.state.scale
+        self.reach, self.speed = net.state.reach, net.state.speed
+        self.scale = net.state.scale
         self.steps = net.state.step_count
         self.datum, self.exchange = net.state.datum, net.state.exchange
         self.supplied = net.state.supplied + fabs(net.state.initial_energy)

@@ -151,7 +151,8 @@ class Integrator(March):
         self.motion.count_from_here()
         self.state.in_step = True
         self._begin()
-        self.state.reach, self.state.scale = self.handover.reach, self.handover.scale
+        self.state.reach, self.state.speed = self.handover.reach, self.handover.speed
+        self.state.scale = self.handover.scale
         for i in range(self.n):
             self.motion.origin[i] = self.handover.origin[i]
         self.state.step_count = self.handover.steps

@@ -524,6 +524,7 @@ class March:
             self.motion.j[i] = self.motion.jb[i]
             self.motion.drift[i] = self.motion.drift_end[i]
         self.state.reach = self.motion.reach_at(self.motion.q)
+        self.state.speed = self.motion.speed_at(self.motion.v)
         self.limited.add_step(h)
         # an element that has just switched still departs while others switch at the same time
         if self.state.entered and self._passes(h):

@@ -45,7 +45,7 @@ class Motion:
 
     def count_from_here(self):
         """Measure the motion from the present displacements, the start of a run."""
-        self.state.reach = 0.0
+        self.state.reach = self.state.speed = 0.0
         for i in range(self.n):
             self.origin[i] = self.q[i]
 
@@ -57,6 +57,15 @@ class Motion:
             if not x <= reach:
                 reach = x
         return reach
+
+    def speed_at(self, v):
+        """Return the largest velocity so far, including v, m/s."""
+        speed = self.state.speed
+        for i in range(self.n):
+            x = fabs(v[i])
+            if not x <= speed:
+                speed = x
+        return speed
 
     def keep_multipliers(self):
         """Store the present forces of sticking, as attempts overwrite those of the network."""

@@ -6,7 +6,7 @@ from .arrays cimport Memory
 cdef class KernelState:
     cdef Memory memory
     # what a snapshot copies: from `time` to `overruns`
-    cdef double time, step_start, grid_start, proposal, scale, reach, datum
+    cdef double time, step_start, grid_start, proposal, scale, reach, speed, datum
     cdef double exchange, supplied, initial_energy, most_stored, residual_start, residual_end
     cdef double beyond_since, beyond_step
     cdef long long grid_index, step_count

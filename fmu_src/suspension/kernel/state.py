@@ -28,6 +28,7 @@ class KernelState:
         self.proposal = 0.0  # the next step by the last error, s; 0 if there is none
         self.scale = 0.0  # displacement, m; errors below its rounding do not matter
         self.reach = 0.0  # the largest motion so far, m, to which errors are relative
+        self.speed = 0.0  # the largest velocity so far, m/s
         self.datum = 0.0  # from which displacements and roads count, m
         # energies, J: what contact switches have exchanged; what roads and loads have moved in or out
         self.exchange = self.supplied = 0.0
