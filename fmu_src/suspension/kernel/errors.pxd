@@ -20,7 +20,7 @@ cdef class Errors:
     cdef double *velocity_scale, *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
     @cython.locals(i=int, size=double, reach=double, speed=double, least=double)
-    cdef void begin(self) noexcept nogil
+    cdef void begin(self, double h) noexcept nogil
     cdef inline void note(self, double size) noexcept nogil
     @cython.locals(factor=double)
     cdef double factor(self) noexcept nogil

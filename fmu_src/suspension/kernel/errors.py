@@ -13,7 +13,7 @@ _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 ROUNDING_OF_RATES = 1e-14  # of velocities, as several substeps add it up
 _LEAST_LENGTH = 1e-290  # m, instead of none
-_OF_SPEED = 0.2  # share of the largest displacement that an error as large as the largest velocity is
+_OF_SPEED = 0.5  # share of the largest displacement that an error as large as the largest velocity is
 _LOW_ORDER = 5  # exponent of the step in the error, up to which the septic is as accurate as the step
 _READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
 # phase of the fastest motion up to which the septic can be as accurate as the step
@@ -51,7 +51,7 @@ class Errors:
         # whether the attempt is read with other jerks than those at its ends
         self.own_jerks = False
 
-    def begin(self):
+    def begin(self, h):
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
 
         It is at least the rounding of displacements and of the forces that balance at rest.
@@ -61,7 +61,7 @@ class Errors:
         for i in range(self.n):
             size = max(size, fabs(self.motion.q[i]), fabs(self.motion.origin[i]))
         reach = self.motion.reach_at(self.motion.qb)
-        speed = self.motion.speed_at(self.motion.vb)
+        speed = self.motion.speed_in(h)
         self.allowed = max(_SHARE * self.tolerance * reach, _ROUNDING * size) + _LEAST_LENGTH
         least = _least_scale(reach, speed)
         for i in range(self.n):
@@ -216,7 +216,7 @@ class Errors:
             decay = max(decay, self.modes.damping[i * self.n + i] / self.net.mass[i * self.n + i])
         if h * decay < 1.0:
             return 0.0
-        self.begin()
+        self.begin(h)
         self.note_middle(h)
         return self.error / self.allowed
 

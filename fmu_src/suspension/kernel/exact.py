@@ -288,7 +288,7 @@ class Exact(Method):
         if status != 0:
             return status
         self.balance.end(t + h, self.motion.qb, self.motion.vb, self.motion.ab, self.motion.jb)
-        self.errors.begin()
+        self.errors.begin(h)
         self.errors.keep_jerks()
         self.errors.read_middle(h)
         for i in range(self.n):

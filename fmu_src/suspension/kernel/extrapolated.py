@@ -88,7 +88,7 @@ class Extrapolated(Method):
 
     def _find_error(self, h):
         """Find the error of the attempt, in units of the one allowed."""
-        self.errors.begin()
+        self.errors.begin(h)
         rounding = 0.0  # of velocities, which matters where strong damping multiplies it
         for i in range(self.n):
             rounding = max(rounding, ROUNDING_OF_RATES * fabs(self.motion.vb[i]))

@@ -512,6 +512,7 @@ class March:
 
     def _accept(self, h, t):
         """Make the attempt the last step."""
+        self.state.speed = self.motion.speed_in(h)
         for i in range(self.n):
             self.dense.qa[i] = self.motion.q[i]
             self.dense.va[i] = self.motion.v[i]
@@ -524,7 +525,6 @@ class March:
             self.motion.j[i] = self.motion.jb[i]
             self.motion.drift[i] = self.motion.drift_end[i]
         self.state.reach = self.motion.reach_at(self.motion.q)
-        self.state.speed = self.motion.speed_at(self.motion.v)
         self.limited.add_step(h)
         # an element that has just switched still departs while others switch at the same time
         if self.state.entered and self._passes(h):

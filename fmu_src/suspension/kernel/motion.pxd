@@ -18,7 +18,7 @@ cdef class Motion:
     cdef void count_from_here(self) noexcept nogil
     @cython.locals(i=int, reach=double, x=double)
     cdef double reach_at(self, double *q) noexcept nogil
-    @cython.locals(i=int, speed=double, x=double)
-    cdef double speed_at(self, double *v) noexcept nogil
+    @cython.locals(i=int, speed=double, rounding=double, x=double)
+    cdef double speed_in(self, double h) noexcept nogil
     @cython.locals(e=int)
     cdef void keep_multipliers(self) noexcept nogil

@@ -58,11 +58,15 @@ class Motion:
                 reach = x
         return reach
 
-    def speed_at(self, v):
-        """Return the largest velocity so far, including v, m/s."""
+    def speed_in(self, h):
+        """Return the largest velocity so far, including those of the attempt of length h, m/s.
+
+        That is the one at its end, and the mean, as a step may go from rest to rest.
+        """
         speed = self.state.speed
         for i in range(self.n):
-            x = fabs(v[i])
+            rounding = 1e-15 * (fabs(self.q[i]) + fabs(self.qb[i]))
+            x = max(fabs(self.vb[i]), (fabs(self.qb[i] - self.q[i]) - rounding) / h)
             if not x <= speed:
                 speed = x
         return speed
