@@ -13,8 +13,10 @@ _SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps
 _ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
 ROUNDING_OF_RATES = 1e-14  # of velocities, as several substeps add it up
 _LEAST_LENGTH = 1e-290  # m, instead of none
-_OF_SPEED = 0.5  # share of the largest displacement that an error as large as the largest velocity is
-_LOW_ORDER = 5  # exponent of the step in the error, up to which the septic is as accurate as the step
+# share of the largest displacement for which an error as large as the largest velocity counts
+_OF_SPEED = 0.5
+# exponent of the step in the error, up to which the septic is as accurate as the step
+_LOW_ORDER = 5
 _READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
 # phase of the fastest motion up to which the septic can be as accurate as the step
 READ_PHASE = 3.0

@@ -86,8 +86,8 @@ class Integrator(March):
     system : `models.System`; read once, not stored
     method : one of these
     step : fixed macro step, s; 0 lets the tolerance choose
-    tolerance : largest error of displacement, relative to the largest motion so far from the start
-        of the run
+    tolerance : largest error of displacements, relative to the largest motion so far from the start
+        of the run; of velocities twice that, relative to the largest velocity so far
     start : start time, s
     order : of `extrapolated`; 0 lets the tolerance choose
     landing : whether steps end on switches; otherwise, as in a hand calculation, an element changes
