@@ -10,7 +10,7 @@ import os
 from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import ceil, nan
 from operator import itemgetter
 from typing import TYPE_CHECKING, NamedTuple
@@ -22,7 +22,7 @@ from .engine import Integrator
 from .models import build
 from .outputs import Reading, reading_of
 from .reasons import why_stopped
-from .series import Series, is_at_end, is_over_time, joints
+from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
 from .session import start_state
 from .systems import System
 from .variable import Variable
@@ -50,6 +50,7 @@ class Outcome:
     at_end : values at the last time by the name of the output; empty if the run failed
     switches : times at which an element changed its branch, s, ascending, if corners are requested
     joints : times at which the course of a road or load may have a corner, likewise
+    closer : values at the times that `closer` has returned, with `time`; empty if the run failed
     """
 
     columns: Mapping[str, npt.NDArray[np.float64]]
@@ -57,6 +58,7 @@ class Outcome:
     at_end: Mapping[str, float] = field(default_factory=dict)
     switches: Sequence[float] = ()
     joints: Sequence[float] = ()
+    closer: Mapping[str, npt.NDArray[np.float64]] = field(default_factory=dict)
 
     @property
     def ok(self) -> bool:
@@ -76,22 +78,25 @@ def run_many(
     *,
     at_end: Sequence[str] = (),
     corners: bool = False,
+    closer: Callable[[Outcome], Sequence[float]] | None = None,
     progress: Callable[[float], None] | None = None,
     going_on: Callable[[float], bool] | None = None,
 ) -> list[Outcome]:
     """Run a model once for each set of parameters.
 
-    Roads are internal: there are no inputs. Energies are not computed.
+    Roads are internal: there are no inputs. Of energies only the residual of the balance is computed.
 
     Parameters
     ----------
     model : key of `variables.MODELS`
     parameter_sets : parameters that are not at their defaults, for each run
     times : s, ascending; the first is the start
-    outputs : motions, deflections, forces, contact and the road over time; see `outputs_over_time`
+    outputs : outputs over time: motions, deflections, forces, contact, the road; see `outputs_over_time`
     workers : number of threads; None for one per core
     at_end : counts and sums at the last time; see `outputs_at_end`
     corners : whether to return the times at which outputs may jump or have a corner
+    closer : returns further times after the start, s, ascending, at which the outputs of a run are
+        wanted too, once it has been made
     progress : called with the fraction done, 0 to 1
     going_on : called every few thousand steps of a run with its time, s; False ends the run there, which
         is a failure that keeps what it has
@@ -129,6 +134,7 @@ def run_many(
         {name: declared[name] for name in outputs},
         {name: declared[name] for name in at_end},
         corners,
+        closer,
         going_on,
     )
     workers = workers or os.cpu_count() or 1
@@ -192,6 +198,7 @@ class _Task(NamedTuple):
     outputs: Mapping[str, Variable]
     at_end: Mapping[str, Variable]
     corners: bool
+    closer: Callable[[Outcome], Sequence[float]] | None
     going_on: Callable[[float], bool] | None
 
 
@@ -327,10 +334,14 @@ class _Bench:
         method, step, tolerance, theta, beyond = solver
         integrator = Integrator(
             system, method, step, tolerance, task.times[0],
-            energy=False, theta=theta, beyond_stable=beyond,
+            energy=any(reading_of(v, system) == RESIDUAL for v in task.outputs.values()),
+            theta=theta, beyond_stable=beyond,
         )  # fmt: skip
         integrator.going_on = task.going_on
-        series = Series(integrator, system, task.times, task.outputs, task.at_end, task.corners)
+        series = Series(
+            integrator, system, task.times, task.outputs, task.at_end, task.corners,
+            task.closer is not None,
+        )  # fmt: skip
         self._kinds.insert(0, _Kind(solver, integrator, series))
         return self._kinds[0]
 
@@ -348,7 +359,7 @@ class _Bench:
 
     def _outcomes(self, series: Series, runs: int, systems: Sequence[System]) -> Iterator[Outcome]:
         """Make all runs that a series has taken, and yield their outcomes."""
-        names, times, corners = self._task.outputs, self._task.times, self._task.corners
+        _, times, names, _, corners, closer, _ = self._task
         columns = np.empty((len(names), runs, len(times)))
         of_runs = list(zip(*columns, strict=True)) or [()] * runs
         first = 0
@@ -359,7 +370,11 @@ class _Bench:
                 bends = (series.switches(k), joints(systems[first + k])) if corners else ((), ())
                 if one.status == 0:
                     found = dict(zip(names, values, strict=True))
-                    yield Outcome(found, "", series.ends(k, one), *bends)
+                    outcome = Outcome(found, "", series.ends(k, one), *bends)
+                    if closer is not None and (more := array("d", closer(outcome))):
+                        there = zip(names, series.again(first + k, k, more), strict=True)
+                        outcome = replace(outcome, closer={"time": np.array(more), **dict(there)})
+                    yield outcome
                     continue
                 found = {name: x[: one.filled] for name, x in zip(names, values, strict=True)}
                 why = why_stopped(one.status, f"at {one.time:.6g} s, in step {one.steps}")

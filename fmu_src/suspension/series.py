@@ -1,7 +1,8 @@
 """Outputs over whole runs as columns, from the arrays that the integrator fills in one batch.
 
 Every numeric output over time is linear in displacements, velocities, accelerations, forces of the
-elements and the road; contact follows from the times at which it was lost and regained.
+elements and the road, or the residual of the energy balance; contact follows from the times at which it
+was lost and regained.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
+from math import ceil
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -29,20 +31,25 @@ from .outputs import (
     Reading,
     reading_of,
 )
-from .signals import Segment, Signal
+from .signals import Segment
 from .systems import System
 from .variable import Variable
 
 _OF_CONTACT = KINDS.index("contact")
 _MOST_RUNS = 64  # in one batch
 _MOST_FILLED = 50_000  # numbers that the integrator fills in one batch
+_MOST_MARKS = 1_000  # of a run, apart by at least
+_LEAST_APART = 8  # instants
+RESIDUAL = OfRun("energy_residual")
+_RESIDUAL = -1  # its place among the quantities
 Column = npt.NDArray[np.float64]
+_Filled = Mapping[int, npt.NDArray[np.float64]]
 _Log = Sequence[tuple[float, int, int, int, int]]
 
 
 def is_over_time(reading: Reading) -> bool:
     """Return whether `Series.go` can fill an output."""
-    return isinstance(reading, Line) or is_of_switches(reading)
+    return isinstance(reading, Line) or reading == RESIDUAL or is_of_switches(reading)
 
 
 def is_at_end(reading: Reading) -> bool:
@@ -85,6 +92,7 @@ class Series:
     over_time : outputs over time by name
     at_end : outputs at the last time by name
     corners : whether `switches` are needed
+    twice : whether `again` is
 
     Attributes
     ----------
@@ -99,9 +107,10 @@ class Series:
         over_time: Mapping[str, Variable],
         at_end: Mapping[str, Variable],
         corners: bool = False,
+        twice: bool = False,
     ) -> None:
         self._integrator, self._times, self._declared = integrator, times, [*over_time.values()]
-        self._roads: dict[tuple[str, int], tuple[tuple[Segment, ...], Column]] = {}
+        self._roads: dict[str, tuple[tuple[Segment, ...], _Course]] = {}
         self._readings = [reading_of(output, system) for output in self._declared]
         self._at_end = {name: reading_of(v, system) for name, v in at_end.items()}
         self.needs_systems = corners or any(
@@ -114,13 +123,24 @@ class Series:
         if ACCELERATION in kinds:
             kinds.add(FORCE)  # accelerations are those of the equation of motion
         n, elements = len(system.mass), len(system.elements)
-        wide = {kind: elements if kind == FORCE else n for kind in {*kinds, DISPLACEMENT}}
-        room = _MOST_FILLED // (len(times) * sum(wide.values()))
-        most = min(max(room, 1), _MOST_RUNS)
-        self._filled = {kind: np.empty((most, wide[kind], len(times))) for kind in wide}
-        flat = {kind: x.reshape(-1) for kind, x in self._filled.items()}
-        integrator.prepare(most, times, flat[0], flat.get(1), flat.get(2), flat.get(3))
-        self._rows = Rows(integrator, self._logged)
+        self._wide = {kind: elements if kind == FORCE else n for kind in {*kinds, DISPLACEMENT}}
+        if RESIDUAL in self._readings:
+            self._wide[_RESIDUAL] = 1
+        room = _MOST_FILLED // (len(times) * sum(self._wide.values()))
+        self._filled = self._prepared(min(max(room, 1), _MOST_RUNS), times)
+        every = max(ceil(len(times) / _MOST_MARKS), _LEAST_APART) if twice else 0
+        self._rows = Rows(integrator, self._logged, every)
+
+    def _prepared(self, runs: int, times: array[float]) -> _Filled:
+        """Return the arrays, by quantity, that the integrator fills from now on."""
+        filled = {kind: np.empty((runs, wide, len(times))) for kind, wide in self._wide.items()}
+        self._lend(times, filled)
+        return filled
+
+    def _lend(self, times: array[float], filled: _Filled) -> None:
+        flat = {kind: x.reshape(-1) for kind, x in filled.items()}
+        others = (flat.get(kind) for kind in (VELOCITY, ACCELERATION, FORCE, _RESIDUAL))
+        self._integrator.prepare(len(filled[0]), times, flat[0], *others)
 
     def take(self, systems: Sequence[System], numbers: array[float]) -> None:
         """Store the systems of all runs, if needed, and the `row` of each, one after the other."""
@@ -135,20 +155,50 @@ class Series:
         into : the columns of all runs, (outputs, runs, times); those of a failed run are valid up to
             its end
         """
+        self._lend(self._times, self._filled)
         ended = [*map(Ended._make, self._rows.go(first, into.shape[1]))]
         self._logs = self._taken_apart(ended) if self._logged else []
-        last = first + len(ended)
+        runs = range(len(ended))
+        self._fill_in(into[:, first : first + len(ended)], self._times, self._filled, first, runs)
+        return ended
+
+    def again(self, run: int, k: int, times: array[float]) -> npt.NDArray[np.float64]:
+        """Return the columns of a run at other times after its start, s, ascending: (outputs, times).
+
+        Only steps near these times are made again, each from the mark before it.
+
+        Parameters
+        ----------
+        run : its number
+        k : its number in the last batch
+        times : s, ascending, within the run
+        """
+        filled, marks = self._prepared(1, times), self._rows.marks[k]
+        self._rows.return_to(k)
+        last_before = np.searchsorted([time for time, _ in marks], times) - 1
+        for end in [*np.flatnonzero(np.diff(last_before)) + 1, len(times)]:
+            self._integrator.restore(marks[last_before[end - 1]][1])
+            self._integrator.fill(int(end))
+        columns = np.empty((len(self._readings), 1, len(times)))
+        self._fill_in(columns, times, filled, run, range(k, k + 1))
+        return columns[:, 0]
+
+    def _fill_in(
+        self, into: Column, times: array[float], filled: _Filled, first: int, batch: range
+    ) -> None:
+        """Find the columns, (outputs, runs, times), of runs of the last batch, from `first` on."""
+        last = first + len(batch)
         with np.errstate(all="ignore"):  # a motion may have diverged
             for column, reading, output in zip(into, self._readings, self._declared, strict=True):
                 if isinstance(reading, OfContact):
-                    for k, log in enumerate(self._logs):
-                        column[first + k] = self._of_contact(reading, self._times, log, k)
+                    for row, k in zip(column, batch, strict=True):
+                        row[:] = self._of_contact(reading, times, self._logs[k], k)
+                elif reading == RESIDUAL:
+                    column[:] = filled[_RESIDUAL][: len(batch), 0]
                 elif isinstance(reading, Line) and reading.index is not None:
-                    i = reading.index
-                    column[first:last] = self._filled[reading.quantity][: last - first, i]
+                    column[:] = filled[reading.quantity][: len(batch), reading.index]
                 else:
-                    self._fill(column[first:last], output, self._systems[first:last])
-        return ended
+                    self._fill(column, output, self._systems[first:last], times, filled)
 
     def _taken_apart(self, ended: Sequence[Ended]) -> list[_Log]:
         """Return the switches of each run of the last batch."""
@@ -163,26 +213,29 @@ class Series:
         """Return the times at which an element changed its branch in run k of the last batch, s."""
         return [instant for instant, *_ in self._logs[k]]
 
-    def _fill(self, column: Column, output: Variable, systems: Sequence[System]) -> None:
+    def _fill(
+        self, column: Column, output: Variable, systems: Sequence[System], times: array[float],
+        filled: _Filled,
+    ) -> None:  # fmt: skip
         """Fill the column of successive runs, (runs, times), with sum b x + sum c u + offset."""
         lines: list[Line] = [reading_of(output, system) for system in systems]  # type: ignore[misc]
         first = lines[0]
-        x = self._filled[first.quantity]
+        x = filled[first.quantity]
         column[:] = 0.0
         for k, (i, _) in enumerate(first.terms):
             column += x[: len(lines), i] * _upright(line.terms[k][1] for line in lines)
         for k, (name, _) in enumerate(first.signals):
             for run, (line, system) in enumerate(zip(lines, systems, strict=True)):
-                column[run] += line.signals[k][1] * self._course(name, first.quantity, system)
+                course = self._course(name, system).at(times, first.quantity)
+                column[run] += line.signals[k][1] * course
         column += _upright(line.offset for line in lines)
 
-    def _course(self, name: str, order: int, system: System) -> Column:
-        """Return a signal or its rate at all times; cached while it is the same."""
-        signal = system.signals[name]
-        known = self._roads.get((name, order))
-        if known is None or known[0] is not signal.segments:
-            column = _sampled(signal, order, np.asarray(self._times))
-            known = self._roads[name, order] = signal.segments, column
+    def _course(self, name: str, system: System) -> _Course:
+        """Return a signal as arrays; cached while it is the same."""
+        segments = system.signals[name].segments
+        known = self._roads.get(name)
+        if known is None or known[0] is not segments:
+            known = self._roads[name] = segments, _Course(segments)
         return known[1]
 
     def _of_contact(
@@ -225,17 +278,38 @@ def _upright(numbers: Any) -> Column:
     return np.array([*numbers])[:, None]
 
 
-def _sampled(signal: Signal, order: int, times: Column) -> Column:
-    """Return the values of a signal (order 0) or its rates (1), to the bit those of `derivatives`."""
-    segments = signal.segments
-    at = np.searchsorted([segment.start for segment in segments[1:]], times, side="right")
-    c0, c1, c2, c3 = np.array([segment.coefficients for segment in segments])[at].T
-    s = times - np.array([segment.origin for segment in segments])[at]
-    if order == VELOCITY:
-        column = c1 + s * (2.0 * c2 + s * 3.0 * c3)
-    else:
-        column = c0 + s * (c1 + s * (c2 + s * c3))
-    waves = np.array([segment.amplitude != 0.0 for segment in segments])
-    for row in np.flatnonzero(waves[at]):  # numpy's cosine may differ from that of `math`
-        column[row] = segments[at[row]].derivatives(times[row])[order]
-    return column
+class _Course:
+    """A signal at many times at once, to the bit as `Signal.derivatives` has it.
+
+    Parameters
+    ----------
+    segments : of the signal
+    """
+
+    def __init__(self, segments: tuple[Segment, ...]) -> None:
+        self._segments = segments
+        self._starts, self._origins = np.array([(one.start, one.origin) for one in segments]).T
+        self._coefficients = np.array([segment.coefficients for segment in segments])
+        self._waves = np.array([segment.amplitude != 0.0 for segment in segments])
+        self._found: dict[int, Column] = {}  # by order, at the times last asked for
+        self._times: array[float] | None = None
+
+    def at(self, times: array[float], order: int) -> Column:
+        """Return the values (order 0) or the rates (1) at times, s."""
+        if times is not self._times:
+            self._times, self._found = times, {}
+        if order not in self._found:
+            self._found[order] = self._sampled(np.asarray(times), order)
+        return self._found[order]
+
+    def _sampled(self, times: Column, order: int) -> Column:
+        at = np.searchsorted(self._starts[1:], times, side="right")
+        c0, c1, c2, c3 = self._coefficients[at].T
+        s = times - self._origins[at]
+        if order == VELOCITY:
+            column = c1 + s * (2.0 * c2 + s * 3.0 * c3)
+        else:
+            column = c0 + s * (c1 + s * (c2 + s * c3))
+        for row in np.flatnonzero(self._waves[at]):  # numpy's cosine may differ from that of `math`
+            column[row] = self._segments[at[row]].derivatives(times[row])[order]
+        return column

@@ -8,14 +8,13 @@ twelve times, and switches and corners of the road are read on both sides.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import ceil
 
 import numpy as np
 import numpy.typing as npt
-from phaseplane.suspension.batch import outputs_at_end, outputs_over_time, run_many
-from phaseplane.suspension.reasons import why_stopped
+from phaseplane.suspension.batch import Outcome, outputs_at_end, outputs_over_time, run_many
 from phaseplane.suspension.session import Session, SimulationError
 from phaseplane.suspension.variables import Value
 
@@ -31,9 +30,7 @@ _PARTS = 12  # parts of an interval in which an extreme may be
 _MOST_PLACES = 8  # intervals for one extreme
 _MOST_CORNERS = 2_000  # up to which all are read on both sides
 _SHORT = 3.0  # intervals: times between closer switches are refined too
-RESIDUAL = "energy_residual"
 _ROUNDING = 1e-9  # s
-_TOGETHER = 16  # runs refined in one batch
 _RISE = 0.5  # second differences by which an extreme may exceed the values beside it
 _HEIGHTS: Mapping[str, tuple[Callable[[Column], Column], ...]] = {  # largest at the extremes
     "peak": (np.abs,),
@@ -105,7 +102,7 @@ def solved(
     columns: Iterable[str] = (),
     going_on: GoingOn | None = None,
 ) -> Iterator[Solution]:
-    """Yield the runs of a model, each with all data that the measures need.
+    """Return the runs of a model, each with all data that the measures need.
 
     Parameters
     ----------
@@ -121,21 +118,7 @@ def solved(
     outputs = also.union(*(m.needs for m in measures if not m.at_end))
     shown = outputs.union(columns)
     ends = set().union(*(m.needs for m in measures if m.at_end)) - shown
-    hidden = _hidden(measures, also)
-    found = list(simulated(model, sets, time, shown, ends, corners=bool(hidden), going_on=going_on))
-    if not hidden:
-        yield from found
-        return
-    for k in range(0, len(sets), _TOGETHER):
-        some = found[k : k + _TOGETHER]
-        places = [time[:0] if one.failure else hiding_places(one, hidden) for one in some]
-        every = _ascending([time[:1], *places])
-        again = simulated(model, sets[k : k + _TOGETHER], every, outputs)
-        for one, own, closer in zip(some, places, again, strict=True):
-            # only its own times, so that the other runs of the batch do not matter
-            at = np.searchsorted(every, own)
-            details = {name: column[at] for name, column in closer.columns.items()}
-            yield one if one.failure else replace(one, details=details)
+    return simulated(model, sets, time, shown, ends, _hidden(measures, also), going_on)
 
 
 def solved_by(
@@ -152,11 +135,16 @@ def solved_by(
     columns : its result at regular times
     measures, also : as in `solved`
     """
-    found, hidden = Solution(columns), _hidden(measures, also)
-    places = hiding_places(found, hidden)
-    if not len(places):
+    return _refined(Solution(columns), _hidden(measures, also), solve)
+
+
+def _refined(
+    found: Solution, hidden: Collection[tuple[str, str]], solve: Callable[[Column], Columns]
+) -> Solution:
+    """Return a solution with what is hidden between its times, unless it failed; see `solved_by`."""
+    if found.failure or not len(places := hiding_places(found, hidden)):
         return found
-    closer = solve(np.insert(places, 0, columns["time"][0]))
+    closer = solve(np.insert(places, 0, found.columns["time"][0]))
     return replace(found, details={name: column[1:] for name, column in closer.items()})
 
 
@@ -171,26 +159,34 @@ def simulated(
     time: Column,
     outputs: set[str],
     ends: Iterable[str] = (),
-    corners: bool = False,
+    hidden: Collection[tuple[str, str]] = (),
     going_on: GoingOn | None = None,
 ) -> Iterator[Solution]:
     """Yield the outputs of every run, in one call of the integrator if it has them all."""
     if not (outputs <= {*outputs_over_time(model)} and {*ends} <= {*outputs_at_end(model)}):
         for given in sets:
-            yield stepped(model, given, time, outputs.union(ends), going_on)
+
+            def solve(places: Column, given: Mapping[str, object] = given) -> Columns:
+                return stepped(model, given, places, outputs).columns
+
+            found = stepped(model, given, time, outputs.union(ends), going_on)
+            yield _refined(found, hidden, solve)
         return
-    for run in run_many(
-        model, sets, time.tolist(), tuple(outputs), workers=1, at_end=tuple(ends),
-        corners=corners, going_on=going_on,
-    ):  # fmt: skip
+
+    def solution(run: Outcome) -> Solution:
         reached = min((len(column) for column in run.columns.values()), default=len(time))
-        yield Solution(
-            {"time": time[:reached], **run.columns},
-            run.at_end,
-            run.failure,
-            run.switches,
-            run.joints,
+        columns = {"time": time[:reached], **run.columns}
+        return Solution(
+            columns, run.at_end, run.failure, run.switches, run.joints, run.closer or None
         )
+
+    def places(run: Outcome) -> list[float]:
+        return hiding_places(solution(run), hidden).tolist()
+
+    yield from map(solution, run_many(
+        model, sets, time.tolist(), tuple(outputs), workers=1, at_end=tuple(ends),
+        corners=bool(hidden), closer=places if hidden else None, going_on=going_on,
+    ))  # fmt: skip
 
 
 def stepped(
@@ -205,32 +201,18 @@ def stepped(
     failure, switches = "", []
     try:
         session = Session(model, given, float(time[0]))
-        if outputs == {RESIDUAL}:  # which needs neither a sample of the motion nor a way back
-            rows.extend([residual] for residual in _residuals(session, time))
-        else:
-            for t in time.tolist():
-                session.advance(t)
-                rows.append([session.value(name) for name in outputs])
-                if going_on is not None and not going_on(t):
-                    failure = f"the run was interrupted at {t:.6g} s"
-                    break
+        for t in time.tolist():
+            session.advance(t)
+            rows.append([session.value(name) for name in outputs])
+            if going_on is not None and not going_on(t):
+                failure = f"the run was interrupted at {t:.6g} s"
+                break
         switches = [event.time for event in session.events]
     except (SimulationError, ArithmeticError, ValueError) as error:
         failure = str(error)
     columns = dict(zip(outputs, np.array(rows, float).reshape(len(rows), -1).T, strict=True))
     columns["time"] = time[: len(rows)]
     return Solution(columns, {n: c[-1] for n, c in columns.items() if len(c)}, failure, switches)
-
-
-def _residuals(session: Session, time: Column) -> Iterator[float]:
-    """Yield the residual of the energy balance at each time, with the steps that the session takes."""
-    integrator = session.integrator
-    for t in time.tolist():
-        status = integrator.advance(t, False) if integrator.time < t else 0
-        if status:
-            where = f"at {integrator.time:.6g} s, in step {integrator.step_count}"
-            raise SimulationError(why_stopped(status, where, integrator, session.system))
-        yield integrator.residual_at(t)
 
 
 def hiding_places(solution: Solution, hidden: Iterable[tuple[str, str]]) -> Column:

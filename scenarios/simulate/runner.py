@@ -14,7 +14,7 @@ from phaseplane.suspension.parts import format_payload
 from .. import simulate
 from ..errors import InputError, RunError, one_line
 from ..measures import Run, catalogue, outputs_needed
-from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by, stepped
+from ..measures.solution import GoingOn, Solution, instants, refinement, solved, solved_by
 from ..results.folder import Results
 from ..scene.equation import EQUATION
 from ..scene.expectations import judged_measures
@@ -129,7 +129,6 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
     """Return the rows of a scene that is run in this process, and the solution between them."""
     started, known = perf_counter(), catalogue(scene.fmu.outputs())
     measures = [known[name] for name in scene.measures]
-    at_rows = {output for one in measures if one.at_rows for output in one.needs}
     interval, model, given = scene.communication_step, scene.fmu.model, scene.start_values
     parts = refinement(scene.duration, interval)
     time = instants(scene.duration, interval, parts)
@@ -138,16 +137,12 @@ def _driven(scene: Scene, going_on: GoingOn) -> tuple[Drive, Solution]:
     if scene.controller is not None:
         wanted |= {output for one in measures for output in one.needs} | expected
         own = controlled(model, given, scene.controller, time, wanted, going_on)
-        at_rows = set()
     else:
-        taken = [one for one in measures if not one.at_rows]
-        own = next(solved(model, [given], time, taken, expected, wanted, going_on))
+        own = next(solved(model, [given], time, measures, expected, wanted, going_on))
     if not len(own.columns["time"]):
         raise RunError(f"the run could not start: {own.failure}")
     at = own.rows(parts)
     rows = {name: column[at] for name, column in own.columns.items()}
-    if at_rows:
-        rows |= stepped(model, given, rows["time"], at_rows).columns
     rows |= {name: np.array([value]) for name, value in own.at_end.items() if name not in rows}
     kinds = {name: type(output.start) for name, output in scene.fmu.outputs().items()}
     rows = {

@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
-from ..measures.solution import instants, refinement, solved, stepped
+from ..measures.solution import instants, refinement, solved
 from ..scene.equation import EQUATION
 from ..simulate import runner
 from ..simulate.interrupts import deferred_interrupt
@@ -178,7 +178,6 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     """Yield the rows of runs of the model in this process, all at the same times."""
     scene, known = plan.scene, catalogue(plan.scene.fmu.outputs())
     measures = [known[name] for name in plan.measures]
-    at_rows = {output for measure in measures if measure.at_rows for output in measure.needs}
     interval, model = scene.communication_step, scene.fmu.model
     closely = any(measure.over_time for measure in measures)
     parts = refinement(scene.duration, interval) if closely else 1
@@ -186,15 +185,16 @@ def _in_process(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
     common = scene.all_parameters
     varied = [dict(zip(plan.keys, plan.points[run], strict=True)) for run in runs]
     sets = [{**scene.start_values, **values} for values in varied]
-    found = solved(model, sets, time, [m for m in measures if not m.at_rows])
-    for run, values, given, own in zip(runs, varied, sets, found, strict=True):
-        failure, rows = own.failure, dict(own.ends())
-        if at_rows and not failure:
-            driven = stepped(model, given, instants(scene.duration, interval), at_rows)
-            failure, rows = driven.failure, {**rows, **driven.columns}
-        if failure:
-            yield Row(run, (None,) * len(measures), one_line(failure))
+    at_rows = {output for measure in measures if measure.at_rows for output in measure.needs}
+    found = solved(model, sets, time, measures)
+    for run, values, own in zip(runs, varied, found, strict=True):
+        if own.failure:
+            yield Row(run, (None,) * len(measures), one_line(own.failure))
             continue
+        rows = dict(own.ends())
+        if at_rows:
+            at = own.rows(parts)
+            rows |= {name: own.columns[name][at] for name in at_rows | {"time"}}
         parameters = {**common, **values}
         made = Run(own.columns, parameters, model, own.details)
         yield _row(plan, known, run, made, Run(rows, parameters, model))

@@ -49,6 +49,19 @@ def test_every_output_is_what_stepping_gives_to_the_bit(
         assert run.at_end["lift_off_count"] >= 1
 
 
+@pytest.mark.parametrize(("model", "given"), CARS)
+def test_columns_at_further_times_are_what_stepping_gives_to_the_bit(
+    model: str, given: Mapping[str, object]
+) -> None:
+    further = [0.0013 * k for k in (*range(1, 9), 60, *range(100, 300))]
+    names = outputs_over_time(model)
+    wanted = simulate(model, given, [0.0, *further], names)
+    for run in run_many(model, [given] * 3, TIMES, names, workers=1, closer=lambda _: further):
+        assert list(run.closer["time"]) == further
+        for name in names:
+            assert list(run.closer[name]) == wanted[name][1:], name
+
+
 @pytest.mark.parametrize("model", list(MODELS))
 def test_every_declared_output_says_how_a_system_is_read(model: str) -> None:
     system = build(model, {})

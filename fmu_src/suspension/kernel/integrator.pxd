@@ -10,14 +10,14 @@ cdef int _ENOUGH_STEPS, _MOST_STEPS
 @cython.final
 cdef class Integrator(March):
     # arrays that a run fills, and what keeps them
-    cdef bint want_v, want_a, want_f
-    cdef Py_ssize_t count, places
+    cdef bint want_v, want_a, want_f, want_r
+    cdef Py_ssize_t count, last, places, next_mark
     cdef Handover handover
     cdef public object going_on
     cdef double *given  # the coefficients of a signal
     cdef double *rate_before
     cdef list lent
-    cdef double *instants, *out_q, *out_v, *out_a, *out_f
+    cdef double *instants, *out_q, *out_v, *out_a, *out_f, *out_r
     cdef Py_ssize_t state_size  # bytes
     # step and time from which its pace is measured
     cdef long long begun
@@ -40,6 +40,8 @@ cdef class Integrator(March):
     cdef int _reason_to_end(self, double until) except -1
     @cython.locals(taken="long long")
     cdef bint keeps_pace(self, double until) noexcept nogil
+    @cython.locals(status=int)
+    cpdef int fill(self, Py_ssize_t last) except -1
     @cython.locals(status=int, i=int, before=Py_ssize_t, at=Py_ssize_t, force_at=Py_ssize_t, t=double)
     cdef int _run(self, Py_ssize_t place) noexcept nogil
     cpdef void sample(self, double t) noexcept nogil
@@ -69,9 +71,13 @@ cdef class Rows:
     cdef Py_ssize_t rows, first, wanted, made
     cdef double start
     cdef bint logs, underway
+    cdef Py_ssize_t every
+    cdef readonly list marks
 
     @cython.locals(one=Integrator, paused=bint, status=int, k=int)
     cpdef list go(self, Py_ssize_t first, Py_ssize_t last)
+    @cython.locals(at=int)
+    cpdef object return_to(self, Py_ssize_t k)
     @cython.locals(status=int)
     cdef bint _go(self) noexcept nogil
     @cython.locals(status=int, at=int)

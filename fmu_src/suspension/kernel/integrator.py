@@ -301,21 +301,40 @@ class Integrator(March):
         Exception : what a function of an element has raised.
         """
         self.prepare(1, times, displacements, velocities, accelerations, forces)
-        self._look_at_pace()
-        while True:
-            with cython.nogil:
-                status = self._run(0)
-            if status != PAUSED:
-                break
-            status = self._reason_to_end(times[len(times) - 1])
-            if status != 0:
-                break
+        status = self.fill(len(times))
         self.count = self.places = 0
         self.lent = []
         self._raise_failure(status)
         return status
 
-    def prepare(self, runs, times, displacements, velocities=None, accelerations=None, forces=None):
+    def fill(self, last):
+        """Step over the next of the prepared instants, up to number `last`, in the place of one run.
+
+        Returns
+        -------
+        0, or the key in `FAILURES` of the reason why the run ended early.
+        """
+        self.last = last
+        self._look_at_pace()
+        while True:
+            with cython.nogil:
+                status = self._run(0)
+            if status != PAUSED:
+                return status
+            status = self._reason_to_end(self.instants[last - 1])
+            if status != 0:
+                return status
+
+    def prepare(
+        self,
+        runs,
+        times,
+        displacements,
+        velocities=None,
+        accelerations=None,
+        forces=None,
+        residuals=None,
+    ):
         """Set the arrays that the next runs fill, one after the other.
 
         Parameters
@@ -327,6 +346,7 @@ class Integrator(March):
         velocities, accelerations : in the same order, m/s and m/s^2; None to omit them
         forces : N, of each element; with them the accelerations are those of the equation of motion, as
             in `sample_forces`
+        residuals : of the energy balance, J, of an integrator that keeps the ledger
 
         Raises
         ------
@@ -337,15 +357,16 @@ class Integrator(March):
         for out in (displacements, velocities, accelerations):
             self._check_room(out, runs * count * self.n)
         self._check_room(forces, runs * count * self.net.elements)
+        self._check_room(residuals, runs * count)
         self.want_v, self.want_a = velocities is not None, accelerations is not None
-        self.want_f = forces is not None
+        self.want_f, self.want_r = forces is not None, residuals is not None
         t, q, f = Lent(times), Lent(displacements), Lent(forces)
-        v, a = Lent(velocities), Lent(accelerations)
+        v, a, r = Lent(velocities), Lent(accelerations), Lent(residuals)
         self.instants, self.out_q, self.out_f = t.numbers, q.numbers, f.numbers
-        self.out_v, self.out_a = v.numbers, a.numbers
-        self.lent = [t, q, v, a, f]
-        self.count, self.places = count, runs
-        self.filled = 0
+        self.out_v, self.out_a, self.out_r = v.numbers, a.numbers, r.numbers
+        self.lent = [t, q, v, a, f, r]
+        self.count, self.last, self.places = count, count, runs
+        self.filled, self.next_mark = 0, -1
 
     def _check_room(self, out, numbers):
         if out is not None and len(out) < numbers:
@@ -354,11 +375,15 @@ class Integrator(March):
     def _run(self, place):
         """Step over the instants and fill the arrays, in the place of one run."""
         before = place * self.count
-        while self.filled < self.count:
+        while self.filled < self.last:
+            if self.filled == self.next_mark:
+                return PAUSED
             t = self.instants[self.filled]
             status = self._advance(t, False)
             if status != 0:
                 return status
+            if self.want_r:
+                self.out_r[before + self.filled] = self.residual_at(t)
             at = before * self.n + self.filled
             if not (self.want_v or self.want_a or self.want_f):
                 self.dense.read_values(t, self.state.datum, self.out_q, at, self.count)
@@ -601,10 +626,15 @@ class Rows:
     ----------
     integrator : prepared for the number of runs in one batch
     logs : whether to log the switches of all runs of a batch
+    every : instants from one mark of a run to the next, from which it can be resumed; 0 for no marks
+
+    Attributes
+    ----------
+    marks : for each run of the last batch the times (s) and snapshots of its marks
     """
 
-    def __init__(self, integrator, logs):
-        self.integrator, self.logs = integrator, logs
+    def __init__(self, integrator, logs, every=0):
+        self.integrator, self.logs, self.every = integrator, logs, every
         most = self.most = self.integrator.places
         self.width = 1 + 2 * self.integrator.n + self.integrator.net.size
         self.contacts = self.integrator.limited.count
@@ -651,12 +681,17 @@ class Rows:
         one.take_log()
         self.first, self.wanted = first, min(last - first, self.most)
         self.made = 0
+        self.marks = [[] for _ in range(self.wanted)]
         self.underway = False
         while True:
             with cython.nogil:
                 paused = self._go()
             if not paused:
                 break
+            if one.filled == one.next_mark:
+                self.marks[self.made].append((one.state.time, one.snapshot()))
+                one.next_mark += self.every
+                continue
             status = one._reason_to_end(one.instants[one.count - 1])
             if status != 0:
                 self._end(status)
@@ -665,6 +700,10 @@ class Rows:
             (self.status[k], self.filled[k], self.time[k], self.steps[k], self.log_end[k])
             for k in range(self.made)
         ]
+
+    def return_to(self, k):
+        """Return to the system of run k of the last batch, so that its marks can be restored."""
+        self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
 
     def limited_time(self, k, e):
         """Return for how long element e was at its limit, s, in run k of the last batch."""
@@ -694,6 +733,7 @@ class Rows:
         at = (self.first + self.made) * self.width
         status = self.integrator.begin_row(self.numbers, at, self.start)
         self.integrator._look_at_pace()
+        self.integrator.next_mark = 0 if self.every > 0 else -1
         self.underway = True
         return NO_MASS if status != 0 else 0
 
