@@ -13,6 +13,7 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.exercises.letters import lettered
 
 _COLUMNS = ("step", "time", "stage", "point", "found", "length_cm", "value")
+_ROUNDING = 1e-12  # m of paper
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +83,8 @@ def display(axis: Axis) -> tuple[float, str]:
 
 def _read(axis: Axis, point: complex) -> str:
     factor, unit = display(axis)
-    value = factor * axis.read(point) + 0.0
+    value = axis.read(point)
+    value = 0.0 if abs(value) * axis.scale < _ROUNDING else factor * value
     return f"{lettered(axis.label)} = {value:.4g} {unit}".rstrip()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import runpy
 import shutil
 import subprocess
@@ -55,6 +56,7 @@ def test_every_scene_of_the_page_can_be_drawn_and_run() -> None:
         assert "error" not in sheet, (name, sheet)
         assert sheet["steps"]
         assert "NaN" not in json.dumps(sheet)  # which is no JSON, and no place on a sheet
+        assert not re.search(r"e-[12]\d", json.dumps(sheet["protocol"])), name  # nor is rounding
         run = asked("run", name, **fields)
         assert "error" not in run, (name, run)
         assert all(len(column) == len(run["time"]) for column in run["columns"].values())
@@ -138,6 +140,14 @@ def test_the_notebook_runs_from_top_to_bottom() -> None:
 
 
 # In a browser.
+
+FREE = """
+const boxes = [...document.querySelectorAll('.paper text')].map(text => text.getBoundingClientRect());
+const across = (a, b) => Math.min(a.right, b.right) - Math.max(a.left, b.left);
+const down = (a, b) => Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top);
+const meet = (a, b) => across(a, b) > 1 && down(a, b) > 0.35 * Math.min(a.height, b.height);
+return boxes.every((a, i) => boxes.every((b, k) => k <= i || !meet(a, b)));
+"""
 
 
 class _Quiet(SimpleHTTPRequestHandler):
@@ -241,6 +251,13 @@ def test_the_page_in_a_browser(browser: Any) -> None:
     assert "stage 2 of" in find(".now").text
     assert find("tr.here")
 
+    def free() -> bool:
+        """Whether no text on the sheet covers another."""
+        return bool(browser.execute_script(FREE))
+
+    body.send_keys(Keys.END)
+    assert free()
+
     def pages() -> int:
         printed = browser.execute_cdp_cmd("Page.printToPDF", {})["data"]
         return b64decode(printed).count(b"/Type /Page\n")
@@ -272,5 +289,14 @@ def test_the_page_in_a_browser(browser: Any) -> None:
         "text.getAttribute('font-size') * text.ownerSVGElement.getScreenCTM().a))"
     )
     assert smallest > 8.0  # pixels
+    for name in ("van_der_pol", "ap57", "h83_example25"):
+        title = told("shown")
+        wait.until(lambda _: told("ready"))
+        Select(find("select[name=scene]")).select_by_value(name)
+        wait.until(
+            lambda _, title=title, name=name: name == "van_der_pol" or told("shown") != title
+        )
+        find("body").send_keys(Keys.END)
+        assert free(), name
     errors = [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"]
     assert errors == []

@@ -36,7 +36,8 @@ function phaseplanePlayer(root, data) {
   const width = Math.max(...xs) - left, height = Math.max(...ys) - top;
   const em = Math.max(width, height) / (window.innerWidth < 736 ? 28 : 48);  // larger letters on a phone
   const svg = document.createElementNS(NS, "svg");
-  svg.setAttribute("viewBox", [left - 2 * em, top - 2 * em, width + 4 * em, height + 4 * em].join(" "));
+  const view = [left - 2 * em, top - 2 * em, width + 4 * em, height + 4 * em];
+  svg.setAttribute("viewBox", view.join(" "));
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", data.title);
   paper.appendChild(svg);
@@ -48,38 +49,57 @@ function phaseplanePlayer(root, data) {
     x: at[0], y: -at[1], fill: colour(role), "font-size": size * em, "font-family": "serif",
     "paint-order": "stroke", stroke: "#fff", "stroke-width": em / 6,
   }, parent, minus(words));
-  const dot = (parent, role, at, size = 1) => make("circle", { cx: at[0], cy: -at[1], r: size * em / 5, fill: colour(role) }, parent);
-
-  const still = make("g", {}, svg);
-  const inside = ([x, y]) => x > left - em && x < left + width - em && -y > top - em && -y < top + height + em;
-  data.curves.forEach((curve, i) => {
-    line(still, curve.role, curve.points, curve.role === "trail" ? 1.4 : 1);
-    const seen = curve.points.filter(inside);
-    if (!curve.label) return;
-    if (curve.role !== "auxiliary" || !seen.length) {
-      // further integral curves are named where they begin, as many of them end together
-      const [x, y] = curve.points[curve.role === "trail" ? 0 : curve.points.length - 1];
-      letters(still, curve.role, curve.label, curve.role === "axis" ? [x - em / 3, y - 1.1 * em] : [x, y], 0.75);
+  const boxOf = text => {
+    const { x, y, width, height } = text.getBBox();
+    return { left: x, right: x + width, top: y + 0.15 * height, bottom: y + 0.85 * height };
+  };
+  const meet = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  // Letters beside a point, at the nearest place about it where no other text is; a line leads to those far off.
+  const around = [0.3, 1, 2, 3, 4, 5, 6].flatMap(far => [[1, -1], [-1, -1], [1, 1], [-1, 1], [1, 0], [-1, 0], [0, -1], [0, 1]].map(way => [far, ...way]));
+  function beside(parent, role, words, [x, y], taken, size = 1) {
+    const text = letters(parent, role, words, [x, y], size), box = boxOf(text);
+    const w = box.right - box.left, h = box.bottom - box.top;
+    for (const [far, across, down] of around) {
+      const l = x + across * (far * em + w / 2) - w / 2, t = -y + down * (far * em + h / 2) - h / 2;
+      const tried = { left: l, right: l + w, top: t, bottom: t + h };
+      const within = l > view[0] && t > view[1] && l + w < view[0] + view[2] && t + h < view[1] + view[3];
+      if (!within || taken.some(other => meet(tried, other))) continue;
+      text.setAttribute("x", l - box.left + x);
+      text.setAttribute("y", t - box.top - y);
+      taken.push(tried);
+      const near = (v, low, high) => Math.min(Math.max(v, low), high);
+      if (far > 1) parent.insertBefore(line(parent, role, [[x, y], [near(x, l, l + w), -near(-y, t, t + h)]], 0.4), parent.firstChild);
       return;
     }
-    // at the end in view that is farther from the axis, where the curves are farther apart; in three rows
-    const [first, last] = [seen[0], seen[seen.length - 1]];
-    const below = Math.abs(first[1]) > Math.abs(last[1]);
-    const [x, y] = below ? first : last;
-    letters(still, curve.role, curve.label, [x, y + (below ? -1 : 1) * (i % 3 + (below ? 1 : 0.3)) * 0.8 * em], 0.75);
-  });
-  for (const axes of data.axes) for (const [key, axis] of Object.entries(axes)) {
+    text.remove();  // better no letters than two on one another
+  }
+  function value(parent, words, at, taken) {  // at its place, unless another text is there
+    const text = letters(parent, "axis", words, at, 0.75), box = boxOf(text);
+    if (taken.some(other => meet(box, other))) text.remove(); else taken.push(box);
+  }
+  const dot = (parent, role, at, size = 1) => make("circle", { cx: at[0], cy: -at[1], r: size * em / 5, fill: colour(role) }, parent);
+
+  const still = make("g", {}, svg), fixed = [];  // the places of the texts that stay
+  for (const curve of data.curves) line(still, curve.role, curve.points, curve.role === "trail" ? 1.4 : 1);
+  for (const axes of data.axes) for (const key of ["v", "x"]) {
+    const axis = axes[key], [x, y] = axis.ends[1];
     line(still, "axis", axis.ends, 1.2);
-    const end = axis.ends[1];
-    letters(still, "axis", axis.label, key === "x" ? [end[0] - 3 * em, end[1] + 0.6 * em] : [end[0] + 0.4 * em, end[1] + 0.3 * em]);
-    let last = [Infinity, Infinity];
-    for (const [x, y, value] of axis.ticks) {
+    beside(still, "axis", axis.label, key === "x" ? [x - 3 * em, y] : [x, y], fixed);
+    for (const [x, y, words] of axis.ticks) {
       const across = key === "x" ? [[x, y - em / 4], [x, y + em / 4]] : [[x - em / 4, y], [x + em / 4, y]];
       line(still, "axis", across);
-      if (+value === 0 || Math.abs(x - last[0]) + Math.abs(y - last[1]) < (key === "x" ? 2.2 : 1) * em) continue;
-      letters(still, "axis", value, key === "x" ? [x - em / 2, y - 1.1 * em] : [x - 1.9 * em, y - em / 3], 0.75);
-      last = [x, y];
+      if (+words !== 0) value(still, words, key === "x" ? [x - em / 2, y - 1.1 * em] : [x - 1.9 * em, y - em / 3], fixed);
     }
+  }
+  const inside = ([x, y]) => x > left - em && x < left + width + em && -y > top - em && -y < top + height + em;
+  for (const { role, label, points } of data.curves) if (label) {
+    // a curve is named at the end in view that is farther from the axis, where the curves are farther
+    // apart; further integral curves where they begin, as many of them end together
+    const seen = role === "auxiliary" ? points.filter(inside) : [];
+    const [first, last] = seen.length ? [seen[0], seen[seen.length - 1]] : [points[0], points[points.length - 1]];
+    const at = role === "trail" || (seen.length && Math.abs(first[1]) > Math.abs(last[1])) ? first : last;
+    if (role === "axis") value(still, label, [at[0] - em / 3, at[1] - 1.1 * em], fixed);
+    else beside(still, role, label, at, fixed, 0.75);
   }
   const moving = make("g", {}, svg);
 
@@ -130,15 +150,13 @@ function phaseplanePlayer(root, data) {
       const [i, k] = stages[at], step = data.steps[i];
       data.planes.forEach((_, n) => line(moving, "trail", data.steps.slice(0, i).flatMap(s => s.ways[n]), 1.8));
       for (const s of data.steps.slice(0, i + 1)) s.state.forEach(p => dot(moving, "state", p, 0.7));
-      const written = [];  // points that coincide have their letters one above the other
+      const taken = [...fixed];
       step.stages.slice(0, k + 1).forEach((stage, n) => {
         const weight = n === k ? 1.6 : 0.9;
         for (const [role, points] of stage.lines) line(moving, role, points, weight, role === "foot" ? `${em / 4}` : "");
         for (const [role, label, x, y] of stage.marks) {
           dot(moving, role, [x, y]);
-          const near = written.filter(([a, b]) => Math.hypot(a - x, b - y) < 0.8 * em).length;
-          written.push([x, y]);
-          letters(moving, role, label, [x + 0.35 * em, y + (0.45 + 1.05 * near) * em]);
+          beside(moving, role, label, [x, y], taken);
         }
       });
       now.textContent = `Step ${step.step}, t = ${+step.time.toPrecision(6)} s, stage ${k + 1} of ${step.stages.length}` + (step.event ? ` (${step.event})` : "");
@@ -177,7 +195,8 @@ function phaseplanePlayer(root, data) {
     const csv = () => [data.columns.join(","), ...rows().map(r => r.join(",") + ",".repeat(data.planes.length))].join("\n") + "\n";
     function show() {
       moving.replaceChildren();
-      points.forEach((p, i) => p.forEach(z => { dot(moving, "state", z); letters(moving, "state", String(i), [z[0] + em / 3, z[1] + em / 3], 0.8); }));
+      const taken = [...fixed];
+      points.forEach((p, i) => p.forEach(z => { dot(moving, "state", z); beside(moving, "state", String(i), z, taken, 0.8); }));
       half.forEach(z => dot(moving, "successor", z));
       const left = data.count + 1 - points.length;
       const plane = data.planes.length > 1 ? ` in plane ${data.planes[half.length].number}` : "";
