@@ -71,7 +71,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     fmu = fmu_named(model or "QuarterCar")
     known = catalogue(fmu.outputs())
     sections = {name: schema_of(kind) for name, (_, kind) in _SECTIONS.items()}
-    bounds = {"type": ["integer", "object"], "properties": {"min": {}, "max": {}}}
+    bounds = {"type": ["integer", "object", "array"], "properties": {"min": {}, "max": {}}}
     properties: dict[str, Any] = {
         key: {"description": about, "type": ["number", "string"] if unit == "s" else "string"}
         for key, (unit, about) in _TOP.items()
@@ -109,7 +109,8 @@ def _of_scenes() -> Iterator[str]:
         yield f"[{name}]  {about}"
         yield from _keys(kind)
     yield ""
-    yield "[expect]  bounds on measures: name = { min = ..., max = ... }"
+    yield "[expect]  bounds on measures: name = { min = ..., max = ... }, or a list of these, one"
+    yield "  for each value, as for natural_frequencies"
     yield ""
     yield f"phaseplane schema MODEL lists the variables and measures of {', '.join(MODELS)};"
     yield "phaseplane schema --sweep explains the keys of a sweep file."

@@ -202,14 +202,24 @@ def bounds_from(raw: object, unit: str) -> Bounds:
 
 
 def judged_measures(
-    expected: Mapping[str, Bounds], readings: Mapping[str, Reading]
+    expected: Mapping[str, Bounds | tuple[Bounds, ...]], readings: Mapping[str, Reading]
 ) -> Iterator[dict[str, Any]]:
-    """Yield whether each measure is within its bounds."""
+    """Yield whether each measure is within its bounds, value by value if each has its own."""
     for name, bounds in expected.items():
-        yield {
-            "measure": name,
-            **asdict(bounds),
-            "value": readings[name].value,
-            "time": readings[name].time,
-            "holds": bounds.hold(readings[name].value),
-        }
+        value, time = readings[name]
+        if isinstance(bounds, Bounds):
+            yield _judged(name, bounds, value, time)
+            continue
+        values = value if isinstance(value, list | tuple) else (value,)
+        for number in range(max(len(values), len(bounds))):
+            entry = f"{name} {number + 1}"
+            if number < min(len(values), len(bounds)):
+                yield _judged(entry, bounds[number], values[number], time)
+            else:
+                why = f"{len(values)} values, but bounds for {len(bounds)}"
+                yield {**_judged(entry, Bounds(), None, time), "reason": why}
+
+
+def _judged(name: str, bounds: Bounds, value: object, time: float | None) -> dict[str, Any]:
+    held = {"value": value, "time": time, "holds": bounds.hold(value)}
+    return {"measure": name, **asdict(bounds), **held}

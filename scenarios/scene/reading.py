@@ -184,10 +184,10 @@ def _with_unit(value: Value, unit: str) -> str:
     return f"{value:g} {'' if unit == '1' else unit}".rstrip()
 
 
-def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds]:
-    """Return the bounds on measures."""
+def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds | tuple[Bounds, ...]]:
+    """Return the bounds on measures; a list has the bounds of each value."""
     known = catalogue(fmu.outputs())
-    expected = {}
+    expected: dict[str, Bounds | tuple[Bounds, ...]] = {}
     for name, raw in given.items():
         key = f"expect.{name}"
         if key in (DURING, REFERENCE):
@@ -199,7 +199,10 @@ def _bounds(fmu: Fmu, given: Mapping[str, Any]) -> dict[str, Bounds]:
         if name not in known:
             raise RefusedError(key, f"expect: no measure {shown(name)}{nearest(name, known)}")
         try:
-            expected[name] = bounds_from(raw, known[name].unit)
+            if isinstance(raw, list) and raw:
+                expected[name] = tuple(bounds_from(one, known[name].unit) for one in raw)
+            else:
+                expected[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:
             raise RefusedError.value(key, raw, str(error)) from None
     return expected

@@ -46,7 +46,7 @@ class Scene:
     duration : s
     parameters : parameters that differ from the FMU's defaults, in SI
     controller : what sets the inputs during the run, or None
-    expect : bounds on measures by name
+    expect : bounds on measures by name; several if each value of a measure has its own
     during : bounds on outputs within an interval of time; in the file `expect.during`
     reference : results that the run must agree with; in the file `expect.reference`
     reference_columns : the columns of the reference; empty without one
@@ -65,7 +65,7 @@ class Scene:
     controller: Controller | None = None
     show: Show = field(default_factory=Show)
     construction: Construction = field(default_factory=Construction)
-    expect: Mapping[str, Bounds] = field(default_factory=dict)
+    expect: Mapping[str, Bounds | tuple[Bounds, ...]] = field(default_factory=dict)
     during: tuple[During, ...] = ()
     reference: Reference | None = None
     reference_columns: Columns = field(default_factory=dict, repr=False)

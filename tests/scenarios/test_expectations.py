@@ -9,9 +9,10 @@ import pytest
 from click.testing import CliRunner
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.errors import SceneError
+from phaseplane.scenarios.measures.reading import Reading
 from phaseplane.scenarios.results.folder import read_results
 from phaseplane.scenarios.results.tables import read_table, write_table
-from phaseplane.scenarios.scene.expectations import Bounds, During
+from phaseplane.scenarios.scene.expectations import Bounds, During, judged_measures
 from phaseplane.scenarios.scene.fields import read_table as table
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.schema import Scene
@@ -211,3 +212,21 @@ def test_bounds_hold_for_each_of_several_values() -> None:
     assert bounds.hold((1.0, 2.0))
     assert not bounds.hold((1.0, 2.5))
     assert not bounds.hold(())
+
+
+@pytest.mark.parametrize(
+    ("values", "unmet"),
+    [
+        ((1.0, 4.0), []),
+        ((1.1, 4.0), ["waves 1"]),
+        ((1.0, 3.9), ["waves 2"]),
+        ((1.0,), ["waves 2"]),
+        ((1.0, 4.0, 9.0), ["waves 3"]),
+        (1.0, ["waves 2"]),
+        (None, ["waves 1", "waves 2"]),
+    ],
+)
+def test_a_list_has_the_bounds_of_each_value(values: object, unmet: list[str]) -> None:
+    each = (Bounds(min=0.99, max=1.01), Bounds(min=3.99, max=4.01))
+    judged = judged_measures({"waves": each}, {"waves": Reading(values)})  # type: ignore[arg-type]
+    assert [one["measure"] for one in judged if not one["holds"]] == unmet
