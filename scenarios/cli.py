@@ -72,7 +72,3 @@ def main(ctx: click.Context) -> None:
     """
     if ctx.invoked_subcommand is None:
         click.echo(ctx.get_help())
-
-
-if __name__ == "__main__":
-    main()

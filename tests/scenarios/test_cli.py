@@ -89,7 +89,7 @@ def test_every_command_of_the_package_is_listed() -> None:
 def ap57(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """The results folder of `run ap57` as a user runs it, and what was said."""
     folder = tmp_path_factory.mktemp("ap57")
-    done = in_a_process("-m", "phaseplane.scenarios.cli", "run", "ap57", cwd=folder)
+    done = in_a_process("-m", "phaseplane", "run", "ap57", cwd=folder)
     assert (done.returncode, done.stderr) == (0, "")
     return folder / "out" / "ap57", done.stdout
 
@@ -350,9 +350,7 @@ def test_a_closed_pipe_is_no_error() -> None:
 
 
 def test_output_that_cannot_be_encoded() -> None:
-    done = in_a_process(
-        "-m", "phaseplane.scenarios.cli", "run", "ap57\N{SNOWMAN}", encoding="latin-1"
-    )
+    done = in_a_process("-m", "phaseplane", "run", "ap57\N{SNOWMAN}", encoding="latin-1")
     assert done.returncode == 2
     assert done.stderr.startswith("phaseplane: no scene 'ap57?'")
     assert len(done.stderr.splitlines()) == 1
@@ -397,7 +395,7 @@ def test_what_is_terminated_leaves_nothing_behind(tmp_path: Path) -> None:
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     arguments = ["run", "ap57", *BARE, "--set", "duration=4000 s", "--realtime"]
-    command = [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments]
+    command = [sys.executable, "-m", "phaseplane", *arguments]
     with started(command, {**PATHS, "TMPDIR": str(scratch)}) as running:
         wait_until(lambda: list(scratch.glob("phaseplane-*")), running)
         running.terminate()

@@ -129,7 +129,7 @@ def test_a_run_recorded_while_it_goes_on() -> None:
 @pytest.mark.slow
 def test_an_interrupted_run_leaves_what_it_has_drawn() -> None:
     arguments = ["run", "ap57", *BARE, "--save", "live.rrd", "--realtime", "--set", "duration=4000"]
-    command = [sys.executable, "-m", "phaseplane.scenarios.cli", *arguments]
+    command = [sys.executable, "-m", "phaseplane", *arguments]
     part = Path("live.part.rrd")
     with started(command, {"PYTHONPATH": PATH}, stderr=subprocess.PIPE) as running:
         wait_until(lambda: part.exists() and part.stat().st_size > 200_000, running)
@@ -212,7 +212,7 @@ def test_the_drawn_tyre_is_compressed_as_its_table_says() -> None:
 def test_a_folder_on_a_page_until_it_is_interrupted(tmp_path: Path) -> None:
     done = CliRunner().invoke(main, ["replay", "ap57", "--save", "f.rrd"])
     assert done.exit_code == 0
-    command = [sys.executable, "-m", "phaseplane.scenarios.cli", "serve", str(tmp_path)]
+    command = [sys.executable, "-m", "phaseplane", "serve", str(tmp_path)]
     with started(command, {"PYTHONPATH": PATH}, stderr=subprocess.PIPE) as serving:
         assert serving.stderr
         page = serving.stderr.readline().strip()

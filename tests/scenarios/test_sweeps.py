@@ -398,7 +398,7 @@ def test_an_interrupted_sweep_goes_on_where_it_stopped() -> None:
     command = [
         sys.executable,
         "-m",
-        "phaseplane.scenarios.cli",
+        "phaseplane",
         "sweep",
         str(written(text)),
         "--workers",
@@ -465,7 +465,7 @@ def test_a_process_that_is_killed_is_told_in_one_line(monkeypatch: pytest.Monkey
 def test_processes_of_a_sweep_that_is_killed_end_with_it() -> None:
     Path("scene.toml").write_text(SCENE.replace("0.2", "20.0").replace("5 ms", "1 ms"))
     command = [
-        sys.executable, "-m", "phaseplane.scenarios.cli",
+        sys.executable, "-m", "phaseplane",
         "sweep", str(written(GRID.replace("count = 3", "count = 60"))), "--workers", "2",
     ]  # fmt: skip
     environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'fmu_src'}{os.pathsep}{ROOT}"}

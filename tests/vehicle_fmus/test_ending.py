@@ -150,7 +150,7 @@ def test_valgrind_finds_no_invalid_access(
 
 # -- as it is used -----------------------------------------------------------------------------------
 
-COMMAND = [sys.executable, "-P", "-m", "phaseplane.scenarios.cli", "run", "ap57"]
+COMMAND = [sys.executable, "-P", "-m", "phaseplane", "run", "ap57"]
 BARE = ["--set", "show.figures=[]", "--set", "show.recording=false"]
 
 
