@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from math import inf, isfinite, sqrt
 
 import numpy as np
@@ -24,7 +25,11 @@ _ZOOMS, _ZOOM = 3, 100  # a pole is looked for so many times, each in steps so m
 _GROWS = 1e4  # |f| at a pole, as closely as it is found, to |f| a step away
 _LEAST = 0.05  # of the sides of a plane: half of those of its section
 _BESIDE = 0.05  # of the width between two poles: what lies nearer to one is no measure of height
+_SHORT = 1e-3  # of the distance between two poles across the plane: a window ends before them
 _MARGIN, _LENGTH, _PART = 3.0, 30.0, 0.05  # windows: how far and how closely motions are followed
+
+Line = Callable[[Grid], Grid]
+"""|f| along a line of the plane, of the places on it."""
 
 
 def good_window(system: PhaseSystem, reach: float) -> Window:
@@ -51,6 +56,7 @@ def window_of(
     """Return a window that fits the equilibria of a system and the motions from some states.
 
     It does not go beyond a pole of f, or to where f is undefined: there the plane of a motion ends.
+    Nor does it if f is so along a whole line x' = const.
 
     Parameters
     ----------
@@ -58,9 +64,26 @@ def window_of(
     starts : states (x, x') that must be inside; so must their motions, unless they go far away
     """
     places = np.reshape(np.array(starts or [(0.0, 0.0)], float), (-1, 2))
+    found = _of_width(system, reach, places)
+    tall = max(-found.bottom, found.top)
+    ends = [
+        _domain(_across(system, x), float(places[0, 1]), tall)
+        for x in (found.left, float(places[0, 0]), found.right)
+    ]
+    low, high = min(low for low, _ in ends), max(high for _, high in ends)
+    short = _SHORT * (high - low)
+    return replace(
+        found,
+        bottom=low + short if low > found.bottom else found.bottom,
+        top=high - short if high < found.top else found.top,
+    )
+
+
+def _of_width(system: PhaseSystem, reach: float, places: Grid) -> Window:
+    """Return a window that fits along the x axis."""
     least = 1.1 * float(np.abs(places[:, 0]).max())
     reach = max(reach, least)
-    low, high = _domain(system, float(places[0, 0]), _ROOM * reach)
+    low, high = _domain(_along(system), float(places[0, 0]), _ROOM * reach)
     if system.driven:
         return good_window(system, reach)
     if low > -_ROOM * reach or high < _ROOM * reach:
@@ -77,7 +100,7 @@ def window_of(
         if first.holds(motion[-1, 0], motion[-1, 1], _MARGIN):
             first = enlarged(first, motion)
     far = max(-first.left, first.right)
-    low, high = _domain(system, float(places[0, 0]), far)
+    low, high = _domain(_along(system), float(places[0, 0]), far)
     if low > first.left or high < first.right:
         return _within(system, (low, high), places, far / _ROOM)
     return first
@@ -116,11 +139,21 @@ def fitted_window(shown: Section, otherwise: Window, turn: float = 0.0) -> Windo
     return Window(*map(float, (left, right, bottom, top)))
 
 
-def _domain(system: PhaseSystem, at: float, reach: float) -> tuple[float, float]:
-    """Return the ends, within a reach, of the interval around x in which f(0, x) is finite."""
+def _along(system: PhaseSystem) -> Line:
+    """Return |f| along the x axis."""
+    return lambda x: np.abs(system.forces(x, 0.0 * x))
+
+
+def _across(system: PhaseSystem, x: float) -> Line:
+    """Return |f| at one x, of x'."""
+    return lambda v: np.abs(system.forces(0.0 * v + x, v))
+
+
+def _domain(line: Line, at: float, reach: float) -> tuple[float, float]:
+    """Return the ends, within a reach, of the interval around a place in which |f| is finite."""
     step = 2.0 * reach / (_POINTS - 1)
     x = np.linspace(-reach, reach, _POINTS) + _SHIFT * step
-    force = np.abs(system.forces(x, 0.0 * x))
+    force = line(x)
     known = np.isfinite(force)
     if not known.any():
         return -reach, reach
@@ -130,7 +163,7 @@ def _domain(system: PhaseSystem, at: float, reach: float) -> tuple[float, float]
     padded = np.pad(steep, _STEPS)
     around = np.maximum(padded[tops], padded[tops + 2 * _STEPS])
     for k in tops[steep[tops] > _PEAK * around]:
-        pole = _pole(system, float(x[k]), step)
+        pole = _pole(line, float(x[k]), step)
         if pole is not None:
             ends.append(pole)
     return (
@@ -139,19 +172,19 @@ def _domain(system: PhaseSystem, at: float, reach: float) -> tuple[float, float]
     )
 
 
-def _pole(system: PhaseSystem, near: float, step: float) -> float | None:
-    """Return the pole of f(0, x) near a place; None if f only has a sharp maximum there.
+def _pole(line: Line, near: float, step: float) -> float | None:
+    """Return the pole of f near a place; None if f only has a sharp maximum there.
 
     Towards a pole |f| grows as 1/distance at least. A weaker singularity leaves the energy finite.
     """
     finer = step
     for _ in range(_ZOOMS):
         x = near + finer * (np.linspace(-1.0, 1.0, 2 * _ZOOM + 1) + _SHIFT / _ZOOM)
-        force = np.abs(system.forces(x, 0.0 * x))
+        force = line(x)
         if not np.isfinite(force).all():
             return near
         near, finer = float(x[np.argmax(force)]), finer / _ZOOM
-    beside = np.abs(system.forces(np.array([near - step, near + step]), np.zeros(2)))
+    beside = line(np.array([near - step, near + step]))
     return near if force.max() > _GROWS * beside.max() else None
 
 

@@ -20,6 +20,7 @@ from phaseplane.portrait import (
     equilibria,
     followed,
     limit_cycles,
+    section,
     separatrices,
     switched,
     window_of,
@@ -479,3 +480,17 @@ def test_curves_of_constant_energy_keep_apart() -> None:
     speeds = np.sqrt([2.0, *energies])  # the first is that of the separatrix
     apart = np.abs(speeds[:, None] - speeds)[np.triu_indices(len(speeds), 1)]
     assert apart.min() > 0.05
+
+
+def test_a_window_ends_at_a_pole_across_the_plane() -> None:
+    damped = of(lambda v, x: np.exp(x) - 1.0 + np.tan(v))
+    window = window_of(damped, 3.0)
+    assert (window.bottom, window.top) == pytest.approx((-0.5 * pi, 0.5 * pi), rel=0.01)
+    assert window.top < 0.5 * pi < 1.01 * window.top
+    slanted = window_of(of(lambda v, x: x + 1.0 / (v - x - 20.0)), 3.0)
+    assert slanted.top == -slanted.bottom > 3.0  # no line v = const is its pole
+    driven = PhaseSystem(lambda v, x, t: np.tan(v) + x - 0.5 * np.cos(2.0 * t), period=pi)
+    seen = section(driven, window_of(driven, 3.0), (1.0, 0.0))
+    assert np.ptp(seen.points, axis=0) == pytest.approx(0.0, abs=0.5)
+    ((attractor,),) = seen.attractors
+    assert attractor == pytest.approx([-0.11405, 0.155082], abs=1e-4)
