@@ -1,8 +1,8 @@
 """Error against run time: every method of this package, and other integrators, on the same problems.
 
-Error: the largest difference of any displacement from the truth over all times, relative to the
-largest displacement. Run time: of one whole run called from Python, without set-up and compilation;
-the least of repeated runs, which the solvers take in turn.
+Error: the largest difference of any displacement from the reference solution over all times, relative to
+the largest displacement. Run time: that of one whole run called from Python, without set-up and
+compilation; the shortest of repeated runs, in which the solvers take turns.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ REPEATS = 7
 _TOLERANCES = tuple(10.0**-k for k in range(2, 13))
 _FRACTIONS = tuple(0.5**k for k in range(8))  # of the output interval, for fixed steps
 _DRAWN_FRACTIONS = tuple(0.5**k for k in range(1, 4))
-_NO_SOLUTION = 0.3  # relative error from which a result is not a solution
-_EXACT = 3e-12  # relative error of the truth; finer settings show nothing more
+_NO_SOLUTION = 0.3  # relative error from which a result does not count as a solution
+_EXACT = 3e-12  # relative error of the reference solution; finer settings reveal nothing more
 _SLOW = 1.5  # s; after a longer run no finer setting is tried
 _LONG_ENOUGH = 0.3  # s of repeated runs of one setting, after which it is not repeated further
 _PACKAGES = {
@@ -140,7 +140,7 @@ def _peers() -> Iterator[Solver]:
 
 @dataclass(slots=True)
 class _Timed:
-    """A successful run, its error, and its least time so far."""
+    """A successful run, its error, and its shortest time so far."""
 
     point: Callable[[float], Point]
     run: Run
@@ -148,7 +148,7 @@ class _Timed:
     spent: float
 
     def again(self) -> None:
-        """Repeat the run twice, the first time to refill the processor's caches."""
+        """Repeat the run twice; the first repetition refills the processor's caches."""
         for _ in range(2):
             _, took = timed(self.run)
             self.seconds, self.spent = min(self.seconds, took), self.spent + took
@@ -199,7 +199,7 @@ def _measured(
 
 
 def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
-    """Run each setting for its error, coarse to fine, until one is too slow or not possible."""
+    """Find the error of each setting, from coarse to fine, until one is too slow or not possible."""
     problem = bench.problem
     interval = problem.duration / problem.intervals
     stop = ""
@@ -236,9 +236,9 @@ def _tried(bench: Workbench, solver: Solver) -> Iterator[_Timed | Point]:
 
 
 def _run(run: Run, *, again: bool) -> tuple[Any, float]:
-    """Return the result and its time, of a second run if the first may have compiled something."""
+    """Return the result and its time; those of a second run if the first may have compiled something."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # solvers warn of inaccuracy, which their error shows
+        warnings.simplefilter("ignore")  # solvers warn of inaccuracy, which is measured here
         if again:
             run()
         return timed(run)

@@ -1,4 +1,4 @@
-"""Error against run time as plain data, tables, and curves of a picture."""
+"""Error against run time as plain data, as tables, and as the curves of a picture."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .problems import Problem
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)  # errors at which run times are compared
 _FAMILIES = ("incremental", "FMU", "construction", "peer")
-# the time and the size of a failure
+# the numbers in a failure's text: its time, or the size of the error
 _NUMBERS = re.compile(r"( (at|after) [-+.e0-9]+ s\b.*|: error of .*)$")
 
 
@@ -80,7 +80,7 @@ def time_to_reach(points: Sequence[Point], level: float) -> float | None:
 
 
 def table(problem: Problem, points: Sequence[Point]) -> str:
-    """Return the microseconds to reach each error level, a line per solver, then the failures."""
+    """Return the microseconds to reach each error level, one line per solver, then the failures."""
     lines = [f"{problem.name}: {problem.title} ({problem.kind})", ""]
     heads = "".join(f"{f'{level:.0e}':>9}" for level in LEVELS)
     lines.append(f"{'us to an error of':<34}{heads}")

@@ -1,4 +1,4 @@
-"""The branches of the elements of `equations`, which change where a guard passes zero."""
+"""The branches of the elements of `equations`, which change where a guard crosses zero."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 _ELASTIC = 1  # the middle piece of the three of a yielding element
 # Of an element with a limit: in contact; out of contact up to its free length; across a gap.
 _TOUCHES, _HANGS, _GAP = 0, 1, 2
-_TURNS = 100  # most switches at one time
+_TURNS = 100  # largest number of switches at one instant
 
 
 class ChatterError(ArithmeticError):
-    """Endless switches at one time."""
+    """Endless switches at one instant."""
 
 
 class Branches:
@@ -130,9 +130,9 @@ class Branches:
         d, _ = self.deflection(i, t, y)
         if jump > 0.0 and d + jump > element.opening:  # a gap: only the rest of the jump acts
             jump = element.opening - d
-        # what rises at an infinite rate presses on the tyre, whether it had contact or not
+        # a road that rises at an infinite rate presses on the tyre, whether it had contact or not
         if jump > 0.0 or not element.limit < inf:
-            # a ramp of zero length is passed at an infinite rate
+            # a ramp of zero length has an infinite rate
             slope = element.damper.pieces[0 if jump > 0.0 else -1].coefficients[1]
             way = element.modulation.potential(d + jump) - element.modulation.potential(d)
             for k, push in enumerate(self.equations.spread(element.direction)):
@@ -141,7 +141,7 @@ class Branches:
     # -- branches ----------------------------------------------------------------------------------
 
     def _locate(self, t: float, y: Vector) -> None:
-        """Set every branch that follows from the state alone."""
+        """Set all branches that follow from the state alone."""
         for i, element in enumerate(self.system.elements):
             d, w = self.deflection(i, t, y)
             if element.yield_force == inf:
@@ -186,13 +186,13 @@ class Branches:
         return Piece(-inf, 0.0, (side * line, flow, 0.0, 0.0))
 
     def leave(self, t: float, y: Vector) -> None:
-        """Leave the branch whose guard is at zero, and every other branch beyond its guard."""
+        """Leave the branch whose guard is zero, and all others whose guards are not positive."""
         self._guards(t, y, self._g, self.p)
         self.switch(self.equations.guards[int(self._g.argmin())], t, y)
         self.settle(t, y)
 
     def settle(self, t: float, y: Vector) -> None:
-        """Leave every branch whose guard is not positive; several may meet at one time.
+        """Leave all branches whose guards are not positive; several may end at one instant.
 
         Raises
         ------
@@ -320,7 +320,7 @@ class Branches:
         self.p[at : at + whole.size] = whole.ravel()
 
     def _bound(self, guard: Guard) -> float | None:
-        """Return where the current branch ends on that side, a little late, or None."""
+        """Return where the current branch ends on that side, slightly beyond the corner, or None."""
         i, side = guard.element, guard.side
         element = self.system.elements[i]
         yields = element.yield_force < inf

@@ -3,7 +3,7 @@
     y = (q, q'),   y' = f(t, y, p),   M q'' = sum l F - sum b f(b' q - u, b' q' - u')
 
 The numbers p encode the branch of each element and the segment of each signal; between two switches
-they are constant and f is smooth. Guards g(t, y, p) are positive inside the branches and pass zero at a
+they are constant and f is smooth. Guards g(t, y, p) are positive within the branches and cross zero at a
 switch. Both are generated as source text from the system, so that the same equations run in plain
 Python, compiled by numba, or on the symbols of a Taylor integrator. The kernel of this package is not
 used.
@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     Vector = npt.NDArray[np.float64]
 
 # How far a branch reaches beyond its corner, relative for forces, else in m and m/s: more than the
-# error of locating it, so that no switch repeats. As forces are continuous, the error is its square.
+# error of locating it, so that no switch repeats. As forces are continuous, this causes only an error
+# proportional to its square.
 LATE = 1e-11
 
 
@@ -54,11 +55,11 @@ class Equations:
         of each signal in turn
     choosing_source : `rhs(t, y, dy, p)` in which the elements choose their branches from the state;
         empty if an element has memory
-    memory : why it is empty, or ""
+    memory : why `choosing_source` is empty, or ""
 
     Raises
     ------
-    ValueError : an element with a power law or a user-defined function.
+    ValueError : if an element has a power law or a user-defined function.
     """
 
     def __init__(self, system: System) -> None:
@@ -72,7 +73,7 @@ class Equations:
         self.dampers = [self._law(e.damper) for e in system.elements]
         self.modulations = [self._law(e.modulation) for e in system.elements]
         limited = [i for i, e in enumerate(system.elements) if e.limit < inf]
-        self.contacts = {i: self._take(2) for i in limited}  # share that acts, and the rest
+        self.contacts = {i: self._take(2) for i in limited}  # factor and constant of the force
         self.rubbing = [i for i, e in enumerate(system.elements) if e.friction > 0.0]
         self.slips = {i: self._take(1) for i in self.rubbing}  # friction force while slipping
         self.sticking = self._take(len(self.rubbing) ** 2)
@@ -130,7 +131,7 @@ class Equations:
     # -- source text -------------------------------------------------------------------------------
 
     def _written(self, *, choosing: bool, sampled: bool = False) -> str:
-        """Return the source of the functions; with `choosing` there is only the first."""
+        """Return the source of the functions; with `choosing`, that of `rhs` only."""
         signals = self._sampled_lines() if sampled else self._signal_lines()
         shared = [*signals, *self._force_lines(choosing=choosing)]
         when = "u" if sampled else "t"
@@ -223,7 +224,7 @@ class Equations:
         yield from self._sticking_lines()
 
     def _sticking_lines(self) -> Iterable[str]:
-        """Yield the forces that hold sticking elements, from the free acceleration."""
+        """Yield the forces that hold sticking elements, found from the accelerations without them."""
         elements, m = self.system.elements, len(self.rubbing)
         for j, i in enumerate(self.rubbing):
             b = elements[i].direction

@@ -30,7 +30,7 @@ class Law:
         return [piece.origin, *(piece.coefficients[k] for k in self.degrees), *tanh]
 
     def text(self, x: str) -> str:
-        """Return the force at x, of the piece in p or of the only piece."""
+        """Return the force at x, by the piece in p or by the only piece."""
         if self.at < 0:
             return piece_text(self.pieces[0], x)
         names = [f"p[{self.at + k}]" for k in range(len(self.numbers(self.pieces[0])))]
@@ -39,7 +39,7 @@ class Law:
         return f"{text} + {names[-2]} * tanh({s} * {names[-1]})" if self.saturates else text
 
     def choosing_text(self, x: str) -> str:
-        """Return the force at x, of the piece that x is in."""
+        """Return the force at x, by the piece that contains x."""
         text = piece_text(self.pieces[-1], x)
         for piece, above in zip(self.pieces[-2::-1], self.pieces[:0:-1], strict=True):
             text = f"({piece_text(piece, x)} if {x} < {above.start!r} else {text})"

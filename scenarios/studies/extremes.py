@@ -16,8 +16,8 @@ from phaseplane.suspension.variables import checked_parameters
 
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8)
 _TRUTH = 1e-10
-_MOST = 3.0  # tolerances: what a run may be off
-_MOST_FIXED = 0.3  # of the peak, with fixed steps
+_MOST = 3.0  # largest error of a run, in tolerances
+_MOST_FIXED = 0.3  # largest error with fixed steps, relative to the peak
 _INSTANTS = 200
 _CRITICAL = 2.0 * sqrt(14709.975 * 294.1995)  # of the default quarter car's body, N.s/m
 
@@ -52,12 +52,12 @@ class Happened:
     ----------
     outcome : `right` or `wrong` at the tolerances at which it runs, `refused` if it runs at none; with
         fixed steps `bounded` or `wrong`
-    errors : largest differences from the truth relative to the peak, by tolerance, without those at
-        which it is refused; empty if there is no truth
-    compared_with : the solution taken as the truth
+    errors : largest differences from the reference solution relative to the peak, for each tolerance at
+        which the case runs; empty if there is no reference solution
+    compared_with : the reference solution
     steps : steps of the integrator at all tolerances
     seconds : time of all runs
-    said : why it was rejected at some tolerance, the error of fixed steps, or empty
+    said : why it was refused at some tolerance, the error of fixed steps, or empty
     fixed : whether its steps were fixed, so that no tolerance applies
     """
 

@@ -2,7 +2,7 @@
 
 From the half car with four degrees of freedom down to one (AP57 section 2): elements that never act can
 be left out; with M3 = 0 the axles are uncoupled; if the excitation is well below the wheels' natural
-frequency, the tyres can be rigid. Each rung has such an argument and is compared with the full model.
+frequency, the tyres can be rigid. Each rung is justified in this way and compared with the full model.
 A user-defined system cannot be simplified automatically, so the user names its smaller models.
 """
 
@@ -121,7 +121,7 @@ def ladder(scene: Scene, tolerance: float, smaller: Sequence[Scene] = ()) -> dic
             size = "largest error" if worst.relative <= tolerance else "the error is too large"
             note = f"has no {', '.join(lacking)}" if lacking else f"{size} in {worst.name}"
             rungs.append(_told(rung, seconds, None if lacking else worst.relative, note, tolerance))
-    # of equal degrees the lower rung, which is simpler
+    # of rungs with equal degrees of freedom the lower one, which is simpler
     best = min(reversed([rung for rung in rungs if rung["serves"]]), key=lambda r: r["degrees"])
     return {
         "scene": scene.name,

@@ -1,7 +1,8 @@
 """Other integrators on the same problems, each set up as well as possible.
 
 Right-hand sides and guards are compiled by numba if it is installed; every run is split at the joints
-of the road; solvers with event location locate the switches. Others raise `UnableError` if needed.
+of the road; solvers with event location locate the switches. The others raise `UnableError` if a problem
+needs that.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def cvode(method: str, bench: Workbench, tolerance: float) -> Run:
 
     def advance(t: float, end: float, y: Vector, now: Vector, wanted: Vector) -> Stretch:
         p[:] = now
-        # with two times only it would return all of its steps; hence a third
+        # with only two times it would return all of its steps; hence a third one
         instants = [t, 0.5 * (t + (wanted[0] if len(wanted) else end)), *wanted]
         if not (len(wanted) and wanted[-1] == end):
             instants.append(end)

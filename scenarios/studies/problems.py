@@ -195,7 +195,7 @@ _LIFTING: dict[str, Value] = {"spring.cubic": 1e6, "damper.saturation_force": 80
 
 
 def _measured() -> dict[str, Value]:
-    """Return such a spring and damper of one axle as tables of ten points, joined smoothly."""
+    """Return the spring and damper of `_LIFTING` for one axle as smoothly joined tables of ten points."""
     spring = (-0.12, -0.085, -0.055, -0.025, 0.0, 0.02, 0.045, 0.07, 0.1, 0.14)
     damper = (-1.6, -0.9, -0.45, -0.15, 0.0, 0.08, 0.2, 0.4, 0.8, 1.5)
     bump, rebound = 50.0 * _KGF, 200.0 * _KGF
@@ -300,7 +300,7 @@ PROBLEMS: dict[str, Callable[[], Problem]] = {
 
 
 def find_problem(name: str) -> Problem:
-    """Return the problem of a name, or the problem that a scene runs.
+    """Return the problem with a given name, or the problem that a scene runs.
 
     Raises
     ------
@@ -340,7 +340,7 @@ def find_problem(name: str) -> Problem:
         for piece in (*element.spring.pieces, *element.damper.pieces)
     ):
         raise InputError(
-            f"{name}: there is no independent solution for power laws with which to measure errors"
+            f"{name}: errors cannot be measured, as there is no independent solution for power laws"
         )
     smooth = not any(
         element.limit < inf

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Vector = npt.NDArray[np.float64]
 
-_SAME = 1e-6  # of an interval: a drawn point this close is at the time wanted
+_SAME = 1e-6  # of an interval: a drawn point this close to an output time counts as there
 
 
 def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Prepared:
@@ -61,7 +61,7 @@ def in_process(bench: Workbench, *, energy: bool = False, **options: Any) -> Pre
 
 @cache
 def _unpacked(model: str, file: Path | None) -> Path:
-    """Return the folder of an unpacked FMU: of a file, or of a model."""
+    """Return the folder of the unpacked FMU of a file, or else of a model."""
     spare = Path(tempfile.mkdtemp(prefix="phaseplane-"))
     atexit.register(shutil.rmtree, spare, ignore_errors=True)
     if file is None:

@@ -1,4 +1,4 @@
-"""The truth that errors are measured from: scipy's DOP853, restarted at every switch."""
+"""The reference solution that errors are measured from: scipy's DOP853, restarted at every switch."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ Advance = Callable[[float, float, "Vector", "Vector", "Vector"], Stretch]
 
 
 def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
-    """Return the displacements of a problem by a solver that locates the switches.
+    """Return the displacements of a problem, found by a solver that locates the switches.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def drive(problem: Problem, start: Branches, advance: Advance) -> Vector:
     out[0] = y[:n]
     k = 1
     while k < len(times):
-        if times[k] - t < _SAME:  # a switch fell on it
+        if times[k] - t < _SAME:  # a switch at this output time
             out[k] = y[:n]
             k += 1
             continue

@@ -1,4 +1,4 @@
-"""The studies with their data, tables and pictures, each written to its own folder."""
+"""The studies with their data, tables and pictures, each in a folder of its own."""
 
 from __future__ import annotations
 

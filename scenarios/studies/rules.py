@@ -49,7 +49,7 @@ class RuleResult:
     errors : largest error of each displacement over the steps, m
     orders : orders of the largest error, measured by halving the step twice; nan if the error is zero
     steps : number of steps
-    seconds : processor time of all steps, the least of fifteen runs
+    seconds : processor time of all steps, the shortest of fifteen runs
     failure : why it failed, or empty
     """
 
@@ -73,7 +73,7 @@ class _Motion:
 
 
 def measure_rules(scene: Scene) -> list[RuleResult]:
-    """Return the results of every rule, and of the integrator, with the scene's construction step.
+    """Return the results of all rules, and of the integrator, with the step of the scene's construction.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Numerical stability: the limit of the step of each method, in theory and in runs.
+"""Numerical stability: the longest stable step of each method, in theory and in runs.
 
 A step of the linear oscillator multiplies its state by a matrix whose spectral radius must not exceed
-one; it is found by making that step. For systems with switches the limit is found by bisection: the
-shortest fixed step with which a run fails or creates energy.
+one; the matrix is found by taking such a step. For systems with switches the limit is found by
+bisection: the shortest fixed step with which a run fails or creates energy.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def grows(problem: Problem, options: dict[str, Any], step: float) -> bool:
 
 
 def measured_limit(problem: Problem, options: dict[str, Any], guess: float) -> float | None:
-    """Return the shortest unstable step, bracketed on a geometric ladder, then by bisection."""
+    """Return the shortest unstable step: first a bracket from a geometric sequence, then bisection."""
     ladder = [guess * 4.0 ** (k / 12.0) for k in range(-12, 13)]
     found = next((k for k, step in enumerate(ladder) if grows(problem, options, step)), None)
     if not found:
@@ -222,7 +222,7 @@ class Maps:
 
 
 def maps(size: int = 32, progress: Progress | None = None) -> Maps:
-    """Return all spectral radii and energy growths, on a grid of `size` points a side."""
+    """Return all spectral radii and energy growths, on a grid of `size` points along each side."""
     phases, grid = np.linspace(0.05, 8.0, 4 * size), np.linspace(0.1, 8.0, size)
     damping_ratios, ratios = np.geomspace(1e-3, 1e3, size), np.geomspace(1e-2, 1e4, size)
     default, plain = METHODS[-1][1], METHODS[0][1]
@@ -301,7 +301,7 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
 
 
 def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
-    """Return the limits and the extreme cases as text, a line each."""
+    """Return the limits and the extreme cases as text, one line each."""
     lines = [
         f"{'':<48}longest stable step, ms",
         f"{'scene':<24}{'method':<24}{'theory':>10}{'measured':>13}",

@@ -1,4 +1,4 @@
-"""The data of a problem that solvers need, made once, and the timing of a run."""
+"""The data of a problem that solvers need, computed once, and the timing of a run."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Prepared:
 
 
 def timed(run: Callable[[], object], clock: Callable[[], float] | None = None) -> tuple[Any, float]:
-    """Return the result of a run and its time by a clock, s; the time of day if none is given."""
+    """Return the result of a run and its time by a clock, s; elapsed time if no clock is given."""
     clock = clock or perf_counter
     if isinstance(run, Prepared):
         run.reset()
@@ -62,7 +62,7 @@ def silenced() -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(OSError, TypeError):  # no C library of that name
+        with suppress(OSError, TypeError):  # the process has no C library to flush
             ctypes.CDLL(None).fflush(None)
         os.dup2(kept, 1)
         os.close(kept)
@@ -84,7 +84,7 @@ class Segmented:
 
 
 class Workbench:
-    """The compiled equations of a problem and the scales of its motion, made once.
+    """The compiled equations of a problem and the scales of its motion, computed once.
 
     Parameters
     ----------
@@ -160,11 +160,11 @@ class Workbench:
         UnableError : if an element has memory.
         """
         if self.equations.memory:
-            raise UnableError(f"needs events, which it does not have ({self.equations.memory})")
+            raise UnableError(f"cannot locate switches ({self.equations.memory})")
         return self.compiled["choosing"]
 
     def stretches(self) -> list[Segmented]:
-        """Return the run split at the joints of the road."""
+        """Return the run, split at the joints of the road."""
         times, y, t, k = self.problem.times, self.problem.start, 0.0, 1
         branches = self.branches.copy()
         found = []

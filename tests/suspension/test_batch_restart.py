@@ -185,11 +185,11 @@ def test_rows_that_are_not_there_are_refused() -> None:
     row = array("d", integrator.row(system, rest, rest))
     rows = Rows(integrator, False)
     rows.take(row, 0.0)
-    with pytest.raises(ValueError, match="no room"):
+    with pytest.raises(ValueError, match="is not prepared"):
         rows.go(0, 1)  # nothing prepared
     integrator.prepare(2, TIMES, array("d", bytes(8 * 2 * 2 * len(TIMES))))
     rows = Rows(integrator, False)
-    with pytest.raises(ValueError, match="not whole rows"):
+    with pytest.raises(ValueError, match="do not form whole rows"):
         rows.take(row[:-1], 0.0)
     rows.take(row, 0.0)
     for first, last in ((0, 2), (1, 1), (-1, 1)):
@@ -197,5 +197,5 @@ def test_rows_that_are_not_there_are_refused() -> None:
             rows.go(first, last)
     assert len(rows.go(0, 1)) == 1
     integrator.run(TIMES, array("d", bytes(8 * 2 * len(TIMES))))
-    with pytest.raises(ValueError, match="no room"):
+    with pytest.raises(ValueError, match="is not prepared"):
         rows.go(0, 1)  # what was prepared is gone

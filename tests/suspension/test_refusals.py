@@ -38,7 +38,9 @@ def test_scales_that_are_not_one_for_each_coordinate() -> None:
 
 def test_a_road_and_a_load_that_no_signal_is_for() -> None:
     tyre = replace(CAR.elements[-1], name="tyre", road="gone")
-    with pytest.raises(ValueError, match="tyre stands on the road 'gone', which is none of"):
+    with pytest.raises(ValueError, match="tyre stands on the road 'gone', which is not a signal"):
         Integrator(replace(CAR, elements=(*CAR.elements[:-1], tyre)))
-    with pytest.raises(ValueError, match="a load follows 'wind', which is none of the signals"):
+    with pytest.raises(
+        ValueError, match="a load follows 'wind', which is not a signal of the system"
+    ):
         Integrator(replace(CAR, loads=(Load((1.0, 0.0), "wind"),)))

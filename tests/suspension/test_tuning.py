@@ -294,7 +294,7 @@ def test_parameters_that_change_often_give_the_bits_of_systems_built_anew(
 def test_laws_of_another_system_are_refused() -> None:
     run = Session("QuarterCar", {})._run
     laws = array("d", laws_of(Session("HalfCar", {}).system))
-    with pytest.raises(ValueError, match=f"{len(laws)} numbers are not the "):
+    with pytest.raises(ValueError, match=f"{len(laws)} numbers given; "):
         run.retune(laws)
 
 

@@ -1,4 +1,4 @@
-"""The energies of a run at any time, and whether errors have added up in them."""
+"""The energies of a run at any time, and whether errors have accumulated in their balance."""
 
 from __future__ import annotations
 
@@ -7,56 +7,59 @@ import cython
 if not cython.compiled:
     from math import fabs
 
-_FIRST_LOOK = 1000  # steps before the energies are looked at; later after twice as many each time
-_DRIFT = 30.0  # tolerances by which the energy may be off, of all energy held, taken and brought in
+# steps before the balance is first checked; then whenever their number has doubled
+_FIRST_LOOK = 1000
+# residual allowed, in tolerances, relative to all energy stored, dissipated and supplied
+_DRIFT = 30.0
 _LEAST_DRIFT = 1e-9
 
 
 class Account:
-    """The energies at the time looked at last, J, of a run that may change its integrator.
+    """The energies of a run at the time last requested, J; the run may change its integrator.
 
     Parameters
     ----------
-    memory : where the arrays lie
+    memory : the memory that contains the arrays
     signals : number of roads and loads, which supply energy
     """
 
     def __init__(self, memory, signals):
         self.memory, self.signals = memory, signals
         self.kinetic = self.stored = self.dissipated = 0.0
-        self.opening = 0.0  # what the account opened with
+        # dissipated + kinetic + stored energy - residual, J: constant for one integrator
+        self.opening = 0.0
         self.supplied, self.carried = self.memory.zeros(signals), self.memory.zeros(signals)
         self.start()
 
     def start(self):
-        """Start anew: errors have not added up yet."""
-        # whether they have, and the number of steps after which to look at that
+        """Reset the check: errors have not accumulated yet."""
+        # whether they have, and the number of steps after which to check that next
         self.drifts, self.look_at = 0, _FIRST_LOOK
 
     def begin(self, integrator):
-        """Let the energies start, where the integrator's ledger begins."""
+        """Start from zero dissipated and supplied energy, as the integrator's ledger does."""
         self.dissipated = 0.0
         for s in range(self.signals):
             self.supplied[s] = 0.0
         self.carry(integrator)
 
     def carry(self, integrator):
-        """Let the energies found last go on, where the integrator's ledger begins anew.
+        """Continue from the energies found last, although the integrator's ledger starts from zero.
 
-        What the elements store otherwise is no work.
+        A change of the energy stored in the elements at this time is not work.
         """
         dissipated = self.dissipated
         for s in range(self.signals):
             self.carried[s] = self.supplied[s]
         self._look(integrator, integrator.state.time)
-        # constant but for the residual
+        # constant except for the residual
         self.opening = dissipated + self.kinetic + self.stored - integrator.state.residual_end
 
     def find(self, integrator, time):
         """Find the energies at a time.
 
-        Where the last step goes beyond it, they are those of its interpolant. What is dissipated
-        follows from the balance: all work on the elements that no other entry has.
+        If the last step extends beyond it, they are read from the interpolant of the step. The energy
+        dissipated follows from the balance: it is all work that no other entry contains.
         """
         self._look(integrator, time)
         self.dissipated = self.opening - (self.kinetic + self.stored)
@@ -67,7 +70,7 @@ class Account:
         self.dissipated += integrator.residual_at(time)
 
     def _look(self, integrator, time):
-        """Let the ledger find its entries at a time, and add up what the elements store."""
+        """Read the ledger at a time, and add up the energy stored in the elements."""
         integrator.find_energies(time)
         self.kinetic = integrator.ledger.kinetic
         self.stored = 0.0
@@ -80,15 +83,15 @@ class Account:
         return self.kinetic, self.stored, self.dissipated, tuple(supplied)
 
     def find_drift(self, integrator):
-        """Return the part of all energy by which the balance is off, if errors have added up; else 0.
+        """Return the residual relative to all energy, if errors have accumulated; otherwise 0.
 
-        They do in a long run without damping, where nothing forgets them. It is told once.
+        They accumulate in a long run without damping, because no error decays. This is reported once.
         """
         if self.drifts or integrator.state.step_count < self.look_at:
             return 0.0
         self.look_at = 2 * integrator.state.step_count
         integrator.find_energies(integrator.dense.end)
-        # all that has been there, and what has gone through it: a residual of that is no drift
+        # all energy stored, dissipated and supplied: a small share of it is not a drift
         turned_over = integrator.ledger.kinetic
         for e in range(integrator.net.elements):
             turned_over += fabs(integrator.ledger.kept[e])

@@ -1,8 +1,8 @@
-"""The memory of the kernel: the arrays of one integrator, side by side.
+"""The memory of an integrator, which contains all of its arrays next to each other.
 
-Compiled, an array is an address within blocks of bytes that live as long as their `Memory`; the cache
-lines of two integrators are apart, as threads that write to one line wait for each other. Uncompiled, an
-array is one of Python's.
+Compiled, an array is an address within blocks of bytes that live as long as their `Memory`. Two
+integrators never share a cache line, because threads that write to the same line wait for each other.
+Uncompiled, it is an array of Python's module `array`.
 """
 
 from __future__ import annotations
@@ -18,27 +18,27 @@ _DOUBLE = 100  # "d", the format of a double
 
 
 class Memory:
-    """Where the arrays of an integrator are; they are zero at first, and never given back.
+    """Allocates the arrays of an integrator, filled with zeros, and frees them all together at its end.
 
     Parameters
     ----------
-    block : doubles allocated at a time
+    block : number of doubles allocated at a time
     """
 
     def __init__(self, block=_BLOCK):
         self.block = block
         self.blocks = []  # of bytes; uncompiled, the arrays themselves
-        self.used = []  # bytes of each that arrays take
-        self.left = -1  # doubles that are free in the last block; there is none yet
+        self.used = []  # bytes of each block that arrays occupy
+        self.left = -1  # free doubles in the last block; -1 while there is no block
 
     def _take(self, count):
-        """Return so many doubles from the last block, or from a new one."""
+        """Return `count` doubles of the last block, or of a new one."""
         if count > self.left:
             self.left = max(count, self.block)
             block = bytearray(_SIZE_OF_DOUBLE * (self.left + 2 * _LINE))
             self.blocks.append(block)
             self.used.append(0)
-            # a line is left free on both sides
+            # one cache line is left free on both sides
             self.free = cython.cast("double *", PyByteArray_AsString(block)) + _LINE  # noqa: F821
         taken = self.free
         self.free += count
@@ -47,15 +47,15 @@ class Memory:
         return taken
 
     def zeros(self, count):
-        """Return so many doubles."""
+        """Return a new array of `count` doubles."""
         if cython.compiled:
             return self._take(count)
-        else:  # noqa: RET505  (what is not compiled has other types)
+        else:  # noqa: RET505  (uncompiled, the types differ)
             self.blocks.append(array("d", bytes(_SIZE_OF_DOUBLE * count)))
             return self.blocks[-1]
 
     def marks(self, count):
-        """Return so many integers."""
+        """Return a new array of `count` integers."""
         if cython.compiled:
             return cython.cast("int *", self._take((count + 1) // 2))
         else:  # noqa: RET505
@@ -63,7 +63,7 @@ class Memory:
             return self.blocks[-1]
 
     def doubles(self, values):
-        """Return an array of these doubles."""
+        """Return a new array with the given doubles."""
         given = list(values)
         placed = self.zeros(len(given))
         for i in range(len(given)):
@@ -71,7 +71,7 @@ class Memory:
         return placed
 
     def integers(self, values):
-        """Return an array of these integers."""
+        """Return a new array with the given integers."""
         given = list(values)
         placed = self.marks(len(given))
         for i in range(len(given)):
@@ -79,14 +79,14 @@ class Memory:
         return placed
 
     def seen(self, numbers, count):
-        """Return an array of doubles as Python sees it: a view that keeps its memory alive."""
+        """Return a view of an array of doubles for Python; it keeps the memory alive."""
         if cython.compiled:
             return self._view(cython.cast("char *", numbers), _SIZE_OF_DOUBLE * count).cast("d")
         else:  # noqa: RET505
             return memoryview(numbers)[:count]
 
     def seen_marks(self, numbers, count):
-        """Return an array of integers as Python sees it."""
+        """Return such a view of an array of integers."""
         if cython.compiled:
             return self._view(cython.cast("char *", numbers), _SIZE_OF_INTEGER * count).cast("i")
         else:  # noqa: RET505
@@ -119,26 +119,26 @@ class Memory:
                 at += size
 
     def _view(self, address, size):
-        """Return bytes of the block that they are in."""
+        """Return a view of `size` bytes at an address within one of the blocks."""
         for block in self.blocks:
             at = address - PyByteArray_AsString(block)  # noqa: F821
             if 0 <= at < len(block):
                 return memoryview(block)[at : at + size]
-        raise ValueError("these numbers are in another memory")
+        raise ValueError("this array belongs to another Memory; use the one that allocated it")
 
 
 class Lent:
-    """An array of doubles of Python's, which stays where it is as long as this object lives.
+    """An array of doubles from Python, whose address stays valid as long as this object lives.
 
-    Compiled, `numbers` is its address: Cython's typed views would bring 18 000 lines of C.
+    Compiled, `numbers` is its address: Cython's typed memoryviews would add 18 000 lines of C.
 
     Parameters
     ----------
-    given : in one piece and writable; or None, which has no address
+    given : a contiguous, writable buffer; or None, which has no address
 
     Raises
     ------
-    ValueError : if it holds something else than doubles.
+    ValueError : if it is not a one-dimensional array of doubles.
     """
 
     def __init__(self, given):
@@ -159,5 +159,5 @@ class Lent:
             self.numbers = cython.cast("double *", self.view.buf)
 
     def __dealloc__(self):
-        """Give it back."""
+        """Release the buffer."""
         PyBuffer_Release(cython.address(self.view))  # noqa: F821

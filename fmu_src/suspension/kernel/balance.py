@@ -1,4 +1,4 @@
-"""The equation of motion in the present branches: straight forces as matrices, curved ones by row.
+"""The equation of motion in the present branches: straight forces as matrices, curved forces by row.
 
 While all pieces are straight, M q'' = p(t) - B q' - K q with constant K and B, where p holds loads,
 roads and all constant forces. A row with a curved spring or damper adds its own force,
@@ -18,7 +18,7 @@ if not cython.compiled:
     from .linear import solve
 
 
-MOST_COORDINATES, MOST_ROWS = 32, 64  # for which there is room
+MOST_COORDINATES, MOST_ROWS = 32, 64  # sizes of the C arrays here and in `columns`
 
 
 class Balance:
@@ -26,8 +26,9 @@ class Balance:
 
     Parameters
     ----------
-    network : of the system
-    fractions : instants at which a step needs the loads, as fractions of it, ascending; the last is 1
+    network : network of the system
+    fractions : instants at which a step needs the loads, as fractions of it, ascending; the last is
+        the end of the step (or the theta of Wilson's method)
     """
 
     def __init__(self, network, fractions):
@@ -38,7 +39,7 @@ class Balance:
         self.fraction = memory.doubles(fractions)
         self.last = n * (self.instants - 1)
         self.half = fractions.index(0.5) if 0.5 in fractions else self.instants
-        # of all, at the state last asked for
+        # of all elements, at the state last evaluated
         self.tangent_k, self.tangent_c = memory.zeros(n * n), memory.zeros(n * n)
         self.constant, self.load_rate = memory.zeros(n), memory.zeros(n)
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
@@ -48,11 +49,11 @@ class Balance:
         self.f = [0.0] * 32
         # loads at all instants of a step, and at one more within it
         self.loads = memory.zeros(n * (self.instants + 1))
-        self.loads_hold = 0  # whether the loads of the present branches are constant, and known
+        self.loads_hold = 0  # whether the loads of the present branches are constant and known
         self.bends = Bends(network)
-        # road of each bent row, its rate
+        # elevation and rate of the road under each curved row
         self.under = memory.zeros(2 * rows * (self.instants + 1))
-        # acceleration of the road of sticking rows
+        # acceleration of the road under each sticking row
         self.carrier = memory.zeros(rows * self.instants)
 
     def enter(self):
@@ -88,7 +89,7 @@ class Balance:
         self._find_loads(self.instants - 1, True)
 
     def _repeat(self, k, other):
-        """Use the loads of one instant for another, too."""
+        """Copy the loads of instant k to another instant."""
         for i in range(self.n):
             self.loads[self.n * other + i] = self.loads[self.n * k + i]
         for p in range(2 * self.bends.count):
@@ -152,7 +153,7 @@ class Balance:
         self._solve(q, v, a, j)
 
     def end(self, t, q, v, a, j):
-        """Find acceleration and jerk at the end of a step, t; rows that stick then have no rate."""
+        """Find acceleration and jerk at the end of a step, t; rows that stick are first set to rest."""
         if self.net.stuck:
             self.net.all_signals(t)
             self.net.rest(v)
@@ -164,7 +165,7 @@ class Balance:
         self._solve(q, v, a, j)
 
     def end_step(self, t, q, v, a, j):
-        """Find them as `end` at the end of a step whose loads `prepare` has just found."""
+        """Do the same as `end` after a step whose loads `prepare` has just found."""
         if self.net.stuck:
             self.end(t, q, v, a, j)
             return
@@ -173,7 +174,7 @@ class Balance:
         self._solve(q, v, a, j)
 
     def accelerations(self, t, q, v, a):
-        """Find accelerations at any state within a step, at time t."""
+        """Find the accelerations of any state within a step, at time t."""
         self.net.all_signals(t)
         if self.net.stuck:
             self.net.row_states(q, v)
@@ -186,11 +187,11 @@ class Balance:
         self._accelerate(self.instants, q, v, a)
 
     def halfway(self, q, v, a):
-        """Find accelerations at any state halfway in the step that `prepare` has found the loads of."""
+        """Find the accelerations of any state halfway through the step given to `prepare`."""
         self._accelerate(self.half, q, v, a)
 
     def _accelerate(self, k, q, v, a):
-        """Find accelerations at any state, with the loads at instant k."""
+        """Find the accelerations of any state, with the loads at instant k."""
         for i in range(self.n):
             self.q[i], self.v[i] = q[i], v[i]
         self._find_force(self.n, k)
@@ -199,7 +200,7 @@ class Balance:
             a[i] = self.a[i]
 
     def _solve_rows(self, q, v, a, j):
-        """Find them with sticking rows, and all tangents."""
+        """Find acceleration, jerk and all tangents while rows stick."""
         self.net.row_states(q, v)
         self.net.row_forces()
         self.net.assemble(self.net.row_k, self.net.row_c, self.tangent_k, self.tangent_c)
@@ -207,7 +208,7 @@ class Balance:
         self.net.jerk(v, a, j)
 
     def _solve(self, q, v, a, j):
-        """Find them with the loads at the end of a step, and all tangents."""
+        """Find acceleration, jerk and all tangents with the loads at the end of a step."""
         for i in range(self.n):
             self.q[i], self.v[i] = q[i], v[i]
         # with a constant in place of n the compiler unrolls the loops

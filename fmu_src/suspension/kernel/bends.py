@@ -10,7 +10,7 @@ class Bends:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
@@ -18,13 +18,13 @@ class Bends:
         rows, laws = max(self.net.rows, 1), 2 * self.net.elements
         memory = self.net.memory
         self.count = 0  # of such rows
-        self.joined = False  # whether one of them is of joined pieces
-        # of each: the row, and the first of its curved laws
+        self.joined = False  # whether any of their laws consists of joined pieces
+        # of each: the number of the row, and the first of its curved laws
         self.row, self.first = memory.marks(rows), memory.marks(rows + 1)
-        # of each curved law: its piece, that of a factor, and which law it is
+        # of each curved law: its piece, the piece of the modulation, and the kind of law
         self.piece, self.factor = memory.marks(laws), memory.marks(laws)
         self.law = memory.marks(laws)
-        # of each row, where it was asked for last
+        # of each curved row, at the state last evaluated
         self.force, self.force_k = memory.zeros(rows), memory.zeros(rows)
         self.force_c = memory.zeros(rows)
 
@@ -58,7 +58,7 @@ class Bends:
                 self.first[self.count] = count
 
     def find(self, p, d, w):
-        """Find the curved force of bent row p at deflection d and rate w, and its derivatives."""
+        """Find the force of curved row p at deflection d and rate w, and its derivatives."""
         force = 0.0
         k = 0.0
         c = 0.0

@@ -77,7 +77,7 @@ class Crossing:
             c[i] = (self.bezier[i] - bound) * -side
             largest = max(largest, fabs(c[i]))
         if departing and fabs(c[0]) <= 1e-3 * largest:
-            # a departing value starts on the bound, whatever the rounding
+            # a value that has just entered its branch starts exactly on the bound, despite rounding
             start = c[0]
             for i in range(degree + 1):
                 c[i] -= start

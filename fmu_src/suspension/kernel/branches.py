@@ -1,7 +1,7 @@
 """How elements change their branches: bounds, sticking, contact, flow, and the branches of a step.
 
-A step keeps the branches that it was made with (`keep_branches`), so that results within it can be found
-after they have changed (`exchange_branches`).
+The branches of a step are stored (`keep_branches`), so that results within it can be found after they
+have changed (`exchange_branches`).
 """
 
 from __future__ import annotations
@@ -27,29 +27,29 @@ from .layout import (
 if not cython.compiled:
     from math import fabs
 
-_CREEP = 1e-10  # 1/s, times the scale of the motion: the slip that counts as rest
+_CREEP = 1e-10  # 1/s; times the scale of the motion, the slip rate that counts as rest
 
 
 class Branches(Elements):
-    """The elements with what their branches end at, and which of them have just changed.
+    """The elements with the bounds of their branches, and which branches have just changed.
 
     Parameters
     ----------
-    system, joins : as of `elements.Elements`
+    system, joins : as in `elements.Elements`
     """
 
     def __init__(self, system, joins):
         Elements.__init__(self, system, joins)
         memory, elements = self.memory, self.elements
-        # numbers that `enter_elements` reads
+        # count of the numbers that `enter_elements` reads
         self.laws_size = sum(len(element_numbers(element)) for element in system.elements)
         kinds = BRANCHES * elements
         kept = self.state.memory
         self.opening = memory.zeros(elements)  # deflection beyond which there is a gap
-        self.breakaway = memory.zeros(elements)  # friction up to which it sticks
+        self.breakaway = memory.zeros(elements)  # largest force of friction while it sticks
         self.initial_set = memory.zeros(elements)
         self.departing = kept.marks(kinds)
-        self.creep = 0.0  # m/s, up to which slip counts as rest
+        self.creep = 0.0  # m/s; a slip rate up to this counts as rest
         self.stuck = 0
         self.stuck_element, self.row_stuck = memory.marks(elements), memory.marks(self.rows)
         self.kept_branch = kept.marks(kinds)
@@ -58,7 +58,7 @@ class Branches(Elements):
         self.switch_element, self.switch_kind = memory.marks(kinds), memory.marks(kinds)
 
     def set_creep(self, reach):
-        """Take what counts as rest from the scale of the motion, m."""
+        """Set the slip rate that counts as rest from the scale of the motion, `reach` in m."""
         self.creep = _CREEP * reach
 
     def forget_branches(self):
@@ -149,8 +149,8 @@ class Branches(Elements):
             self.departing[BRANCHES * e + SPRING] = -side
             return ELASTIC
         if kind == FRICTION:
-            # slip that comes to rest sticks, even if only for an instant; it does not if a long step has
-            # already let it slip back a little
+            # an element that stops slipping sticks, even if only for an instant, unless it has already
+            # slipped back a little in a long step
             self.all_signals(t)
             self.row_states(q, v)
             back = self.row_v[self.element_row[e]] * side > self.creep
@@ -164,7 +164,7 @@ class Branches(Elements):
         else:
             first = self.first[LAWS * e + kind]
             p = first + self.branch[at]
-            # numbers that are not finite lead beyond the last piece, too
+            # values that are not finite would otherwise lead beyond the last piece
             if side > 0:
                 p = min(self.run_last[p] + 1, first + self.count[LAWS * e + kind] - 1)
             elif p > first:
@@ -174,7 +174,7 @@ class Branches(Elements):
         return self.branch[at]
 
     def locate_branches(self, t, q, v):
-        """Choose every branch from the present state; at a corner the upper piece, to be confirmed."""
+        """Choose every branch by the present state; at a corner the upper piece, until the next step."""
         self.all_signals(t)
         self.row_states(q, v)
         for e in range(self.elements):
@@ -195,7 +195,7 @@ class Branches(Elements):
         self.mark_bounds()
 
     def follow(self, t, q, v):
-        """Choose the branches for the next step from the state at its start, without landing."""
+        """Choose the branches of the next step by the state at its start, without locating a switch."""
         self.locate_branches(t, q, v)
         for e in range(self.elements):
             if self.yields[e]:
@@ -210,7 +210,7 @@ class Branches(Elements):
                     self.branch[BRANCHES * e + SPRING] = ELASTIC - 1
 
     def mark_bounds(self):
-        """Mark the variables that are exactly on a bound of their branch, as at rest."""
+        """Mark the variables that are exactly on a bound of their branch, as they often are at rest."""
         for k in range(self.switchable):
             e = self.switch_element[k]
             kind = self.switch_kind[k]
@@ -247,7 +247,7 @@ class Branches(Elements):
     # -- sticking -------------------------------------------------------------------------------------
 
     def list_stuck(self):
-        """List the elements that stick, and the rows whose deflection they hold."""
+        """List the elements that stick, and mark the rows whose deflection they hold."""
         self.stuck = 0
         for r in range(self.rows):
             self.row_stuck[r] = 0
@@ -275,7 +275,7 @@ class Branches(Elements):
     # -- yield ----------------------------------------------------------------------------------------
 
     def settle(self, t, q, v):
-        """Set the initial permanent sets; an element beyond its yield force has flowed to where it is."""
+        """Set the initial permanent sets; an element that starts beyond its yield force has flowed."""
         self.all_signals(t)
         self.row_states(q, v)
         for e in range(self.elements):

@@ -1,4 +1,4 @@
-"""The macro step: equal steps of the incremental method, columns of them side by side, extrapolated.
+"""The macro step: several columns of equal steps of the incremental method, extrapolated.
 
 Within a step s the acceleration is linear in time (H83 eq. 15.9), so
 
@@ -9,18 +9,18 @@ and the equation of motion at its end gives
     a1 = W (p1 - B v* - K q* - sum b f(d1, w1)),    W = (M + s/2 B + s^2/6 K)^-1,
 
 where f are the forces of rows with curved springs or dampers, and K and B those of all straight ones;
-W is kept while branch and step stay the same. What is left to iterate are the accelerations of the
-curved rows alone, x = b' a1,
+W is reused while branch and step stay the same. Only the accelerations of the curved rows, x = b' a1,
+are iterated. Their equation
 
     x = b' W (p1 - B v* - K q*) - sum (b' W b) f(d* + s^2/6 x, w* + s/2 x),
 
-by Newton's method: one unknown for each curved row, none if all forces are straight. Rows on which dry
-friction sticks have b' a1 = u'': W becomes its projection on that condition.
+is solved by Newton's method, with one unknown for each curved row, none if all forces are straight.
+Rows on which dry friction sticks have b' a1 = u'': W is replaced by its projection on that condition.
 
-As the method is symmetric, its error expands in s^2. A macro step made by columns of 1, 2, 3 and 5
-such steps, extrapolated (Aitken, Neville), has order 8. The columns are independent: one step of each
-is taken in turn, so that the processor can overlap them. All matrices are symmetric and are read by
-columns, which suits vector instructions.
+As the method is symmetric, its error is a series in s^2. Columns of 1, 2, 3 and 5 such steps,
+extrapolated (Aitken, Neville), give a macro step of order 8. The columns are independent: one step of
+each is taken in turn, so that the processor can overlap them. All matrices are symmetric and are read
+by columns, which suits vector instructions.
 """
 
 from __future__ import annotations
@@ -39,12 +39,13 @@ if not cython.compiled:
 _SUBSTEPS = 5  # in the longest column
 
 _ITERATIONS = 60
-_ENDLESS = 1e290  # m/s^2
+_ENDLESS = 1e290  # m/s^2; a larger residual means that the iteration has diverged
 _EPSILON = 4e-16  # relative error of a sum of forces
 _SMALL = 1e-10  # relative size of corrections that may stop decreasing
-LEAST_SHARE = 1e-3  # of a correction
-_DEPENDENT = 1e-12  # share of a condition that those before it leave, if it follows from them
-_AHEAD = 10.0  # times the correction expected next
+LEAST_SHARE = 1e-3  # smallest share of a correction that is taken
+# share of a condition that is independent of those before it, below which it follows from them
+_DEPENDENT = 1e-12
+_AHEAD = 10.0  # factor of safety on the correction expected next
 
 
 # Substeps in each column of the extrapolation, by order; stable for overdamped modes.
@@ -53,7 +54,7 @@ SEQUENCES = {2: (1,), 4: (1, 3), 6: (1, 2, 4), 8: (1, 2, 3, 5)}
 
 @cache
 def instants_of(sequence):
-    """Return the instants of all substeps of a macro step, as fractions of it, and which is whose."""
+    """Return the ends of all substeps, as fractions of a macro step, and the index of each of them."""
     fractions = sorted({(i + 1.0) / m for m in sequence for i in range(m)})
     return fractions, [
         fractions.index((i + 1.0) / m) if i < m else 0 for m in sequence for i in range(_SUBSTEPS)
@@ -93,7 +94,7 @@ class Columns:
         lower = [0.0, *extrapolation_weights(sequence[1:])]
         self.weight = memory.doubles(weights)
         self.check = memory.doubles(w - x for w, x in zip(weights, lower, strict=True))
-        self.step = -1.0  # that of the matrices; -1 if there are none
+        self.step = -1.0  # macro step of the matrices, s; -1 if there are none
         self.s, self.half, self.third, self.sixth = [0.0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         # literal sizes, as these are C arrays: the compiler knows that they do not overlap
         self.inverse = [0.0] * 4096
@@ -101,24 +102,24 @@ class Columns:
         self.f, self.fk = [0.0] * 32, [0.0] * 32
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
-        self.rest = [0.0] * 64  # lack of equilibrium of each curved row, per mass
-        # for each column and curved row: W b, and with each other curved row b' W b
+        self.rest = [0.0] * 64  # residual of the equation for x of each curved row, m/s^2
+        # for each column and curved row: W b, and b' W b with each curved row
         self.yield_of = memory.zeros(columns * rows * n)
         self.coupling = memory.zeros(columns * rows * rows)
-        # for each column and sticking row: the acceleration of all by one of its road
+        # for each column and sticking row: the accelerations per unit acceleration of its road
         self.carried = memory.zeros(columns * rows * n)
-        # of curved rows: d*, w*, x without them, x, its last correction; the equations for it
+        # of curved rows: d*, w*, x without curved forces, x and its last correction; the matrix for it
         self.d, self.w, self.x0 = [0.0] * 64, [0.0] * 64, [0.0] * 64
         self.x, self.dx = [0.0] * 64, [0.0] * 64
         self.matrix = memory.zeros(rows * rows)
         # x at the ends of the last three substeps of each column
         bent = columns * rows
         self.x1, self.x2, self.x3 = memory.zeros(bent), memory.zeros(bent), memory.zeros(bent)
-        self.enough = 0.0  # error of x that does not matter
-        self.bend = -1.0  # correction over the square of the one before; -1 if unknown
+        self.enough = 0.0  # negligible error of x, m/s^2
+        self.bend = -1.0  # ratio of a correction to the square of the one before; -1 if unknown
 
     def forget(self):
-        """Forget the matrices, after a change of branch."""
+        """Discard the matrices, after a change of branch."""
         self.step = -1.0
 
     def attempt(self, h, q, v, a, j):
@@ -167,7 +168,7 @@ class Columns:
     # -- matrices ----------------------------------------------------------------------------------
 
     def _prepare(self, h):
-        """Find W of all columns, and what curved and sticking rows need of it."""
+        """Find W of all columns, and its products with the curved and sticking rows."""
         n = self.n
         if self.n == 2:
             status = self._invert(2, h)
@@ -186,7 +187,7 @@ class Columns:
         return 0
 
     def _invert(self, n, h):
-        """Find (M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns, by Gauss and Jordan."""
+        """Find (M + s/2 B + s^2/6 K)^-1 for the substeps s of all columns by Gauss-Jordan elimination."""
         self.step = -1.0
         for c in range(self.columns):
             s = h / self.substeps[c]
@@ -234,9 +235,10 @@ class Columns:
         return x
 
     def _hold(self, n, c):
-        """Project W on b' a = 0 for the rows that stick; return 1 if their conditions contradict.
+        """Project W on b' a = 0 for the rows that stick; return 1 if these conditions are contradictory.
 
-        For each in turn, W <- W - W b b' W / b' W b; the accelerations by those before change likewise.
+        For each row in turn, W <- W - W b b' W / b' W b; the accelerations caused by the roads of the
+        rows before it are projected likewise.
         """
         for p in range(self.net.stuck):
             r = self.net.element_row[self.net.stuck_element[p]]
@@ -277,7 +279,7 @@ class Columns:
     # -- one substep -------------------------------------------------------------------------------
 
     def _substep(self, n, rows, c, k):
-        """Take substep k of a column by (15.12), (15.13), to the equilibrium at its end."""
+        """Take substep k of a column by (15.12) and (15.13), with equilibrium at its end."""
         at = n * c
         instant = self.instant[_SUBSTEPS * c + k]
         s, half, third, sixth = self.s[c], self.half[c], self.third[c], self.sixth[c]
@@ -314,7 +316,7 @@ class Columns:
         )
 
     def _begin_rows(self, n, a, j):
-        """Set the past of every column so that the first substep expects a0 + s j0."""
+        """Set the earlier values of every column so that the first substep is predicted as a0 + s j0."""
         self.bend = -1.0
         for p in range(self.balance.bends.count):
             r = self.balance.bends.row[p]
@@ -332,8 +334,8 @@ class Columns:
     def _bend(self, n, bends, c, k, instant):
         """Find the accelerations of the curved rows by Newton's method, and with them all others.
 
-        It ends where the next correction is expected to be below `enough`, or below rounding. If the
-        lack of equilibrium grows, as past the saturation of a damper, it goes only half as far.
+        The iteration ends when the next correction is expected to be below `enough`, or below rounding.
+        If the residual grows, as beyond the saturation of a damper, the correction is halved.
         """
         rows = self.net.rows
         self._expect(n, bends, c, k, instant)
@@ -387,7 +389,7 @@ class Columns:
         return NOT_CONVERGED
 
     def _expect(self, n, bends, c, k, instant):
-        """Find d*, w* and x without curved forces, and expect x as a parabola through the last three."""
+        """Find d*, w*, x without curved forces; predict x by the parabola through its last 3 values."""
         at = 2 * self.net.rows * instant
         for p in range(bends):
             r = self.balance.bends.row[p]
@@ -406,7 +408,7 @@ class Columns:
             self.x[p] = 3.0 * (self.x1[past] - self.x2[past]) + self.x3[past]
 
     def _correct(self, bends, c):
-        """Solve (1 + b' W b f') dx = rest for the corrections, by Gauss; 1 if it is not possible."""
+        """Solve (1 + b' W b f') dx = rest by Gaussian elimination; return 1 if this is not possible."""
         rows = self.net.rows
         sixth, half = self.sixth[c], self.half[c]
         if bends == 1:
@@ -437,7 +439,7 @@ class Columns:
         return 0
 
     def _take_rows(self, n, bends, c, k):
-        """Add what the forces of the curved rows do, and note their accelerations."""
+        """Add the effect of the curved forces, and store the accelerations of their rows."""
         for p in range(bends):
             slope = (
                 self.sixth[c] * self.balance.bends.force_k[p]
@@ -447,7 +449,7 @@ class Columns:
             at = self.net.rows * c + p
             for i in range(n):
                 self.a[n * c + i] -= self.yield_of[n * at + i] * force
-            # before the second substep, the parabola has the rate at the start
+            # in the prediction for the second substep, the parabola has the rate at the start
             earlier = self.x2[at] if k > 0 else self.x[p] - 2.0 * (self.x1[at] - self.x2[at])
             self.x3[at], self.x2[at], self.x1[at] = earlier, self.x1[at], self.x[p]
 

@@ -1,8 +1,8 @@
-"""The contact of every tyre at the present time, and the switches of contact that lie ahead."""
+"""The contact of every tyre at the present time, and the upcoming switches of contact."""
 
 from __future__ import annotations
 
-_WAITING = 1024  # switches that can wait; between two looks at them there are at most half as many
+_WAITING = 1024  # switches that can wait; at most half as many are added between two readings
 _NONE = -1
 
 
@@ -11,8 +11,8 @@ class Contacts:
 
     Parameters
     ----------
-    memory : where the arrays lie
-    tyres : elements whose contact is followed
+    memory : the memory that contains the arrays
+    tyres : numbers of the elements whose contact is monitored
     """
 
     def __init__(self, memory, tyres):
@@ -27,7 +27,7 @@ class Contacts:
         self.waiting_airborne = self.memory.marks(_WAITING)
 
     def begin(self, integrator):
-        """Start anew: a wheel may be in the air at the start, which does not count as a lift-off."""
+        """Reset all contacts; a wheel that starts in the air does not count as a lift-off."""
         self.waiting = 0
         for c in range(self.tyres):
             self.airborne[c] = integrator.at_limit(self.tyre[c])
@@ -35,7 +35,7 @@ class Contacts:
             self.last_lift_off[c] = self.last_touchdown[c] = -1.0
 
     def note(self, time, e, airborne):
-        """Let a lift-off or touchdown of element e wait for its time."""
+        """Add a lift-off or touchdown of element e to the switches that wait for their time."""
         for c in range(self.tyres):
             if self.tyre[c] == e and self.waiting < _WAITING:
                 self.waiting_time[self.waiting] = time
@@ -44,7 +44,7 @@ class Contacts:
                 self.waiting += 1
 
     def compare(self, integrator, time):
-        """Note contacts that end or begin because a parameter has changed."""
+        """Add the contacts that end or begin because a parameter has changed."""
         for c in range(self.tyres):
             now = integrator.at_limit(self.tyre[c])
             if now != self.airborne[c]:
@@ -74,11 +74,11 @@ class Contacts:
         return c
 
     def forget_waiting(self):
-        """Forget the switches that wait, after a return to the present."""
+        """Discard the waiting switches, after a return to the present time."""
         self.waiting = 0
 
     def seen(self):
-        """Return the contacts of all tyres at the present time, which change in place.
+        """Return the contacts of all tyres at the present time, as views that change in place.
 
         Returns
         -------
@@ -92,7 +92,7 @@ class Contacts:
         )
 
     def parts(self):
-        """Return all arrays of the state, as Python sees them."""
+        """Return views of all arrays of the state for Python."""
         return [
             *self.seen(),
             self.memory.seen(self.waiting_time, self.waiting),

@@ -17,7 +17,7 @@ class Dense:
 
     Parameters
     ----------
-    place, kept : the memory of its numbers, and of those at the ends of the step
+    place, kept : the memory for its numbers, and for those at the ends of the step
     n : number of coordinates
     cubic : whether the third derivative is constant within the step
     to_end : whether that derivative follows from the displacement at the end; steps by increments end
@@ -31,13 +31,13 @@ class Dense:
         self.ends = kept
         self.qa, self.va = self.ends.zeros(n), self.ends.zeros(n)
         self.aa, self.ja = self.ends.zeros(n), self.ends.zeros(n)
-        # before any switch there
+        # at the end, before any switch there
         self.qb, self.vb = self.ends.zeros(n), self.ends.zeros(n)
         self.ab, self.jb = self.ends.zeros(n), self.ends.zeros(n)
         # the last values read
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
         self.terms = memory.zeros(_SEPTIC * n)
-        self.known = 0  # whether the terms belong to the present ends
+        self.known = 0  # whether the terms have been found for the present ends
 
     def _find_terms(self):
         """Find c0 to c3 from the start, and s0 to s3 from the remainder at the end."""
@@ -93,9 +93,9 @@ class Dense:
             self.a[i] = second / (h * h)
 
     def read_values(self, t, datum, out, at, width):
-        """Write only the displacements, at less cost, to `out` from `at` on at intervals of `width`.
+        """Write the displacements at t, without rates and at less cost, to `out[at + i width]`.
 
-        They count from zero there, `datum` below the zero of the kernel.
+        `datum` is added to them: within the kernel they are measured from there.
         """
         h = self.end - self.start
         if h <= 0.0:

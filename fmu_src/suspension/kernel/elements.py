@@ -1,7 +1,7 @@
 """The elements of a system: their rows, and their forces in their present branches.
 
-Rows are the distinct directions b with the road under them; deflection, rate and their derivatives
-are computed once per row. Each element is in one *branch*: a piece of its spring, a piece of its
+Rows are the distinct pairs of a direction b and a road; deflection, rate and their derivatives are
+computed once per row. Each element is in one *branch*: a piece of its spring, a piece of its
 damper, a piece of the modulation of the damper and, for a tyre, on or off the road. The spring of an
 element that yields has three pieces: two lines of flow and between them an elastic one, which moves
 with the permanent set. Flow ends where the rate changes sign. Dry friction slips one way or the
@@ -26,11 +26,12 @@ class Elements(Laws):
     Parameters
     ----------
     system : `systems.System`
-    joins : as of `laws.Laws`
+    joins : as in `laws.Laws`
 
     Raises
     ------
-    ValueError : if a direction has the wrong length, or two elements rub along one direction.
+    ValueError : if a direction has the wrong length, a road is not a signal, or two elements with
+        friction act along the same direction.
     """
 
     def __init__(self, system, joins):
@@ -58,8 +59,8 @@ class Elements(Laws):
         for element in system.elements:
             if element.road and element.road not in names:
                 raise ValueError(
-                    f"{element.name} stands on the road {element.road!r}, which is none of the signals: "
-                    f"{', '.join(names) or 'there are none'}"
+                    f"{element.name} stands on the road {element.road!r}, which is not a signal of the "
+                    f"system; its signals: {', '.join(names) or 'none'}"
                 )
             key = (tuple(element.direction), names.index(element.road) if element.road else -1)
             if len(key[0]) != self.n:
@@ -74,10 +75,12 @@ class Elements(Laws):
         self.element_row = memory.integers(element_row)
         rubbing = [r for r, e in zip(element_row, system.elements, strict=True) if e.friction]
         if len(set(rubbing)) < len(rubbing):
-            raise ValueError("two elements with friction act along one direction; make them one")
+            raise ValueError(
+                "two elements with friction act along the same direction; combine them into one"
+            )
 
     def enter_element(self, e, x, at):
-        """Read element e from x[at:], as given by `element_numbers`; return where that ends."""
+        """Read element e from x[at:], as given by `element_numbers`; return where it ends."""
         at = self.enter_laws(e, x, at)
         self.modulated[e] = x[at] != 0.0
         self.friction[e] = x[at + 1]
@@ -125,7 +128,7 @@ class Elements(Laws):
         return force
 
     def element_force(self, e):
-        """Return the force of element e at `row_d`, `row_v`, without that of sticking."""
+        """Return the force of element e at `row_d`, `row_v`, without the force of sticking."""
         if self.branch[BRANCHES * e + CONTACT]:
             force = self.limit[e]
         else:
@@ -159,7 +162,7 @@ class Elements(Laws):
                 self.row_f[r] += self.branch[BRANCHES * e + FRICTION] * self.friction[e]
 
     def linearise(self):
-        """Force at rest and tangents of the straight pieces of every row, f + k d + c w."""
+        """Set force at rest and tangents of every row, f + k d + c w, from its straight pieces."""
         for r in range(self.rows):
             self.branch_f[r] = 0.0
             self.branch_k[r] = 0.0
@@ -224,11 +227,11 @@ class Elements(Laws):
     # -- contact and yield ---------------------------------------------------------------------------
 
     def free_potential(self, e, d):
-        """Return the potential beyond the free length: that at free length plus limit times the rest."""
+        """Return the potential at d beyond the free length: its value there plus work at the limit."""
         return self.free_energy[e] + self.limit[e] * (d - self.free_length[e])
 
     def permanent_set(self, e, d):
-        """Return the deflection at which a yielding spring is free of force, from its force at d."""
+        """Return the deflection at which a yielding spring has no force, from its force at d."""
         return d - self.law(self.piece_now(e, SPRING), d) / self.spring_rate[e]
 
     def element_energy(self, e, d):
@@ -249,8 +252,8 @@ class Elements(Laws):
     def flow_force(self, e):
         """Return the force that dissipates while element e flows: the yield force, with the sign of flow.
 
-        Times the rate of the set, signed, so that it stays smooth if a substep passes the end of flow a
-        little.
+        It is multiplied by the rate including its sign, so that the power stays smooth if a substep goes
+        slightly beyond the end of flow.
         """
         side = self.branch[BRANCHES * e + SPRING] - ELASTIC
         return self.piece[(self.first[LAWS * e] + 2) * PIECE + C0] * side

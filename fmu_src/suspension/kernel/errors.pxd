@@ -16,7 +16,7 @@ cdef class Errors:
     cdef Network net
     cdef int n, order
     cdef bint controlled, own_jerks
-    cdef double tolerance, time, step, error, allowed, none
+    cdef double tolerance, time, step, error, allowed, full_growth_error
     cdef double *velocity_scale, *middle_a, *septic_q, *septic_v, *septic_a, *lack, *held
 
     @cython.locals(i=int, size=double, reach=double, speed=double, least=double)

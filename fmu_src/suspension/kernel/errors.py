@@ -1,4 +1,4 @@
-"""The error of an attempt, in units of the one allowed, and what the septic through its ends is worth."""
+"""The error of an attempt, in units of the one allowed, and the accuracy of its septic."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps add up
-_ROUNDING = 1e-13  # of displacements, below which errors cannot be resolved
-ROUNDING_OF_RATES = 1e-14  # of velocities, as several substeps add it up
-_LEAST_LENGTH = 1e-290  # m, instead of none
-# share of the largest displacement for which an error as large as the largest velocity counts
+_SHARE = 0.1  # share of the tolerance for one step, as the errors of many steps accumulate
+_ROUNDING = 1e-13  # relative to displacements; smaller errors cannot be resolved
+ROUNDING_OF_RATES = 1e-14  # relative to velocities; it accumulates over several substeps
+_LEAST_LENGTH = 1e-290  # m; keeps the error allowed greater than zero
+# share of the largest displacement that an error as large as the largest velocity counts as
 _OF_SPEED = 0.5
 # exponent of the step in the error, up to which the septic is as accurate as the step
 _LOW_ORDER = 5
-_READ_SHARE = 0.05  # share of the error allowed, for reading where a switch is
+_READ_SHARE = 0.05  # share of the error allowed, for reading the state at a switch
 # phase of the fastest motion up to which the septic can be as accurate as the step
 READ_PHASE = 3.0
-_MISSED = 3.7e-7  # of the rate of a sinusoid, by the septic through the ends of 1 rad
+_MISSED = 3.7e-7  # relative error of a sinusoid's rate, in the septic of a step of 1 rad
 _LONG_PHASE = 20.0  # phase of the fastest motion beyond which its remainder spoils the jerks
-_STRONG = 20.0  # of a step, in one of which a damper must act to be strong
-_NEGLIGIBLE = 0.02  # share of the error allowed, for what is left when curved forces are iterated
+_STRONG = 20.0  # parts of a step; a damper whose masses stop within one of them is strong
+_NEGLIGIBLE = 0.02  # share of the error allowed, for the residual of iterated curved forces
 
 
 class Errors:
@@ -31,7 +31,7 @@ class Errors:
 
     Parameters
     ----------
-    motion, balance, modes : of the steps
+    motion, balance, modes : those of the stepper
     tolerance : relative to the largest motion so far
     """
 
@@ -41,22 +41,23 @@ class Errors:
         self.tolerance = tolerance
         self.controlled = False  # whether the error controls the step
         self.order = 0  # exponent of the step in the error
-        self.none = 0.0  # error below which steps grow most
+        # error up to which the next step grows by the full factor of 4
+        self.full_growth_error = 0.0
         self.time = self.step = 0.0  # start and length of the attempt, s
         memory, n = self.net.memory, self.n
-        # turns errors of velocity into errors of displacement, s
+        # converts errors of velocity into errors of displacement, s
         self.velocity_scale = memory.zeros(n)
         self.middle_a = memory.zeros(n)
         self.septic_q, self.septic_v = memory.zeros(n), memory.zeros(n)
         self.septic_a = memory.zeros(n)
         self.lack, self.held = memory.zeros(n), memory.zeros(n * n)
-        # whether the attempt is read with other jerks than those at its ends
+        # whether the attempt is read with jerks that differ from those at its ends
         self.own_jerks = False
 
     def begin(self, h):
         """Reset the error, and set the allowed one from the largest motion so far or in the attempt.
 
-        It is at least the rounding of displacements and of the forces that balance at rest.
+        The one allowed is at least the rounding of displacements and of the forces that balance at rest.
         """
         self.error = 0.0
         size = self.motion.state.scale
@@ -76,13 +77,13 @@ class Errors:
 
     def factor(self):
         """Return the factor of the step that brings the error to the tolerance."""
-        if self.error <= self.none:
+        if self.error <= self.full_growth_error:
             return 4.0
         factor = 0.9 * pow(self.error, -1.0 / self.order)
         return min(max(factor, 0.2), 4.0)
 
     def negligible(self, h):
-        """Return the error of accelerations that does not matter in a step, m/s^2; 0 for a fixed one."""
+        """Return the negligible error of accelerations in a step, m/s^2; 0 for a fixed step."""
         if not self.controlled:
             return 0.0
         slowest = max(h, _least_scale(self.motion.state.reach, self.motion.state.speed))
@@ -91,7 +92,7 @@ class Errors:
         return _NEGLIGIBLE * _SHARE * self.tolerance * self.motion.state.reach / (h * slowest)
 
     def keep_jerks(self):
-        """Read the attempt with the jerks at its ends."""
+        """Let the attempt be read with the jerks at its ends."""
         self.own_jerks = False
         for i in range(self.n):
             self.motion.jerk[i], self.motion.end_jerk[i] = self.motion.j[i], self.motion.jb[i]
@@ -99,8 +100,9 @@ class Errors:
     def find_jerks(self, h):
         """Find the jerks with which the attempt is read between its ends.
 
-        A remainder e of what a damper lets decay at the rate d is d e in accelerations, but d^2 e in the
-        jerks j, which then do not describe a step much longer than 1/d. They are replaced by the j' of
+        If a damper lets a velocity decay at the rate d, a remainder e of it contributes d e to the
+        accelerations but d^2 e to the jerks j, which then do not describe a step much longer than 1/d.
+        They are replaced by the solution j' of
 
             M (j' - j) + tau B (j' - j5) = 0,    tau = h / 20,
 
@@ -169,15 +171,15 @@ class Errors:
     def note_middle(self, h):
         """Count the residual of the septic in the equation of motion halfway as an error of the step.
 
-        It shows a knee of a curved force that all substeps miss.
+        It reveals a knee of a curved force that all substeps miss.
         """
         self.find_lack(h)
         self._note_lack(h)
 
     def note_reading(self, h):
-        """Count that of the attempt just made in a straight branch, if the septic may swing too little.
+        """Count it likewise for the attempt just made in a straight branch, if the septic may be inexact.
 
-        Of a sinusoid whose phase in the step is p it misses up to 3.7e-7 p^7 of the largest rate.
+        The rate of a sinusoid with phase p in the step is wrong by up to 3.7e-7 p^7 of its largest rate.
         """
         phase = h * (self.modes.quickest + self.modes.road_rate)
         cube = phase * phase * phase
@@ -192,12 +194,12 @@ class Errors:
         """Count the residual `lack` halfway as an error of the step.
 
         An error e of the septic, which vanishes at both ends, is 1/32 h^2 e'' halfway, and its rate is
-        at most 0.12 h e''. It does not add up over the steps, so it may be as large as the tolerance. At
-        low orders, however, the residual of a curved force also shows what all columns miss, and then
-        its effect on velocities adds up.
+        at most 0.12 h e''. It does not accumulate over the steps, so it may be as large as the tolerance.
+        At low orders, however, the residual of a curved force also reveals what all columns miss, and
+        then its effect on velocities accumulates.
         """
         share = 1.0 if self.balance.bends.count and self.order <= _LOW_ORDER else _SHARE
-        # of the septic's rate, a difference of q over the step, which dampers pass on to all they move
+        # of the septic's rate, a difference of q over the step; dampers turn it into accelerations
         rounding = 0.0
         for i in range(self.n):
             rounding = max(rounding, fabs(self.motion.q[i]) + fabs(self.motion.qb[i]))
@@ -208,10 +210,10 @@ class Errors:
             self.note(share * 0.12 * self.velocity_scale[i] * lack)
 
     def of_reading(self, h):
-        """Return the error halfway in a step that ends on a knee, over the one allowed; else 0.
+        """Return the error halfway through a step that ends on a knee, over the one allowed; else 0.
 
-        If a damper is steep where the step ends, but not where it began, its jerk there is that of the
-        knee, and the septic of a long step swings.
+        If a damper is steep where the step ends, but not where it began, the jerk at the end is that of
+        the knee, and the septic of a long step oscillates.
         """
         decay = 0.0
         for i in range(self.n):
@@ -225,7 +227,8 @@ class Errors:
     def can_read(self, x, h):
         """Return whether the septic through the ends of an attempt is accurate enough at a fraction x.
 
-        An error e of it goes with (x (1 - x))^4; halfway its second derivative is -32 e / h^2.
+        Its error is proportional to (x (1 - x))^4; if it is e halfway, its second derivative there is
+        -32 e / h^2.
         """
         if self.net.stuck or h * self.modes.quickest > READ_PHASE:
             return 0
@@ -242,8 +245,9 @@ class Errors:
 
 
 def _least_scale(reach, speed):
-    """Return the time, s, by which errors of velocity count as displacements at least.
+    """Return the least factor, s, that converts errors of velocity into errors of displacement.
 
-    Without it a light wheel that swings fast, but little, would only be as accurate as the body needs.
+    Without it, a light wheel that vibrates fast with a small amplitude would be only as accurate as the
+    body requires.
     """
     return _OF_SPEED * reach / speed if speed > 0.0 else 0.0

@@ -1,14 +1,14 @@
-"""Linear branches propagated exactly: the exponential of state and excitation together.
+"""Exact propagation of linear branches: the matrix exponential of state and excitation together.
 
 While all branches are linear, the motion and its excitation obey one linear system x' = X x in
 
     x = (q - q0, q', 1, t, t^2/2, t^3/6, and the cosine and sine of each present sinusoid),
 
 because a signal is a cubic plus a cosine. The column of the 1 is chosen to reproduce the acceleration
-at the start, so that a mass at rest stays at rest to the bit. exp(h X) is a Taylor series over h / 2^k,
-short enough for 16 terms to be accurate to rounding, then squared k times. The exponential minus the
-identity is squared, D <- 2 D + D D, so that a slow motion keeps its digits beside one that is damped
-within a microsecond.
+at the start exactly, so that a mass at rest stays at rest. exp(h X) is a Taylor series over h / 2^k,
+short enough for 16 terms to be accurate to rounding, which is then squared k times. The exponential
+minus the identity is squared, D <- 2 D + D D, so that a slow motion keeps its digits next to one that
+is damped within a microsecond.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if not cython.compiled:
 _TERMS = 16
 _SHORT = 0.5  # largest change of any motion or road in one part, for which the terms suffice
 _POWERS = 4  # of time, in the cubic of a signal
-# times as accurate in q must a septic be whose rates and accelerations are read
+# factor by which the septic must be more accurate in q, as its rates and accelerations are read, too
 _FINER = 128.0
 
 
@@ -37,7 +37,7 @@ class Propagator:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
@@ -81,7 +81,7 @@ class Propagator:
         return 0
 
     def _is_short(self):
-        """Return whether every motion and road changes little within one part."""
+        """Return whether all motions and roads change little within one part."""
         n = self.n
         for j in range(n):
             for matrix in range(2):
@@ -141,7 +141,7 @@ class Propagator:
         self._enter_start()
 
     def _enter_start(self):
-        """Set the column of the 1: the start acceleration minus the share of the other columns."""
+        """Set the column of the 1: the acceleration at the start minus that due to the other columns."""
         n, size = self.n, self.size
         for i in range(n):
             x = self.part * self.part * self.a0[i]
@@ -155,7 +155,7 @@ class Propagator:
         return (self.net.signal_first[s] + self.net.signal_now[s]) * SEGMENT
 
     def _enter_sinusoid(self, s, at, t):
-        """Enter cosine and sine of signal s, which rotate; its derivatives are -w sin, -w^2 cos."""
+        """Enter cosine and sine of signal s, which rotate at w; its derivatives are -w sin, -w^2 cos."""
         g = self._segment(s)
         amplitude, speed = self.net.segment[g + AMPLITUDE], self.net.segment[g + SPEED]
         angle = self.net.segment[g + ANGLE] + speed * (t - self.net.segment[g + ORIGIN])
@@ -250,7 +250,7 @@ class Propagator:
 
 
 class Exact(Method):
-    """The matrix exponential; the step is chosen such that its septic is accurate, too."""
+    """The matrix exponential; the step is chosen so that the septic through its ends is accurate, too."""
 
     def __init__(self, motion, balance, modes, errors, order, theta):
         Method.__init__(self, motion, balance, modes, errors, order, theta)
@@ -275,14 +275,14 @@ class Exact(Method):
 
     @staticmethod
     def refusal(system):
-        """Return what is curved in a system."""
+        """Return why a system is not linear in each of its branches; empty if it is."""
         return not_straight(system)
 
     def attempt(self, t, h):
         """Take the exact step; its error is that of the septic through its ends, halfway.
 
         Each derivative of the septic is less accurate than the one before: with e the error of q, up to
-        3.8 e / h in v and 32 e / h^2 in a. So it must be a good deal more accurate than q need be.
+        3.8 e / h in v and 32 e / h^2 in a. So it must be much more accurate in q than q alone requires.
         """
         status = self.propagator.attempt(t, h)
         if status != 0:
@@ -292,8 +292,8 @@ class Exact(Method):
         self.errors.keep_jerks()
         self.errors.read_middle(h)
         for i in range(self.n):
-            # errors do not accumulate here, so one step may use the whole tolerance; in v the
-            # difference of q over a short step is rounded
+            # errors do not accumulate here, so one step may use the whole tolerance; the rate of the
+            # septic has the rounding of a difference of q over the step
             rounding = 1e-15 * (fabs(self.motion.q[i]) + fabs(self.motion.qb[i])) / h
             self.errors.note(_SHARE * _FINER * fabs(self.errors.septic_q[i] - self.middle_q[i]))
             self.errors.note(

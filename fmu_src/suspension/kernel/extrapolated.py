@@ -1,10 +1,10 @@
-"""The incremental step extrapolated, and the single one that ends in equilibrium.
+"""The extrapolated incremental step, and the single incremental step that ends in equilibrium.
 
-In a linear branch the last column of the extrapolation (see `columns`) is better than the one before by
-the square of the phase of the fast modes, once that is small, so that errors are proportional to the
-tolerance. An infinitely damped mode is multiplied by -1 in each substep and by the sum of w (-1)^n in a
-macro step, where w are the weights of the extrapolation: -0.59 for 1, 2, 3 and 5 substeps, but 6.2 if
-the last column had 4.
+In a linear branch the last column of the extrapolation (see `columns`) is more accurate than the one
+before by the square of the phase of the fast modes, if that is small. With this factor, errors are
+proportional to the tolerance. An infinitely damped mode is multiplied by -1 in each substep and by the
+sum of w (-1)^n in a macro step, where w are the weights of the extrapolation: -0.59 for 1, 2, 3 and 5
+substeps, but 6.2 if the last column had 4.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ if not cython.compiled:
     from .errors import _SHARE
 
 # Phase per macro step, of the fastest mode, its decay and the road together, below which the last column
-# is better than the one before by the square of the phase; a gain of at most `_MOST_BETTER` is assumed.
+# is more accurate than the one before by the square of the phase, but at most by `_MOST_BETTER`.
 _SLOW_PHASE = 2.0
 _MOST_BETTER = 10.0
-# the least share of that difference that is taken for the error with curved forces
+# least share of the difference of these columns that is taken as the error with curved forces
 _BENT_BETTER = 0.4
 _STIFF_PHASE = 100.0  # phase of the fastest motion beyond which jerks do not describe a step
-_EXCESS = 1.5  # allowed error of a step over its share, before the step is repeated
+_EXCESS = 1.5  # error of a step, over its share of the tolerance, up to which it is not repeated
 _FINE = 1e-4  # tolerance below which order 8 is faster than order 6
-_LINK = 1e4  # times the fastest frequency: so fast a decay is that of a rigid link
+_LINK = 1e4  # times the fastest frequency; a damper with a decay this fast acts like a rigid link
 # By order: the damping with which no mode grows up to a phase of 6 (see `modes`; a single column takes no
 # longer steps), and the largest omega h at which an undamped mode grows by less than 1/1000.
 _LEAST_DAMPING = {2: 1e3, 4: 0.04, 6: 0.017, 8: 0.008}
@@ -38,7 +38,7 @@ _LIMITS = {2: 12.0**0.5, 4: 2.2, 6: 2.2, 8: 3.2}
 
 
 class Extrapolated(Method):
-    """Columns of 1, 2, 3 and 5 incremental steps, extrapolated to order 8; 2, 4 and 6 with fewer."""
+    """Columns of 1, 2, 3 and 5 incremental steps, extrapolated to order 8; or to 2, 4, 6 with fewer."""
 
     def __init__(self, motion, balance, modes, errors, order, theta):
         Method.__init__(self, motion, balance, modes, errors, order, theta)
@@ -63,7 +63,7 @@ class Extrapolated(Method):
         return instants_of(SEQUENCES[order])[0]
 
     def enter(self):
-        """Forget the matrices."""
+        """Discard the matrices."""
         self.columns.forget()
 
     def attempt(self, t, h):
@@ -106,9 +106,9 @@ class Extrapolated(Method):
         self.errors.error /= self.errors.allowed
 
     def _expect_better(self, h):
-        """Take the last column for better than the one before by the square of the phase, if small.
+        """Reduce the error by the square of the phase, if small: the last column is that much better.
 
-        With curved forces only by the phase, as their own changes count, too.
+        With curved forces it is reduced by the phase only, as the changes of these forces count, too.
         """
         phase = h * (self.modes.quickest + self.modes.road_rate) / _SLOW_PHASE
         if phase < 1.0 and self.balance.bends.count:
@@ -150,7 +150,7 @@ class Equilibrium(Extrapolated):
 def _is_stiffly_damped(system):
     """Return whether a damper acts like a rigid link: c b'M^-1 b >> omega_max.
 
-    Order 8 damps such a motion in every step, order 6 hardly (see above). M counts by its diagonal.
+    Order 8 damps such a motion in every step, order 6 hardly (see above). Only the diagonal of M is used.
     """
     fastest = 0.0
     for element in system.elements:

@@ -1,4 +1,4 @@
-"""What a run takes with it when the numbers of its system change: motion, works and counts."""
+"""The data that a run keeps when the numbers of its system change: motion, works and counts."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ class Handover:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
         self.net, self.n, self.elements = network, network.n, network.elements
         memory = self.net.memory
         self.q, self.v = memory.zeros(self.n), memory.zeros(self.n)
-        self.origin = memory.zeros(self.n)  # from which the motion is measured
+        self.origin = memory.zeros(self.n)  # displacements from which the motion is measured
         self.work, self.limited_time = memory.zeros(self.elements), memory.zeros(self.elements)
         self.reach = self.speed = self.scale = self.datum = 0.0
         self.exchange = self.supplied = self.residual = 0.0
         self.steps = 0
 
     def take_run(self, motion, net):
-        """Note motion, energies and counts at the end of the last step."""
+        """Store motion, energies and counts at the end of the last step."""
         for i in range(self.n):
             self.q[i], self.v[i] = motion.q[i], motion.v[i]
             self.origin[i] = motion.origin[i]
@@ -39,6 +39,6 @@ class Handover:
         self.residual = net.state.residual_end
 
     def take_element(self, here, there, work, limited_time):
-        """Note the works and times of element `there` as those of element `here`; none if -1."""
+        """Store the work and time of element `there` as those of element `here`; zero if it is -1."""
         self.work[here] = work[there] if there >= 0 else 0.0
         self.limited_time[here] = limited_time[there] if there >= 0 else 0.0

@@ -1,7 +1,7 @@
-"""Steps by increments with curved forces, as in H83 chapter 15.
+"""Incremental steps with curved forces, as in H83 chapter 15.
 
-The increments of (15.16) to (15.18), with tangents at the start of the step, or with their mean over it
-(15.7), which is iterated.
+The increments of (15.16) to (15.18), with the tangents at the start of the step, or with the mean of
+those at both ends (15.7), which is iterated.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Increments:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
@@ -76,8 +76,8 @@ class Increments:
             if iteration > 0:
                 if self._is_settled(before):
                     return 0
-                # the mean may oscillate between both sides of a damper's saturation; where changes
-                # go on in one direction, a smaller share would only stop short of the equilibrium
+                # the mean may oscillate between both sides of a damper's saturation; while changes
+                # keep one direction, a smaller share would only end short of the equilibrium
                 if self.most_change > 0.9 * before and self.turn < 0.0:
                     share = max(0.5 * share, LEAST_SHARE)
                 before = self.most_change
@@ -87,7 +87,7 @@ class Increments:
         return NOT_CONVERGED
 
     def _begin(self, t, q, v, a):
-        """Note the state at the start, and use the tangents there."""
+        """Store the state at the start, and use the tangents there."""
         n = self.n
         for i in range(n):
             self.pq[i], self.pv[i], self.sa[i] = q[i], v[i], a[i]
@@ -103,7 +103,7 @@ class Increments:
             self.start_c[r] = self.mean_c[r] = self.net.row_c[r]
 
     def _add_resistance(self, h):
-        """Subtract from `rhs` what the motion at the start changes in the forces (15.14)."""
+        """Subtract from `rhs` the change of the forces due to the motion at the start (15.14)."""
         n = self.n
         for i in range(n):
             for k in range(n):
@@ -113,7 +113,7 @@ class Increments:
                 )
 
     def _find_change(self, iteration):
-        """Find the change of `rhs` by the last iteration, and whether it turns against the one before."""
+        """Find the change of `rhs` by the last iteration, and whether it reverses the one before."""
         self.most_change = self.turn = 0.0
         for i in range(self.n):
             difference = self.rhs[i] - self.correction[i]
@@ -133,7 +133,7 @@ class Increments:
             a[i] = self.sa[i] + self.rhs[i]
 
     def _is_settled(self, before):
-        """Return whether changes have come down to rounding, or are small and decrease no more."""
+        """Return whether changes have decreased to rounding, or are small and no longer decrease."""
         if self.most_change <= 1e-15 * self.largest:
             return 1
         return self.most_change <= 1e-10 * self.largest and self.most_change >= 0.5 * before

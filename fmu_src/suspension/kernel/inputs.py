@@ -1,4 +1,4 @@
-"""The inputs of a run: their present values, and how fast they change by what a host has set."""
+"""The inputs of a run: their present values, and their rates of change from the samples of a host."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ if not cython.compiled:
     from math import fabs
 
 _SAMPLES = 3  # for two slopes
-_LONGEST = 2.0  # duration of the extrapolation, in intervals of the last slope
+_LONGEST = 2.0  # longest extrapolation, in intervals of the last slope
 
 
 class Inputs:
@@ -16,7 +16,7 @@ class Inputs:
 
     Parameters
     ----------
-    memory : where the arrays lie
+    memory : the memory that contains the arrays
     count : number of inputs
     """
 
@@ -28,7 +28,7 @@ class Inputs:
         self.sample_value = self.memory.zeros(_SAMPLES * count)
 
     def start(self):
-        """Start anew: no input has been set."""
+        """Reset all inputs: none has been set."""
         for i in range(self.count):
             self.value[i] = 0.0
             self.samples[i] = 0
@@ -57,8 +57,8 @@ class Inputs:
     def slope(self, i, until):
         """Return the rate of change of input i for a step that ends at `until`, s.
 
-        0 if the step ends more than two intervals after the last sample: a host that sets nothing
-        for so long means that nothing changes.
+        0 if the step ends more than two intervals after the last sample: an input that a host has not
+        set for so long is taken as constant.
         """
         if self.samples[i] < _SAMPLES:
             return 0.0
@@ -74,7 +74,7 @@ class Inputs:
         return before if fabs(before) <= fabs(last) else last
 
     def parts(self):
-        """Return all arrays of the state, as Python sees them."""
+        """Return views of all arrays of the state for Python."""
         return [
             self.memory.seen(self.value, self.count),
             self.memory.seen_marks(self.samples, self.count),

@@ -47,20 +47,21 @@ FAILURES = {
     5: "the matrix of a step is not positive definite; shorten solver.step, or set it to 0",
     6: "solver.step is longer than the largest stable step; shorten it, or set it to 0",
     7: "energy grows without external work; shorten solver.step, or reduce solver.tolerance",
-    8: "switches follow one another in no time; shorten solver.step, or look for extreme parameters",
+    8: "switches follow one another without time between them; "
+    "shorten solver.step, or look for extreme parameters",
     9: "the run needs more than 30 million steps; shorten the run, or look for extreme parameters",
     10: "the mass matrix must be symmetric and positive definite; check masses and inertias",
     11: "the energy balance is off by more than all energy stored or supplied; "
     "shorten solver.step, or reduce solver.tolerance",
-    12: "the run was interrupted; let it end to have the rest",
+    12: "the run was interrupted; run it to its end for complete results",
 }
 
-_ENOUGH_STEPS = 200000  # after which the number of steps still to come is estimated, repeatedly
+_ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps still to come
 _MOST_STEPS = 30000000  # still to come, in one call
 
 
 class Integrator(March):
-    """Steps one system and holds its whole state.
+    """Steps one system and owns its whole state.
 
     The methods, where omega_max^2 is the largest eigenvalue of M^-1 K and K the present tangent:
 
@@ -123,7 +124,8 @@ class Integrator(March):
         Parameters
         ----------
         earlier : the previous integrator
-        counterpart : for each element here the number of the same one there, or -1
+        counterpart : for each element of this integrator the number of the same element in the earlier
+            one, or -1
         """
         self.handover.take_run(earlier.motion, earlier.net)
         for e in range(self.net.elements):
@@ -133,7 +135,7 @@ class Integrator(March):
     def take_laws(self, x, at):
         """Continue with other laws of the elements, from x[at:].
 
-        The state is then that after `take_over` by a new integrator, but nothing else is read again.
+        The state is then that after `take_over` by a new integrator, but only the laws are read again.
         """
         self.handover.take_run(self.motion, self.net)
         for e in range(self.net.elements):
@@ -142,8 +144,8 @@ class Integrator(March):
         self._go_on()
 
     def _go_on(self):
-        """Begin at the present time with what was noted."""
-        self._stand_still(self.state.time, self.handover.scale)  # whatever was before
+        """Begin at the present time with the data handed over."""
+        self._stand_still(self.state.time, self.handover.scale)  # discards all other earlier data
         self.net.set_datum(self.handover.datum)
         for i in range(self.n):
             self.motion.q[i] = self.handover.q[i]
@@ -192,17 +194,17 @@ class Integrator(March):
             self.rate_before[r] = self.net.row_v[r]
         self._remember_branches()
         jump = self.net.replace_signal(signal, self.state.time, coefficients)
-        if self.net.is_road[signal]:  # a load leaves elements where they are, if on a corner, too
+        if self.net.is_road[signal]:  # a load moves no element, not even one that is on a corner
             if jumps and jump != 0.0:
                 # a damper at rest is at its corner: the road's new velocity decides on which side it acts
                 self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
                 self.stepper.refresh(self.state.time)
                 self.net.impulse(signal, jump, interval, self.rate_before, self.motion.v)
             self.net.locate_branches(self.state.time, self.motion.q, self.motion.v)
-        if jumps:  # at the start the road has always been there, and nothing was lost or met
+        if jumps:  # at the start the road has always been there: no contact has begun or ended
             self._book_contacts()
         self._note_changes()
-        if not jumps:  # what is at rest slips, if at all, the way that all loads together push it
+        if not jumps:  # an element at rest can slip only the way that all loads together push it
             self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
         self._enter_branches()
         if not jumps:
@@ -216,7 +218,7 @@ class Integrator(March):
                 self.state.initial_energy += change
 
     def _lost(self, signal, jump, interval):
-        """Book what dampers take as a road jumps between samples, and return it, J."""
+        """Book the energy that dampers dissipate as a road jumps between samples, and return it, J."""
         total = 0.0
         for e in range(self.net.elements):
             r = self.net.element_row[e]
@@ -254,25 +256,25 @@ class Integrator(March):
                 return status
 
     def _raise_failure(self, status):
-        """Raise what a function of an element has raised, if the run has ended for it."""
+        """Raise the exception that a function of an element has raised, if it has ended the run."""
         failure, self.net.failure = self.net.failure, None
         if status != 0 and failure is not None:
             raise failure
 
     def _look_at_pace(self):
-        """Start to measure the pace of the run."""
+        """Start measuring the pace of the run."""
         self.begun, self.started = self.state.step_count, self.state.time
 
     def _reason_to_end(self, until):
         """Between parts of a long run, move switches to the log and let an interrupt end the run.
 
-        Return 0, or the key in `FAILURES` of a reason to end it: `going_on` denies it, or too many steps
-        are still to come at the present pace.
+        Return 0, or the key in `FAILURES` of a reason to end it: `going_on` returns false, or too many
+        steps are still to come at the present pace.
         """
         self.noted.all()
         self.since_pause = 0
         if cython.compiled:
-            PyErr_CheckSignals()  # noqa: F821  (declared beside the types)
+            PyErr_CheckSignals()  # noqa: F821  (declared in the .pxd file)
         if self.going_on is not None and not self.going_on(self.state.time):
             return INTERRUPTED
         return 0 if self.keeps_pace(until) else TOO_MANY
@@ -298,7 +300,7 @@ class Integrator(March):
         Raises
         ------
         ValueError : if an array is too short.
-        Exception : what a function of an element has raised.
+        Exception : any that a function of an element has raised.
         """
         self.prepare(1, times, displacements, velocities, accelerations, forces)
         status = self.fill(len(times))
@@ -308,7 +310,7 @@ class Integrator(March):
         return status
 
     def fill(self, last):
-        """Step over the next of the prepared instants, up to number `last`, in the place of one run.
+        """Step over the next prepared instants, up to number `last`, and fill the arrays of one run.
 
         Returns
         -------
@@ -339,7 +341,7 @@ class Integrator(March):
 
         Parameters
         ----------
-        runs : number of runs that the arrays have room for
+        runs : number of runs that fit into the arrays
         times : s, ascending, none before the last step; like the others, an array of doubles
         displacements : m, of the first coordinate at all instants, then of the second and so on; then
             the same for the next run
@@ -352,7 +354,7 @@ class Integrator(March):
         ------
         ValueError : if an array is too short.
         """
-        self.count = self.places = 0  # until all arrays are right
+        self.count = self.places = 0  # until all arrays have been checked
         count = len(times)
         for out in (displacements, velocities, accelerations):
             self._check_room(out, runs * count * self.n)
@@ -373,7 +375,7 @@ class Integrator(March):
             raise ValueError(f"an array has {len(out)} numbers; it needs at least {numbers}")
 
     def _run(self, place):
-        """Step over the instants and fill the arrays, in the place of one run."""
+        """Step over the instants and fill the part of the arrays that belongs to one run."""
         before = place * self.count
         while self.filled < self.last:
             if self.filled == self.next_mark:
@@ -487,7 +489,7 @@ class Integrator(March):
         return self.energies_at(self.dense.end)
 
     def energies_at(self, t):
-        """Return what `energies` does at a time t within the last step, by its interpolant."""
+        """Return the same as `energies` at a time t within the last step, by its interpolant."""
         self.find_energies(t)
         ledger, elements = self.ledger, self.net.elements
         works = [ledger.until[k] for k in range(ledger.works)]
@@ -520,7 +522,7 @@ class Integrator(March):
         self.net.exchange_branches()
 
     def limited_time_at(self, e, t):
-        """Return for how long element e has been at its limit (a tyre off the road) up to t, s."""
+        """Return how long element e has been at its limit (a tyre off the road) up to t, s."""
         late = self.dense.end - t if self.limited.now[e] else 0.0
         return self.limited.time[e] - late
 
@@ -534,7 +536,7 @@ class Integrator(March):
         return (self.net.branch[at] if self.state.in_step else self.net.kept_branch[at]) != 1
 
     def permanent_set(self, e):
-        """Return the deflection at which element e, which can yield, is free of force, m."""
+        """Return the deflection at which element e, which can yield, has no force, m."""
         d = sum(
             self.net.row_direction[self.net.element_row[e] * self.n + i] * self.motion.q[i]
             for i in range(self.n)
@@ -560,11 +562,11 @@ class Integrator(March):
         return self.state.beyond_since, self.state.beyond_step
 
     def _make_room(self):
-        """Allocate what changes of signals and parameters need, and find the size of the state."""
+        """Allocate the arrays for changes of signals and parameters, and find the size of the state."""
         self.given = self.net.memory.zeros(4)
         self.rate_before = self.net.memory.zeros(max(self.net.rows, 1))
         self.handover = Handover(self.net)
-        # asked with the present time at each pause of a long run: whether it is to go on
+        # called with the present time at each pause of a long run; returns whether to continue
         self.going_on = None
         self.state_size = len(self.state.content())
 
@@ -596,11 +598,11 @@ class Integrator(March):
 
     @property
     def overruns(self):
-        """How often switches followed one another in no time, and were passed over."""
+        """How often switches that followed one another without time between them were passed over."""
         return self.state.overruns
 
     def snapshot(self):
-        """Return the whole state as bytes, from which `restore` continues to the bit."""
+        """Return the whole state as bytes, from which `restore` continues bit-identically."""
         self.net.take_moving()
         return self.state.content()
 
@@ -612,7 +614,7 @@ class Integrator(March):
         ValueError : if the snapshot is of another system.
         """
         if len(state) != self.state_size:
-            raise ValueError("this state is of another system")
+            raise ValueError("this snapshot belongs to another system; use one of this integrator")
         self.noted.clear()
         self._resume(bytes(state))
 
@@ -656,15 +658,15 @@ class Rows:
         ValueError : if the rows are of another system.
         """
         if len(numbers) % self.width:
-            raise ValueError(f"{len(numbers)} numbers are not whole rows of {self.width}")
+            raise ValueError(f"{len(numbers)} numbers do not form whole rows of {self.width}")
         self.lent = Lent(numbers)
         self.numbers, self.start, self.rows = self.lent.numbers, start, len(numbers) // self.width
 
     def go(self, first, last):
-        """Make the runs from `first` up to `last`, or as many as there is room for, at least one.
+        """Make the runs from `first` up to `last`, or as many of them as fit; at least one.
 
-        There are at most as many as the integrator is prepared for, and with a log the next run starts
-        only while three quarters of the log are empty.
+        At most as many fit as the integrator is prepared for; with a log, the next run starts only while
+        three quarters of the log are empty.
 
         Returns
         -------
@@ -677,7 +679,9 @@ class Rows:
         """
         one = self.integrator
         if one.count == 0 or one.places < self.most or not 0 <= first < last <= self.rows:
-            raise ValueError(f"runs {first} to {last} of {self.rows}: no such rows, or no room")
+            raise ValueError(
+                f"runs {first} to {last} of {self.rows}: no such rows, or the integrator is not prepared"
+            )
         one.take_log()
         self.first, self.wanted = first, min(last - first, self.most)
         self.made = 0
@@ -706,14 +710,14 @@ class Rows:
         self.integrator.begin_row(self.numbers, (self.first + k) * self.width, self.start)
 
     def limited_time(self, k, e):
-        """Return for how long element e was at its limit, s, in run k of the last batch."""
+        """Return how long element e was at its limit, s, in run k of the last batch."""
         for i in range(self.contacts):
             if self.integrator.limited.element[i] == e:
                 return self.limited[k * self.contacts + i]
         return 0.0  # it has no limit
 
     def _go(self):
-        """Return whether a run has paused; otherwise all runs are made, or as many as fit."""
+        """Return whether a run has paused; otherwise all runs have been made, or as many as fit."""
         while self.made < self.wanted:
             status = 0
             if not self.underway:
@@ -738,7 +742,7 @@ class Rows:
         return NO_MASS if status != 0 else 0
 
     def _end(self, status):
-        """Note how the present run has ended."""
+        """Store how the present run has ended."""
         k = self.made
         self.status[k], self.filled[k] = status, self.integrator.filled
         self.time[k], self.steps[k] = self.integrator.state.time, self.integrator.state.step_count

@@ -1,7 +1,7 @@
 """The laws of all elements: chains of pieces.
 
 A piece is c0 + c1 s + c2 s^2 + c3 s^3 + saturation tanh(s / scale) + power |s|^exponent sgn s + own(s),
-s = x - origin. The last term is a function in Python, which is called with the lock of the interpreter.
+s = x - origin. The last term is a function in Python, which is called with the interpreter lock held.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from .signals import Signals
 if not cython.compiled:
     from math import exp, fabs, log1p, pow, sinh, tanh
 
-_FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # what is asked of a function in Python
+_FORCE, _SLOPE, _INTEGRAL = 0, 1, 2  # the three functions in Python of a piece
 _SMOOTH = 1e-9  # relative difference of slopes that are the same to rounding
-_NEAR = 1e-5  # relative distance for its second derivative
+_NEAR = 1e-5  # relative distance for the difference quotient of a slope in Python
 _FARTHEST = 1e27  # m or m/s, up to which powers grow: the 11th is still finite
 _LOG_2 = 0.6931471805599453
 
@@ -44,7 +44,7 @@ class Laws(Signals):
     Parameters
     ----------
     system : `systems.System`
-    joins : whether curved pieces that meet with one slope, as in a smooth table, are one branch
+    joins : whether curved pieces that meet with the same slope, as in a smooth table, are one branch
     """
 
     def __init__(self, system, joins):
@@ -57,7 +57,7 @@ class Laws(Signals):
         self.piece = memory.zeros(PIECE * sum(count))
         self.straight = memory.integers([1] * sum(count))
         self.functions = [own for element in system.elements for own in functions_of(element)]
-        self.failure = None  # what a function has raised
+        self.failure = None  # the first exception raised by a function
         # beyond its ends a cubic is continued by its tangent
         self.low, self.high = memory.zeros(sum(count)), memory.zeros(sum(count))
         # the first and the last of the pieces that each is joined with
@@ -109,7 +109,7 @@ class Laws(Signals):
                 self.run_last[p] = self.run_last[p + 1]
 
     def _meets_smoothly(self, p):
-        """Return whether curved piece p has the slope of the curved piece before it where it begins."""
+        """Return whether curved piece p begins with the slope of the curved piece before it."""
         if self.straight[p - 1] or self.straight[p]:
             return 0
         if self.piece[(p - 1) * PIECE + OWN] != 0.0 or self.piece[p * PIECE + OWN] != 0.0:
@@ -119,7 +119,7 @@ class Laws(Signals):
         return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
 
     def place(self, p, x):
-        """Return the piece at x of those that p is joined with."""
+        """Return which of the pieces joined with p contains x."""
         k = self.run_first[p]
         last = self.run_last[p]
         while k < last and x >= self.piece[(k + 1) * PIECE + START]:
@@ -150,7 +150,7 @@ class Laws(Signals):
         return force
 
     def own(self, p, what, s):
-        """Return what is asked of the function of piece p at s; NaN if it fails."""
+        """Return force, slope or integral (`what`) of piece p by its function at s; NaN if that fails."""
         try:
             return float(self.functions[p][what](s))
         except Exception as error:
@@ -262,7 +262,7 @@ class Laws(Signals):
         return energy
 
     def piece_at(self, law, x):
-        """Return the piece of a law at x, at a corner the upper one; of joined pieces, the first."""
+        """Return the piece of a law at x; at a corner the upper one, of joined pieces the first."""
         k = 0
         first = self.first[law]
         while k + 1 < self.count[law] and self.piece[(first + k + 1) * PIECE + START] <= x:
@@ -270,7 +270,7 @@ class Laws(Signals):
         return self.run_first[first + k] - first
 
     def intercept(self, p):
-        """Return the force of the straight piece p extended to zero."""
+        """Return the force of the straight piece p, extended to x = 0."""
         at = p * PIECE
         return self.piece[at + C0] - self.piece[at + C1] * self.piece[at + ORIGIN]
 

@@ -1,9 +1,9 @@
-"""What the numbers of a system mean by their places: branches of elements, pieces, segments.
+"""Names for the offsets of the numbers of branches, pieces and segments.
 
 `characteristics.Piece` and `signals.Segment` give their numbers in this order.
 """
 
-# what an element has a branch of: `branch[BRANCHES e + kind]`
+# the kinds of branches of an element: `branch[BRANCHES e + kind]`
 SPRING, DAMPER, MODULATION, CONTACT, FRICTION = 0, 1, 2, 3, 4
 BRANCHES = 5
 # laws of each element: spring, damper, modulation of the damper

@@ -4,7 +4,7 @@ The powers are integrated over the dense output of each step by four-point Gauss
 which has the order of that output, 8. Deflection and rate of a row at the four points are sums over its
 value and derivatives at both ends of the step. With a straight damper, f + c w, the work in a step is
 f times the integral of w plus c times that of w^2, for all elements of a row from the same two numbers.
-While roads stand still these two follow from the ends alone, as does the energy of straight springs.
+While roads do not move, these two follow from the ends alone, as does the energy of straight springs.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from .step_readings import ENDS, POINTS, StepReadings
 if not cython.compiled:
     from math import fabs
 
-_TIMES = 2.0  # times the energy accounted for
-_LEAST = 1e-9  # J, which rounding alone may cause
+_TIMES = 2.0  # times the energy accounted for: more stored energy than that is wrong
+_LEAST = 1e-9  # J; rounding alone may cause as much
 
 
 class Ledger:
@@ -38,16 +38,16 @@ class Ledger:
         elements, rows = self.net.elements, max(self.net.rows, 1)
         self.works = elements + self.net.signals
         memory = self.net.memory
-        # so far; what jumps of roads have brought in since the last step; in a part of that step
+        # works so far; those of jumps of roads since the last step; those in a part of that step
         self.state = self.net.state
         kept = self.state.memory
         self.work, self.brought = kept.zeros(self.works), kept.zeros(self.works)
         self.part = memory.zeros(self.works)
-        # the entries at the time looked at last: kinetic energy, energy of each element, works until then
+        # the entries at the time last requested: kinetic energy, energy of each element, works until then
         self.kinetic = 0.0
         self.kept, self.until = memory.zeros(elements), memory.zeros(self.works)
         self.scratch = memory.zeros(self.net.n)
-        # of each element: force at rest and damping of what dissipates, and whether it is curved
+        # of each element: force at rest and damping of its dissipative part, and whether that is curved
         self.loss, self.loss_rate = memory.zeros(elements), memory.zeros(elements)
         self.curved = memory.marks(elements)
         # of each row: whether it dissipates, and by a curved law
@@ -65,7 +65,7 @@ class Ledger:
             self.work[i] = self.brought[i] = 0.0
 
     def enter(self):
-        """Read what dissipates and what stores energy in the present branches."""
+        """Read which forces dissipate and which store energy in the present branches."""
         for r in range(self.net.rows):
             self.lossy[r] = self.needs_points[r] = 0
         self.potential.enter()
@@ -207,7 +207,7 @@ class Ledger:
                 self.part[self.net.elements + s] += weight * self.net.road[4 * s] * w
 
     def take_stock(self, q, v):
-        """Find the kinetic energy and what each element stores, in a state on the present roads."""
+        """Find the kinetic energy and that stored in each element, with the signals in `road`."""
         self.net.row_states(q, v)
         self.kinetic = self.net.energy(v)
         for e in range(self.net.elements):
@@ -224,7 +224,7 @@ class Ledger:
         self._supply(signal, energy)
 
     def lose(self, e, energy):
-        """Add what element e dissipates as its road jumps, J."""
+        """Add the energy that element e dissipates as its road jumps, J."""
         self.work[e] += energy
 
     def grows(self):

@@ -1,4 +1,4 @@
-"""For how long elements have been at their limit, such as tyres off the road."""
+"""How long elements have been at their limit, such as tyres off the road."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ class Limited:
 
     Parameters
     ----------
-    network : of the system
-    elements : that have a limit
+    network : network of the system
+    elements : numbers of the elements that have a limit
     """
 
     def __init__(self, network, elements):
         self.net = network
         self.element, self.count = self.net.memory.integers(elements), len(elements)
         kept = self.net.state.memory
-        # of every element: whether it was there in the last step, and the time until then, s
+        # of every element: whether it was at its limit in the last step, and the time spent there, s
         self.now, self.time = kept.marks(self.net.elements), kept.zeros(self.net.elements)
 
     def start(self):

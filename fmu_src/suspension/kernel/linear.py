@@ -1,4 +1,4 @@
-"""L D L' of small symmetric positive definite matrices, stored by rows from an offset."""
+"""Factors L D L' of small symmetric positive definite matrices, stored by rows from an offset."""
 
 from __future__ import annotations
 

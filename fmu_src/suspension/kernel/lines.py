@@ -1,7 +1,7 @@
 """Outputs that are sums of motion, forces, roads and loads, any number of them read in one call.
 
-A host reads dozens of them after every step. Here a sum takes tens of nanoseconds; `reading` says in
-Python what each is.
+A host reads dozens of them after every step. Here a sum takes tens of nanoseconds; the package's
+`reading`, in Python, defines what each of them is.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .layout import AMPLITUDE, ANGLE, C1, C2, C3, CHIRP, ORIGIN, SEGMENT, SPEED,
 if not cython.compiled:
     from math import cos, sin
 
-_Q, _V, _A = 0, 1, 2  # what a sum is of, as in outputs; otherwise of forces
+_Q, _V, _A = 0, 1, 2  # the quantity summed, as in outputs; any other number: forces
 
 
 class Lines:
@@ -24,15 +24,15 @@ class Lines:
 
     Parameters
     ----------
-    run : the run, of which the present integrator is read
-    lines : of each sum: the quantity x, index in x and b of each term, number of the signal u and c of
-        each, and the offset
-    find_forces : brings accelerations and forces to the present time, if they are not there yet
+    run : the run, whose present integrator is read
+    lines : of each sum: the quantity x; the index in x and the factor b of each term; the number and
+        the factor c of each signal u; and the offset
+    find_forces : evaluates accelerations and forces at the present time, if that has not been done
     """
 
     def __init__(self, run, lines, find_forces):
         self.run = run
-        self.integrator = self.run.integrator  # of declared types, whose fields C can read
+        self.integrator = self.run.integrator  # with a declared type, so that C can read its fields
         self.net = self.integrator.net
         self.find_forces = find_forces
         self.found = False
@@ -85,9 +85,9 @@ class Lines:
         return self.integrator.reading.a[i] if quantity == _A else self.integrator.reading.f[i]
 
     def _signal(self, s, rate):
-        """Return the value of a signal, from zero, or its rate; at a joint the one after it.
+        """Return the value of a signal, measured from zero, or its rate; at a joint, that after it.
 
-        The integrator may have gone on to a later segment.
+        The integrator may already be in a later segment.
         """
         net, t = self.net, self.run.time
         k = net.signal_first[s]

@@ -41,7 +41,7 @@ _AT_SWITCHES, _AT_STEPS = 1, 2  # where a run halts; 0: nowhere
 _FLIPS = 24  # changes of branch at one instant, when several elements are at their corners
 _PAUSE = 5000  # steps after which Python can handle signals, such as an interrupt
 _STALLED = 100  # consecutive steps in which no time passes
-_OVERRUNS = 1000  # overruns allowed in a run
+_OVERRUNS = 1000  # overruns (see `_overrun`) allowed in a run
 _LEAST_THETA = 1.37
 _ORDERS = (0, 2, 4, 6, 8)
 _NO_STEP = 1e300
@@ -50,10 +50,11 @@ _RUNAWAY = 1e4  # times that scale: a larger motion has diverged if steps vanish
 _DECAY_PHASE = 1.0  # of the fastest motion in a step after a switch, where it may decay
 _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
-_KNOTS = 4  # attempts to end a step on the first of them
-_JUMP = 60.0  # times the error found may be that of a step in which a second derivative jumps
+_KNOTS = 4  # attempts to end a step on its first knot
+_JUMP = 60.0  # largest error of a step in which a second derivative jumps, over the error found
 _LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
-_NEAR_END = 0.005  # of an attempt: so close to its end its septic is far more accurate than halfway
+# of an attempt: this close to its end, its septic is far more accurate than halfway
+_NEAR_END = 0.005
 
 
 class March:
@@ -77,22 +78,22 @@ class March:
         if not theta >= _LEAST_THETA:
             raise ValueError(f"theta = {theta:g} must be at least {_LEAST_THETA:g}")
         if order not in _ORDERS:
-            raise ValueError(f"order = {order!r} is not one of 0 (chosen), 2, 4, 6, 8")
+            raise ValueError(f"order = {order!r} is not one of 0 (automatic), 2, 4, 6, 8")
         if not 0.0 <= step < _NO_STEP:
-            raise ValueError(f"step = {step:g} s must be finite and positive, or 0 (chosen)")
+            raise ValueError(f"step = {step:g} s must be finite and positive, or 0 (automatic)")
         if not 0.0 < tolerance < 1.0:
             raise ValueError(f"tolerance = {tolerance:g} must be greater than 0 and less than 1")
         if len(system.scales) != len(system.mass):
             raise ValueError(
-                f"{len(system.scales)} scales for {len(system.mass)} coordinates: each needs the scale "
-                "of its errors until something has moved, such as 0.01 m"
+                f"{len(system.scales)} scales for {len(system.mass)} coordinates: each coordinate needs "
+                "a typical displacement, such as 0.01 m"
             )
         self.method_name = method
         self.refuse(system)
         self.wanted = step, tolerance, order
         kind = METHODS[method]
         order = kind.order_of(system, *self.wanted)
-        # a fixed step of higher order keeps it only if it ends where the second derivative jumps
+        # fixed steps of higher order keep their order only if they end where the second derivative jumps
         self.net = Network(system, joins=step == 0.0 or order == 2)
         self.stepper = Stepper(self.net, kind, order, tolerance, theta)
         self.method, self.motion = self.stepper.method, self.stepper.motion
@@ -107,9 +108,9 @@ class March:
         self.ledger = Ledger(self.stepper.balance, self.dense)
         self.fixed_step = step
         self.landing, self.energy = landing, energy
-        self.halts = 0  # set by a host that wants to see every switch, or every step
+        self.halts = 0  # set by a host that must see every switch, or every step
         self.stepper.errors.controlled = self.method.controls and step == 0.0
-        self.stepper.errors.none = (0.9 / 4.0) ** (order + 1)
+        self.stepper.errors.full_growth_error = (0.9 / 4.0) ** (order + 1)
         # an attempt in which a switch is located
         self.whole = Dense(memory, memory, n, False, False)
         self.reads_switches = self.stepper.errors.controlled and self.method.reads_switches
@@ -136,10 +137,10 @@ class March:
         """Refuse a system that the method cannot integrate."""
         why = METHODS[self.method_name].refusal(system)
         if why:
-            raise ValueError(f"method {self.method_name!r} cannot take this system: {why}")
+            raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
 
     def row(self, system, displacements, velocities):
-        """Return the numbers `begin_row` reads: of a system that fits and its start (m, m/s).
+        """Return the numbers that `begin_row` reads: a system that fits, and its start (m, m/s).
 
         Raises
         ------
@@ -207,7 +208,7 @@ class March:
         self.state.initial_energy = self.net.energy(self.motion.v) - self.state.exchange
 
     def _break_loose(self):
-        """Let what sticks slip now if that needs more than it can hold, the most overloaded first."""
+        """Let elements slip whose force of sticking exceeds its limit, the most overloaded first."""
         for _flip in range(_FLIPS):
             most = 0.0
             loose = -1
@@ -259,12 +260,12 @@ class March:
         return h > 1e-13 * (fabs(self.state.time) + 1e-3)
 
     def _overrun(self, latest):
-        """Step a little beyond a point where switches follow one another in no time.
+        """Step slightly beyond a point where switches follow one another without time between them.
 
-        The present branches are kept for a ten-thousandth of the fastest motion, whatever corner is
-        passed; the state at the end decides on the next ones. As forces are continuous at corners, the
-        error goes with the square of this short time. A run that needs more than a thousand such steps
-        is stopped.
+        The present branches are kept for 1/10000 rad of the fastest motion, whichever corners are passed;
+        the state at the end determines the next branches. As forces are continuous at corners, the error
+        is proportional to the square of this short time. A run that needs more than a thousand such
+        steps is stopped.
         """
         self.state.stalled = 0
         self.state.overruns += 1
@@ -295,7 +296,7 @@ class March:
         return self.net.energy(self.motion.v)
 
     def _relocate(self, flows):
-        """Choose the branches from the state, with those of flow if `flows`; note the changes."""
+        """Choose the branches from the state, with those of flow if `flows`; log the changes."""
         self._remember_branches()
         if flows:
             self.net.follow(self.state.time, self.motion.q, self.motion.v)
@@ -310,7 +311,7 @@ class March:
             self.branch_before[i] = self.net.branch[i]
 
     def _book_contacts(self):
-        """Book what tyres that have just left or met the road exchange, which is no work of a road."""
+        """Book the exchange of tyres that have just left or met the road, which is not work of a road."""
         for k in range(self.limited.count):
             e = self.limited.element[k]
             if (
@@ -331,14 +332,14 @@ class March:
                 )
 
     def _resume(self, content):
-        """Go on from some content of the state."""
+        """Continue from an earlier content of the state."""
         datum = self.state.datum
         self.state.put_back(content)
         self._follow_state(datum)
-        self.state.put_back(content)  # accelerations are to the bit those of the content
+        self.state.put_back(content)  # so that accelerations, too, are exactly those of the content
 
     def _follow_state(self, before):
-        """Find what does not lie in the state, which was put back; heights counted from `before`."""
+        """Find the numbers outside the state, which was put back; their heights refer to `before`."""
         datum, self.state.datum = self.state.datum, before
         self.net.set_datum(datum)
         self.net.put_moving_back()
@@ -361,7 +362,7 @@ class March:
             h = target - self.state.time
             rounding = 1e-11 + 4e-16 * fabs(self.state.time) / self.fixed_step
             if fabs(h / self.fixed_step - 1.0) < rounding:
-                h = self.fixed_step  # to the bit, so that its factorisation is reused
+                h = self.fixed_step  # exactly, so that its factorisation is reused
             return self.watch.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
         road = self.net.road_limit(self.state.time)
@@ -378,9 +379,9 @@ class March:
     def _while_decaying(self, h):
         """Return the step h, or a shorter one after a switch or joint if a fast motion may then decay.
 
-        The linear-acceleration method multiplies a decay exp(-d t) by (1 - d h / 2) / (1 + d h / 2), so
-        that long steps turn it over and hardly damp it, and Wilson's overshoot. The first step resolves
-        it, and the next ones are at most twice as long as the one before.
+        The linear-acceleration method multiplies a decay exp(-d t) by (1 - d h / 2) / (1 + d h / 2). Long
+        steps reverse its sign and hardly damp it; those of Wilson's method overshoot. So the first step
+        resolves the decay, and each of the next steps is at most twice as long as the one before.
         """
         if h * self.stepper.modes.quickest <= _DECAY_PHASE:
             return h
@@ -423,7 +424,7 @@ class March:
                     continue
             at = self.switches.first(self.state.time, h) if self.landing else 2.0
             if at == 0.0 and flips >= _FLIPS:
-                # branches are left at once, one after the other
+                # one branch after the other is left at once
                 if self.stepper.errors.controlled:
                     return self._overrun(latest)
                 self.state.overruns += 1
@@ -447,11 +448,11 @@ class March:
                 h = self.landed
                 if self.stepper.errors.controlled and self.stepper.balance.bends.count:
                     excess = self.stepper.errors.of_reading(h)
-                    if excess > self.method.most_error:  # which goes with the square of the step
+                    if excess > self.method.most_error:  # it is proportional to the square of h
                         h -= h / sqrt(excess)
                         continue
                 landed = not (self.switches.recedes or self.switches.only_opens)
-                self.switches.start_known = 0  # of the shortened step
+                self.switches.start_known = 0  # the step has been shortened
                 to_end = to_end and self.state.time + h >= end
             break
         if longer > 0.0:
@@ -502,7 +503,7 @@ class March:
     def _knot_that_matters(self, h):
         """Return where the attempt passes a point of a smooth table that it should end on, or 2.
 
-        The second derivative of the force jumps there, of which the result of the extrapolation shows
+        The second derivative of the force jumps there, which affects the result of the extrapolation
         much more than the difference of its columns.
         """
         if self.stepper.errors.error <= self.method.most_error / _JUMP:
@@ -526,7 +527,7 @@ class March:
             self.motion.drift[i] = self.motion.drift_end[i]
         self.state.reach = self.motion.reach_at(self.motion.q)
         self.limited.add_step(h)
-        # an element that has just switched still departs while others switch at the same time
+        # an element that has just switched stays marked while others switch at the same time
         if self.state.entered and self._passes(h):
             self.state.entered = 0
             self.net.clear_marks()
@@ -542,12 +543,12 @@ class March:
             self.ledger.strike_balance(t, self.motion.q, self.motion.v)
 
     def _land(self, h):
-        """End the attempt on the switch found, by Newton's method, at last along Taylor's series.
+        """End the attempt on the switch found, by Newton's method, finally along the Taylor series.
 
-        Under error control the state is read from the septic through the ends of the attempt, where that
-        is accurate enough. Otherwise the step is repeated, and as short steps are more accurate, it may
-        then not reach the bound; it is accepted, but ends on no switch. Neither does a step that is
-        shortened because a gap opens in it.
+        Under error control the state is read from the septic through the ends of the attempt, if that is
+        accurate enough. Otherwise the step is repeated; as short steps are more accurate, it may then not
+        reach the bound and is accepted without a switch at its end. A step that is shortened because a
+        gap opens in it has no switch at its end, either.
         """
         step = self.switches.at * h
         reads = self.reads_switches and self.stepper.errors.can_read(self.switches.at, h)
@@ -598,7 +599,7 @@ class March:
         self.whole.known = 0
 
     def _switch(self, e, kind, side):
-        """Move element e to the neighbouring branch, now, and note the event."""
+        """Move element e to the neighbouring branch at the present time, and log the switch."""
         self._leave_step()
         before = self.net.branch[BRANCHES * e + kind]
         new = self.net.enter(e, kind, side, self.state.time, self.motion.q, self.motion.v)

@@ -1,4 +1,4 @@
-"""The contract of a method: what it is given, what it must return, and what the steps must know of it."""
+"""The interface of a method: what it is given, what it must return, and the properties it declares."""
 
 from __future__ import annotations
 
@@ -6,22 +6,23 @@ from .outcomes import DIVERGED
 
 
 class Method:
-    """One way to step from the state now to one that is h later, with all branches fixed.
+    """One way to step from the present state to the state h later, with all branches fixed.
 
-    A method of the kernel derives from this class, sets what it differs in, and replaces `attempt`; its
-    name goes into `methods.METHODS`. It is given `motion` (the state now), `balance` (the equation of
-    motion of the branches, with its loads at `instants`), `modes` and `errors`. `attempt` must write the
-    end to `motion.qb` and `motion.vb`, and with `balance.end` the acceleration and its rate there to
-    `motion.ab` and `motion.jb`; it returns 0, or why there is no such step.
+    A method of the kernel is a class derived from this one. It sets the attributes in which it differs,
+    and overrides `attempt`; its name goes into `methods.METHODS`. It is given `motion` (the present
+    state), `balance` (the equation of motion of the branches, with its loads at `instants`), `modes` and
+    `errors`. `attempt` must write the end to `motion.qb` and `motion.vb`, and with `balance.end` the
+    acceleration and its rate there to `motion.ab` and `motion.jb`. It returns 0, or the reason why there
+    is no such step.
 
-    A method in Python replaces `step` instead; it is slower. Either way `order_of` and `limit_of`, which
-    are asked before there is a method, say what is known of it.
+    A method in Python overrides `step` instead; it is slower. Both kinds declare their properties by
+    `order_of` and `limit_of`, which are called before the method is made.
 
     Parameters
     ----------
-    motion, balance, modes, errors : of the steps
-    order : what `order_of` has returned
-    theta : parameter of methods that go beyond the step
+    motion, balance, modes, errors : those of the stepper
+    order : the order that `order_of` has returned
+    theta : parameter of methods that seek equilibrium beyond the end of the step
     """
 
     def __init__(self, motion, balance, modes, errors, order, theta):
@@ -29,11 +30,11 @@ class Method:
         self.net, self.n = self.motion.net, self.motion.n
         self.order, self.theta = order, theta
         self.limit = self.limit_of(order)
-        # damping, as share of the critical one, with which no mode grows up to a phase of 6; 0: none is
+        # damping with which no mode grows up to a phase of 6, see `Modes.bound`; 0 if none is enough
         self.least_damping = 0.0
-        # whether it finds its error, so that the tolerance can choose its steps
+        # whether it estimates its error, so that the tolerance can choose its steps
         self.controls = False
-        self.most_error = 1.0  # over the one allowed, before a step is repeated
+        self.most_error = 1.0  # error, over the one allowed, beyond which a step is repeated
         self.reads_switches = False  # whether states within a step may be read from its septic
         self.exact = False  # whether its motion is accurate even where the ledger is not
         # the interpolant of a step: a septic through its ends, or a cubic, whose third derivative may
@@ -42,7 +43,7 @@ class Method:
 
     @staticmethod
     def order_of(system, step, tolerance, order):
-        """Return the order: of a system, a fixed step (0 if chosen), a tolerance, the order asked for."""
+        """Return the order for a system, a fixed step (0: automatic), a tolerance and a desired order."""
         return 2
 
     @staticmethod
@@ -52,16 +53,16 @@ class Method:
 
     @staticmethod
     def instants(order, theta):
-        """Return where in a step the loads are needed, as fractions of it, ascending to the end."""
+        """Return the instants at which a step needs the loads, as fractions of it, ascending."""
         return [1.0]
 
     @staticmethod
     def refusal(system):
-        """Return why the method cannot take a system; empty if it can."""
+        """Return why the method cannot integrate a system; empty if it can."""
         return ""
 
     def enter(self):
-        """Forget what belongs to other branches: they have changed, or the state has."""
+        """Discard what belongs to earlier branches, after a change of the branches or of the state."""
 
     def attempt(self, t, h):
         """Step from t to t + h; return 0 or a key of `integrator.FAILURES`."""
@@ -78,7 +79,7 @@ class Method:
         return 0
 
     def step(self, t, h, q, v):
-        """Return displacements and velocities at t + h, from those at t: for a method in Python."""
+        """Return displacements and velocities at t + h from those at t; a method in Python defines it."""
         raise NotImplementedError(f"{type(self).__name__} defines no step")
 
     def accelerations(self, t, q, v):

@@ -1,4 +1,4 @@
-"""The methods by name; a new one is a class of its own (see `method`) and a line here."""
+"""The methods by name; a new method needs a class (see `method`) and a line here."""
 
 from __future__ import annotations
 

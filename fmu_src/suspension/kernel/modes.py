@@ -1,4 +1,4 @@
-"""How fast the motion of the present branches can be: fastest mode, decays, and what bounds a step."""
+"""How fast the motion in the present branches can be: fastest mode, decays, and the longest step."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class Modes:
         self.net, self.n = self.balance.net, self.balance.n
         memory, n = self.net.memory, self.n
         self.stiffness, self.damping = self.balance.tangent_k, self.balance.tangent_c
-        self.stiffness_known = memory.zeros(n * n)  # the stiffness of the known fastest mode
+        self.stiffness_known = memory.zeros(n * n)  # stiffness for which the fastest mode is known
         self.softest, self.velocity_scale = self.net.state.memory.zeros(n), memory.zeros(n)
         self.road_rate = 0.0  # of the fastest sinusoid at the start of a step, rad/s
         # changes with every branch, to mark what belongs to an earlier one as outdated
         self.stamp = 0
 
     def start(self):
-        """Forget all branches so far."""
+        """Discard all earlier branches."""
         for i in range(self.n):
             self.softest[i] = 1e300
         self.stiffness_known[0] = -1e300  # none yet
@@ -45,7 +45,7 @@ class Modes:
         self._scale_velocities()
 
     def _find_fastest(self):
-        """Find the fastest mode, if the stiffness has changed; most switches are of dampers."""
+        """Find the fastest mode, if the stiffness has changed; most switches change dampers only."""
         same = 1
         for i in range(self.n * self.n):
             if self.stiffness[i] != self.stiffness_known[i]:
@@ -75,10 +75,10 @@ class Modes:
         return self.longest if h > self.longest else h
 
     def _scale_velocities(self):
-        """Find the factors that turn errors of velocity into errors of displacement.
+        """Find the factors that convert errors of velocity into errors of displacement.
 
-        An error of velocity becomes a displacement by the lowest natural frequency in any branch so far,
-        at least 1 rad/s, as even the stiffest stop is soon left; or an acceleration by strong damping.
+        An error of velocity becomes a displacement at the lowest natural frequency of any branch so far,
+        at least 1 rad/s, as even the stiffest stop is soon left; with strong damping, an acceleration.
         """
         for k in range(self.n):
             at = k * self.n + k

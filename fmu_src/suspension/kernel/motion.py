@@ -13,7 +13,7 @@ class Motion:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
@@ -61,7 +61,7 @@ class Motion:
     def speed_in(self, h):
         """Return the largest velocity so far, including those of the attempt of length h, m/s.
 
-        That is the one at its end, and the mean, as a step may go from rest to rest.
+        These are the one at its end and the mean velocity, as a step may go from rest to rest.
         """
         speed = self.state.speed
         for i in range(self.n):

@@ -20,10 +20,10 @@ if not cython.compiled:
 
     from .linear import decompose, solve
 
-_CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is one of rounding
+_CORNER = 1e-9  # m and m/s, or N and N/s: a smaller jump is due to rounding
 _HIGH = 10.0  # times the scale of the motion
-SLAVED = 4.0  # decay within a step from which a damper's force is not read from its rate
-# of the step, and iterations, when a damper's rate is read from its force
+SLAVED = 4.0  # decay within a step, from which a damper's force is not found from its rate
+# parts of the step, and iterations, when a damper's rate is found from its force
 _PARTS = 20.0
 _NEWTON = 4
 
@@ -34,7 +34,7 @@ class Network(Branches):
     Parameters
     ----------
     system : `systems.System`
-    joins : as of `laws.Laws`
+    joins : as in `laws.Laws`
 
     Raises
     ------
@@ -49,8 +49,8 @@ class Network(Branches):
         for load in system.loads:
             if load.signal not in names:
                 raise ValueError(
-                    f"a load follows {load.signal!r}, which is none of the signals: "
-                    f"{', '.join(names) or 'there are none'}"
+                    f"a load follows {load.signal!r}, which is not a signal of the system; its signals: "
+                    f"{', '.join(names) or 'none'}"
                 )
         memory = self.memory
         self.load_direction = memory.zeros(max(self.loads * n, 1))
@@ -61,7 +61,7 @@ class Network(Branches):
         self.multiplier, self.multiplier_rate = memory.zeros(elements), memory.zeros(elements)
         self.kick = memory.zeros(elements)
         self.rate, self.lack = memory.zeros(n), memory.zeros(n)
-        self.pushed = memory.zeros(elements)  # impulse of each at the last jump between samples
+        self.pushed = memory.zeros(elements)  # impulse of each element at the last jump of a sample
         self.spread, self.reaction = memory.zeros(elements * n), memory.zeros(elements)
         self.coupling = memory.zeros(elements * elements)
         self.zero, self.scratch = memory.zeros(n), memory.zeros(n)
@@ -80,7 +80,7 @@ class Network(Branches):
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def _find_roads(self):
-        """Find which signals are roads, and whether they and all masses can rise without effect."""
+        """Find which signals are roads, and whether all roads and masses can be raised without effect."""
         self.can_rise = True
         for r in range(self.rows):
             s = self.row_signal[r]
@@ -94,10 +94,10 @@ class Network(Branches):
                         self.can_rise = False
 
     def find_datum(self, t, reach):
-        """Count heights from that of the first road at t, if it lies high above zero.
+        """Measure heights from that of the first road at t, if it is far from zero.
 
-        A displacement of 1 km is rounded to 1e-13 m, which moves stiff masses visibly and passes corners
-        to and fro. Roads at most ten times `reach` high, the scale of the motion, count from zero.
+        A displacement of 1 km is rounded to 1e-13 m, which moves stiff masses visibly and crosses corners
+        back and forth. Heights up to ten times `reach`, the scale of the motion, are measured from zero.
         """
         self.set_datum(0.0)
         if self.can_rise:
@@ -151,7 +151,7 @@ class Network(Branches):
     # -- numbers of the system that change in a run: elastic pieces move, inputs are replaced ---------
 
     def place_moving(self):
-        """Make room for these numbers in the state."""
+        """Allocate these numbers in the state."""
         yielding = sum(1 for e in range(self.elements) if self.yields[e])
         single = sum(1 for s in range(self.signals) if self.signal_count[s] == 1)
         self.moving = self.state.memory.zeros(3 * PIECE * yielding + (SEGMENT + 1) * single)
@@ -196,7 +196,7 @@ class Network(Branches):
     def next_corner(self, t):
         """Return the next time after t at which the value or the rate of a signal jumps, or 1e300.
 
-        The present segments may be later ones.
+        The present segments may be later than t.
         """
         corner = 1e300
         for s in range(self.signals):
@@ -237,10 +237,11 @@ class Network(Branches):
     def impulse(self, signal, jump, interval, rates, v):
         """Apply a jump between samples of a road through its dampers: v += M^-1 sum b J, J = c jump.
 
-        The road has already jumped; c are the present slopes of the dampers. As the road has really moved
-        in an interval h, so that the damper's force was c jump / h more, the contact force N, which is
-        not negative, passes on J = max(0, N h + c jump) - max(0, N h), where N < 0 in flight is what
-        spring and damper would pull. N is taken with the `rates` of all rows before the jump.
+        The road has already jumped; c are the present slopes of the dampers. In fact the road has moved
+        during an interval h, in which the damper's force was larger by c jump / h. The contact force N
+        cannot be negative, so it transmits J = max(0, N h + c jump) - max(0, N h); in flight, N < 0 is
+        the pull of spring and damper if they could pull. N follows from the `rates` of all rows before
+        the jump.
         """
         for i in range(self.n):
             self.scratch[i] = 0.0
@@ -265,10 +266,10 @@ class Network(Branches):
         self._give_way(v)
 
     def lost(self, e, jump, interval, w):
-        """Return what the damper of element e takes as its road jumps, J, at the mean rate w.
+        """Return the energy that the damper of element e dissipates as its road jumps, J, at mean rate w.
 
-        That is the change of D w h where D and w change by J / h and jump / h for an interval h, to first
-        order; at least, what it has taken in the interval is not taken.
+        It is the change of D w h if D and w change by J / h and jump / h during an interval h, to first
+        order. If it is negative, it is at most the energy dissipated in that interval.
         """
         damping = 0.0
         if not self.branch[BRANCHES * e + CONTACT]:
@@ -276,10 +277,10 @@ class Network(Branches):
         return max(-(damping * jump + self.pushed[e] * w), -fabs(damping * w) * interval)
 
     def _way(self, e, d, jump):
-        """Return the part of a jump that element e feels, at deflection d before it.
+        """Return the part of a jump that acts on element e, at deflection d before it.
 
         If a road rises under a gap, only the rest of the jump after the gap has closed acts. The
-        modulation of a damper acts by its mean over the jump.
+        modulation of a damper enters with its mean over the jump.
         """
         way = jump
         near = d
@@ -293,7 +294,7 @@ class Network(Branches):
         return way
 
     def _push(self, e, impulse):
-        """Add that of element e to the impulses in `scratch`."""
+        """Add an impulse of element e to those in `scratch`."""
         r = self.element_row[e]
         for i in range(self.n):
             self.scratch[i] += self.row_direction[r * self.n + i] * impulse
@@ -359,9 +360,9 @@ class Network(Branches):
     def stick(self, factor, at, x, base, order, multiplier):
         """Correct the solution x of `factor` so that stuck rows follow their roads.
 
-        The condition is b' (base + x) = the road's derivative of that order. x changes along the
-        solutions for b; their multipliers are the forces that sticking needs. Return 1 if the conditions
-        of the rows that stick contradict each other.
+        The condition is b' (base + x) = the derivative of the road of the given order. x changes along
+        the solutions for b; their multipliers are the forces required for sticking. Return 1 if the
+        conditions of the rows that stick contradict each other.
         """
         n, m = self.n, self.stuck
         for p in range(m):
@@ -393,7 +394,7 @@ class Network(Branches):
     def rest(self, v):
         """Remove the remaining rates of rows that stick from v, with the signals in `road`.
 
-        Steps constrain accelerations only, which does not follow a curved road to rounding.
+        Steps constrain accelerations only; on a curved road, rates then deviate by more than rounding.
         """
         if self.stuck:
             self.stick(self.mass_factor, 0, v, self.zero, 1, self.kick)
@@ -480,11 +481,12 @@ class Network(Branches):
         return mobility
 
     def _slave_rates(self, h, q, v, a):
-        """Let strong dampers take the force that is left for them, by M a' = p - sum b f(q, v').
+        """Find rates v' at which strong dampers have the force left for them, M a' = p - sum b f(q, v').
 
-        The rate w of a damper c is read within a step of length h to an error that c may multiply beyond
-        all forces; accelerations a are not. Solved is M (a + (v' - v) / tau) = p - sum b f(q, v'), with
-        tau = h / 20, by Newton's method: where c tau is small against the mass, v' = v.
+        Within a step of length h, the rate w of a damper c is read with an error that c may magnify
+        beyond all forces; the accelerations a are not. The equation M (a + (v' - v) / tau) =
+        p - sum b f(q, v'), with tau = h / 20, is solved by Newton's method; where c tau is small compared
+        with the mass, v' = v.
         """
         n = self.n
         for i in range(n):
@@ -521,7 +523,7 @@ class Network(Branches):
         for e in range(self.elements):
             forces[e] = self.element_force(e)
             if forces[e] > self.limit[e] and self.friction[e] == 0.0:
-                # no pull where none is possible, not even by the error of interpolation within a step
+                # a tyre cannot pull, not even by the error of interpolation within a step
                 self.row_f[self.element_row[e]] -= forces[e] - self.limit[e]
                 forces[e] = self.limit[e]
         self.accelerate(a)
@@ -570,7 +572,7 @@ def _sizes(system):
 
 
 def _shape(element):
-    """Return what is fixed in an element; with the same shape, numbers can be exchanged."""
+    """Return what is fixed in an element; elements of the same shape can exchange their numbers."""
     return (
         element.name,
         element.direction,

@@ -1,4 +1,4 @@
-"""The energy stored in the present branches: of straight forces a parabola for each row."""
+"""The energy stored in the present branches: a parabola for each row, if its forces are straight."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from .layout import BRANCHES, CONTACT, SPRING
 
 
 class Potential:
-    """The energy of each row, e0 + e1 d + e2 d^2, or whether that is the sum of its elements.
+    """The energy of each row, e0 + e1 d + e2 d^2, and which rows have elements that are added one by one.
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
@@ -63,7 +63,7 @@ class Potential:
         return energy
 
     def _of_curved(self, e, d):
-        """Return the potential of element e at d, unless it is in that of its row."""
+        """Return the potential of element e at d, or 0 if the parabola of its row includes it."""
         if self.net.branch[BRANCHES * e + CONTACT]:
             return 0.0
         if self.net.yields[e] or not self.net.spring_is_straight(e):

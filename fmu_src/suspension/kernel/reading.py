@@ -1,21 +1,21 @@
-"""A result within the last step: motion, forces and permanent sets at the time last asked for."""
+"""A result within the last step: motion, forces and permanent sets at the time last requested."""
 
 from __future__ import annotations
 
 
 class Reading:
-    """What Python sees as `sample_q` and the like.
+    """The numbers that Python reads as `sample_q` and so on.
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):
         self.net = network
         memory, n, elements = self.net.memory, self.net.n, self.net.elements
         self.q, self.v, self.a = memory.zeros(n), memory.zeros(n), memory.zeros(n)
-        self.low = memory.zeros(n)  # displacements from the datum
+        self.low = memory.zeros(n)  # displacements, measured from the datum
         self.f, self.set = memory.zeros(elements), memory.zeros(elements)
 
     def take(self, dense):
@@ -26,5 +26,5 @@ class Reading:
             self.v[i], self.a[i] = dense.v[i], dense.a[i]
 
     def find_forces(self, t, h):
-        """Find accelerations and forces at that time t, in the branches of a step of length h."""
+        """Find accelerations and forces at the same time t, in the branches of a step of length h."""
         self.net.read_forces(t, h, self.low, self.v, self.a, self.f, self.set)

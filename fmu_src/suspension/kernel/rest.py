@@ -15,7 +15,7 @@ if not cython.compiled:
     from math import fabs, isfinite
 
 _MOST_TRIALS = 400
-_FREE = 1e300  # a limit or a shift that is none
+_FREE = 1e300  # a limit that stands for none; a larger shift is not tried
 
 
 class Rest:
@@ -23,7 +23,7 @@ class Rest:
 
     Parameters
     ----------
-    network : of the system; its branches are not changed
+    network : network of the system; its branches are not changed
     """
 
     def __init__(self, network):
@@ -36,7 +36,7 @@ class Rest:
         self.rows = memory.zeros(n * (n + 1))
 
     def displacements(self, levels):
-        """Return where the system rests for a level of each signal, or None."""
+        """Return the displacements at rest for a level of each signal, or None if there is no rest."""
         for s in range(self.net.signals):
             self.level[s] = levels[s]
         return None if self.find() else tuple([self.q[i] for i in range(self.n)])

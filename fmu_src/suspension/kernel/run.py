@@ -1,12 +1,12 @@
 """One run between communication points: what a host sets, and how the integrator follows it.
 
 Inputs are samples set by the host. Held over a step, a sample makes the motion accurate to first order
-only; extrapolated by its slope, to second order. A road has its velocity as an input for that. All other
-inputs, and a road without a velocity, are extrapolated by the smaller of the slopes of their last two
-intervals, and held if the signs of these differ. This is the slope to first order where the course is
-smooth, and keeps jumps.
+only; extrapolated by its slope, to second order. For this, the velocity of a road is an input, too. All
+other inputs, and a road without a velocity, are extrapolated by the smaller of the slopes of their last
+two intervals, and held if the signs of these differ. Where the input is smooth, this slope is accurate to
+first order; jumps are preserved.
 
-With an internal road the integrator goes ahead of the communication points, so contact switches wait
+With an internal road the integrator runs ahead of the communication points, so contact switches wait
 here until their time has come.
 """
 
@@ -31,7 +31,7 @@ class Run:
     inputs : number of inputs
     lines : of every signal that inputs drive, ascending: its number, the input that gives its value, and
         the input that gives its rate, or -1
-    tyres : elements whose contact is followed
+    tyres : numbers of the elements whose contact is monitored
     sampled : whether inputs drive a road, so that steps end on communication points from the start
     """
 
@@ -54,9 +54,9 @@ class Run:
         self.begin(start)
 
     def begin(self, start):
-        """Start anew: no input has been set."""
+        """Reset the run: no input has been set."""
         self.time = self.start = start
-        self.handed = start  # when inputs were last handed over, s, and the time since those before
+        self.handed = start  # when inputs were last handed over, s; and how long after those before
         self.interval = 0.0
         self.inputs.start()
         for k in range(self.lines):
@@ -101,15 +101,15 @@ class Run:
             self.course_value = self.line_value[k]
 
     def _continues(self, k):
-        """Return whether the course found is the present one of line k."""
+        """Return whether the course found continues the present one of line k."""
         if self.course_value != self.line_value[k] or self.course_slope != self.line_slope[k]:
             return 0
         return self.course_time == self.line_time[k] or self.course_slope == 0.0
 
     def sets_in(self):
-        """Return whether an input has begun to act on a system that needed none so far.
+        """Return whether an input has begun to act on a system on which none has acted so far.
 
-        Roads as inputs act from the start; forces may set in at any time.
+        Roads as inputs act from the start; forces may begin to act at any time.
         """
         if self.sampled:
             return 0
@@ -151,7 +151,7 @@ class Run:
     # -- roads and loads -----------------------------------------------------------------------------
 
     def find_rest(self):
-        """Find where the system rests on its roads just before now, in `rest.q`; 1 if nowhere.
+        """Find the rest position `rest.q` on the roads just before now; return 1 if there is none.
 
         External forces act from the start on and are not part of the equilibrium.
         """
@@ -171,13 +171,13 @@ class Run:
     # -- other parameters ----------------------------------------------------------------------------
 
     def take_laws(self, x, at):
-        """Go on with other laws of the elements, from x[at:]."""
+        """Continue with other laws of the elements, from x[at:]."""
         self.account.find(self.integrator, self.time)
         self.integrator.take_laws(x, at)
         self._begin_anew(self.integrator)
 
     def retune(self, laws):
-        """Go on with other laws of the elements.
+        """Continue with other laws of the elements.
 
         Parameters
         ----------
@@ -189,12 +189,12 @@ class Run:
         """
         size = self.integrator.net.laws_size
         if len(laws) != size:
-            raise ValueError(f"{len(laws)} numbers are not the {size} of these elements")
+            raise ValueError(f"{len(laws)} numbers given; the laws of these elements have {size}")
         lent = Lent(laws)
         self.take_laws(lent.numbers, 0)
 
     def hand_on(self, integrator, counterpart):
-        """Let another integrator go on from the present one; the host then puts it in its place."""
+        """Let another integrator continue from the present one; the host then replaces that."""
         self.account.find(self.integrator, self.time)
         for k in range(self.lines):
             self._enter_course(k)
@@ -203,17 +203,17 @@ class Run:
         self._begin_anew(integrator)
 
     def _begin_anew(self, integrator):
-        """Compare contacts and let the energies go on where the integrator's ledger begins anew."""
+        """Compare contacts, and continue the energies, while the integrator's ledger starts from zero."""
         self.contacts.compare(integrator, self.time)
         self.account.carry(integrator)
 
     def replace(self, integrator, counterpart):
-        """Let another integrator go on from the present one, in its place.
+        """Continue with another integrator from the state of the present one, which it replaces.
 
         Parameters
         ----------
         integrator : new, at the present time, of a system with other numbers
-        counterpart : for each of its elements the number of the same one until now, or -1
+        counterpart : for each of its elements the number of the same element so far, or -1
         """
         memory = Memory()
         self.hand_on(integrator, memory.integers(counterpart))
@@ -222,7 +222,7 @@ class Run:
     # -- whole state ---------------------------------------------------------------------------------
 
     def _parts(self):
-        """Return all arrays of the state, as Python sees them."""
+        """Return views of all arrays of the state for Python."""
         memory = self.memory
         return [
             *self.inputs.parts(),

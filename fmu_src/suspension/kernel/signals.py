@@ -35,9 +35,9 @@ class Signals:
         self.segments = sum(count)
         self.segment = memory.zeros(SEGMENT * max(sum(count), 1))
         self.level = memory.marks(max(sum(count), 1))  # whether a segment is constant
-        # roads count from the datum, as all displacements do in the kernel
+        # roads are measured from the datum, as all displacements are in the kernel
         self.is_road = memory.marks(max(self.signals, 1))
-        self.height = memory.zeros(max(sum(count), 1))  # constant of each segment, from zero
+        self.height = memory.zeros(max(sum(count), 1))  # c0 of each segment, measured from zero
         self.road = memory.zeros(4 * max(self.signals, 1))  # value and three derivatives of each
 
     def enter_signals(self, x, at):
@@ -51,7 +51,7 @@ class Signals:
         return at + SEGMENT * self.segments
 
     def set_datum(self, datum):
-        """Count the heights of all roads from `datum`, m."""
+        """Measure the heights of all roads from `datum`, m."""
         if datum == self.state.datum:
             return
         self.state.datum = datum
@@ -85,7 +85,7 @@ class Signals:
         return jump if fabs(jump) > rounding + self._rounding(s, t) else 0.0
 
     def _rounding(self, s, t):
-        """Return what two continuous segments may differ by at t, as times are rounded and sums are."""
+        """Return how much two continuous segments may differ at t by the rounding of times and sums."""
         at = (self.signal_first[s] + self.signal_now[s]) * SEGMENT
         size = (
             fabs(self.road[4 * s])
@@ -109,7 +109,7 @@ class Signals:
         return self.segment[at + C0] - before
 
     def set_at(self, s):
-        """Return since when the numbers of a one-segment signal hold, s."""
+        """Return the time from which the numbers of a one-segment signal are valid, s."""
         return self.segment[self.signal_first[s] * SEGMENT + ORIGIN]
 
     def signal(self, s, t):
@@ -147,9 +147,9 @@ class Signals:
         self.road[4 * s + 3] = jerk
 
     def signal_at(self, s, t, after):
-        """Set `road` as `signal`, in the segment at t: to the right of a joint if `after`, else left.
+        """Set `road` as `signal` does, in the segment at t: at a joint the later one if `after`.
 
-        The present segment may be a later one.
+        The present segment may be later than t.
         """
         now = self.signal_now[s]
         k = now
@@ -167,7 +167,7 @@ class Signals:
         return start < t or (start == t and after)
 
     def value_before(self, s, t):
-        """Return the value of signal s just before t, a road's from zero."""
+        """Return the value of signal s just before t; of a road, measured from zero."""
         self.signal_at(s, t, 0)
         return self.road[4 * s] + self.state.datum if self.is_road[s] else self.road[4 * s]
 

@@ -1,4 +1,4 @@
-"""What steps have in common: the numbers that a snapshot copies whole; all others follow from them."""
+"""The state shared by all steps: a snapshot copies its numbers, and all others follow from them."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _BLOCK_OF_STATE = 256  # doubles, enough for four coordinates and nine elements
 class KernelState:
     """The state of an integrator between steps, in two places: the numbers here, and its own memory.
 
-    Whatever is to outlive a step is either one of these numbers or an array of `memory`; a snapshot has
-    both, without a list of what is in them. Compiled, the numbers lie side by side from `time` on, in the
-    order of their declarations.
+    Whatever must outlive a step is either one of these numbers or an array in `memory`. A snapshot
+    contains both, and needs no list of them. Compiled, the numbers are stored next to each other from
+    `time` on, in the order of their declarations.
     """
 
     def __init__(self):
@@ -26,10 +26,10 @@ class KernelState:
         self.step_start = 0.0  # of the last step, which ends now
         self.grid_start = 0.0  # of fixed steps
         self.proposal = 0.0  # the next step by the last error, s; 0 if there is none
-        self.scale = 0.0  # displacement, m; errors below its rounding do not matter
+        self.scale = 0.0  # displacement, m; errors below its rounding are negligible
         self.reach = 0.0  # the largest motion so far, m, to which errors are relative
         self.speed = 0.0  # the largest velocity so far, m/s
-        self.datum = 0.0  # from which displacements and roads count, m
+        self.datum = 0.0  # from which displacements and roads are measured, m
         # energies, J: what contact switches have exchanged; what roads and loads have moved in or out
         self.exchange = self.supplied = 0.0
         self.initial_energy = self.most_stored = 0.0
@@ -57,7 +57,7 @@ class KernelState:
         """Return all numbers as bytes."""
         if cython.compiled:
             return self._numbers()[: self._size()] + self.memory.content()
-        else:  # noqa: RET505  (what is not compiled has other types)
+        else:  # noqa: RET505  (uncompiled, the types differ)
             numbers = [x for x in vars(self).values() if isinstance(x, int | float)]
             return array("d", numbers).tobytes() + self.memory.content()
 
@@ -74,11 +74,11 @@ class KernelState:
             self.memory.put_back(content, size)
 
     def _numbers(self):
-        """Return where the numbers are."""
+        """Return the address of the first number."""
         return cython.cast("char *", cython.address(self.time))
 
     def _size(self):
-        """Return how many bytes they take."""
+        """Return the size of the numbers in bytes."""
         return (
             cython.cast("char *", cython.address(self.overruns))
             + _SIZE_OF_INTEGER

@@ -1,4 +1,4 @@
-"""The last step read at the points of a quadrature, and the integrals over it that the works need."""
+"""The last step read at the points of a quadrature, and the integrals over it from which works follow."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class StepReadings:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     dense : dense output of the last step
     """
 
@@ -91,7 +91,7 @@ class StepReadings:
         self.way[r], self.square[r] = h * way, h * square
 
     def sum_row(self, r, h):
-        """Find the integrals of w and w^2 alone, of a row on a road that stands still."""
+        """Find the integrals of w and w^2 alone, for a row on a road that does not move."""
         self.read_ends(self.net.row_direction, self.net.n * r, h)
         self.way[r] = self.ends[4] - self.ends[0]
         square = 0.0
@@ -112,9 +112,9 @@ class StepReadings:
 
 @cache
 def _readings(cubic, to_end):
-    """Return displacement and rate over h at the points for each of the numbers at the ends alone, 1.
+    """Return q and h v at the points, if one of the numbers at the ends is 1 and all others are 0.
 
-    The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the forms.
+    The numbers are q, h v, h^2 a and h^3 j at the start and at the end; see `dense` for the polynomials.
     """
     values, rates = [], []
     for x in _POINT:

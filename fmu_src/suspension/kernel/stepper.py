@@ -1,4 +1,4 @@
-"""Macro steps from the present state with all branches fixed, by one method; and shortened ends."""
+"""Macro steps by one method from the present state with all branches fixed, and how to shorten them."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ class Stepper:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     method : a class of `methods.METHODS`
-    order : what its `order_of` has returned
+    order : the order that its `order_of` has returned
     tolerance : relative to the largest motion so far
     theta : of `wilson`
     """
@@ -43,7 +43,7 @@ class Stepper:
         self.modes.start()
 
     def refresh(self, t):
-        """Update tangents, acceleration, jerk, fastest mode after a change of branch or state."""
+        """Update tangents, acceleration, jerk and fastest mode after a change of branch or state."""
         self.balance.enter()
         self.method.enter()
         self.balance.begin(t, self.motion.q, self.motion.v, self.motion.a, self.motion.j)

@@ -10,7 +10,7 @@ class StraightTyres:
 
     Parameters
     ----------
-    network : of the system
+    network : network of the system
     """
 
     def __init__(self, network):

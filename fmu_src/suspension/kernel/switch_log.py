@@ -1,38 +1,38 @@
-"""The switches of a run: noted in C, and listed when Python looks."""
+"""The switches of a run: written to arrays in C, and moved to a list when Python reads them."""
 
 from __future__ import annotations
 
-CAPACITY = 512  # switches that are noted between two looks
+CAPACITY = 512  # switches that the arrays hold
 
 
 class SwitchLog:
-    """Time of each switch, and what: element, kind, branch before, branch after.
+    """The time of each switch, its element, its kind, the branch before and the branch after.
 
     Parameters
     ----------
-    memory : where the arrays lie
+    memory : the memory that contains the arrays
     """
 
     def __init__(self, memory):
         self.memory = memory
         self.time, self.what = self.memory.zeros(CAPACITY), self.memory.marks(4 * CAPACITY)
-        self.listed = []  # without those that are only noted
+        self.listed = []  # without those that are still in the arrays
         self.start()
 
     def start(self):
-        """Forget what is only noted."""
+        """Discard the switches in the arrays."""
         self.count = self.base = self.flushed = 0
 
     def begin_row(self):
-        """Let another run of a batch begin: what it notes counts from here."""
+        """Begin another run of a batch: its switches are counted from here."""
         self.base = self.count
 
     def is_half_full(self):
-        """Return whether the present run has noted so much that Python should look."""
+        """Return whether the present run has filled half of the arrays, which Python should then read."""
         return self.count - self.base > CAPACITY // 2
 
     def note(self, time, e, kind, before, after):
-        """Note that element e has moved from one branch to another."""
+        """Log that element e has moved from one branch to another."""
         k = self.count
         if k < CAPACITY:
             self.time[k] = time
@@ -51,6 +51,6 @@ class SwitchLog:
         return self.listed
 
     def clear(self):
-        """Forget the switches listed."""
+        """Clear the list."""
         self.listed = []
         self.flushed = 0

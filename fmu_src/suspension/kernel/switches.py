@@ -19,7 +19,7 @@ from .straight_tyres import StraightTyres
 if not cython.compiled:
     from math import fabs
 
-_NEVER = 1e299  # larger bounds do not exist
+_NEVER = 1e299  # a larger bound stands for none
 _STRETCHES = 8  # of a step, in each of which the force of a tyre in flight is a quintic
 
 
@@ -43,11 +43,11 @@ class Switches:
         # for each row and each road, four numbers at the start of the attempt and four at its end
         self.row = memory.zeros(8 * max(self.net.rows, 1))
         self.road = memory.zeros(8 * max(self.net.signals, 1))
-        # a row at the ends of all parts, as in `row`
+        # four numbers of a row, as in `row`, at the ends of all parts
         self.point = memory.zeros(4 * (_STRETCHES + 1))
         self.roads_known = 0
         self.start_known = 0
-        self.own_jerks = False  # whether the attempt read last had jerks of its own
+        self.own_jerks = False  # whether the attempt last read had jerks of its own
         self.tyres = StraightTyres(self.net)
         self.at = 2.0
         self.element = self.kind = self.side = 0
@@ -66,7 +66,7 @@ class Switches:
             kind = self.net.switch_kind[m]
             if kind == CONTACT:
                 self.tyres.enter(e)
-            # a row that sticks passes no corner, whatever the rounding
+            # a row that sticks passes no corner, despite rounding
             if kind < CONTACT and self.net.row_stuck[self.net.element_row[e]]:
                 continue
             low = self.net.bound(e, kind, -1)
@@ -107,7 +107,7 @@ class Switches:
         """Read signals and rows at both ends of the attempt just made."""
         if not (self.roads_known and self.stepper.balance.loads_hold):
             self._read_roads(t, h)
-        # with jerks that are those of this attempt alone, its start is not the end of the last one
+        # an attempt with jerks of its own does not start with those at the end of the last one
         known = self.start_known and not (self.own_jerks or self.stepper.errors.own_jerks)
         self.own_jerks = self.stepper.errors.own_jerks
         for r in range(self.net.rows):
@@ -117,7 +117,7 @@ class Switches:
         self.start_known = 1
 
     def first_knot(self, t, h, least):
-        """Return where the attempt first passes from one joined piece to another, as `first`.
+        """Return where the attempt first passes from one joined piece to another, as `first` does.
 
         Passages before the fraction `least` do not count.
         """
@@ -174,7 +174,7 @@ class Switches:
     def _read_end(self, t):
         """Read signals at the end of the attempt just made or shortened."""
         if self.stepper.is_plain() and not self.stepper.balance.loads_hold:
-            self._note_road(1)  # it leaves the signals evaluated there
+            self._note_road(1)  # the attempt has left the signals evaluated there
         else:
             self._read_road(t, 1)
 
@@ -282,7 +282,7 @@ class Switches:
         return self.tyres.c[e] * mobility * h > SLAVED
 
     def _rate_left(self, e, j, jerk):
-        """Return by how much the rate of a force is another with the jerks that describe the step.
+        """Return by how much the rate of a force differs with the jerks that describe the step.
 
         M j = p' - sum b f': like the force of a strong damper, its rate is what the others leave for it.
         """
@@ -293,16 +293,16 @@ class Switches:
         return less / self.net.mobility(r)
 
     def _end_rate(self, e, h):
-        """Return the rate of the contact force found last, which is that at the end of the attempt."""
+        """Return the rate of the contact force last found, at the end of the attempt."""
         if not self._is_slaved(e, h):
             return self.net.force1
         return self.net.force1 + self._rate_left(e, self.motion.jb, self.motion.end_jerk)
 
     def _left_over(self, e, acceleration):
-        """Return the force that the others leave for a tyre, less its own, which is still to decay.
+        """Return the force that the others leave for a tyre, minus its own, which has yet to decay.
 
-        It is taken for a little less than it is, by what rounding of rates makes of the force, so that a
-        tyre that has left the road does not meet it at once.
+        It is reduced slightly, by the effect of rounded rates on the force, so that a tyre that has left
+        the road does not meet it again at once.
         """
         fastest = 0.0
         for i in range(self.net.n):
@@ -311,7 +311,7 @@ class Switches:
         return acceleration / self.net.mobility(self.net.element_row[e]) - lost
 
     def _contact_force(self, e, at):
-        """Find the force as `unlimited_force`, in fewer operations if all pieces are straight."""
+        """Find the force as `unlimited_force` does, with fewer operations if all pieces are straight."""
         if not self.tyres.straight[e]:
             self.net.unlimited_force(e, self.row, at)
             return
@@ -339,10 +339,10 @@ class Switches:
                 self._look_for_gap(e, at, h)
 
     def _is_within_error(self, bound, side):
-        """Return whether the quantity read last passes a bound by no more than the error allowed.
+        """Return whether the quantity last read passes a bound by no more than the error allowed.
 
-        Just after a corner has been passed it would lead back and forth: what hardly moves yet may
-        depart from the corner on one side by the errors of an attempt in the branch of the other.
+        Just after a corner, such a switch would be reversed again and again: an element that hardly moves
+        yet may leave the corner on one side by the error of an attempt in the branch of the other side.
         """
         beyond = bound - self.crossing.low if side < 0 else self.crossing.high - bound
         return self.stepper.errors.controlled and beyond <= self.stepper.errors.allowed
@@ -384,8 +384,8 @@ class Switches:
     def _search_touchdown(self, k, h):
         """Store the time at which a tyre in flight presses again by a curved law, if it is the earliest.
 
-        As its force does not act, no error keeps steps so short that one quintic describes it: it is
-        followed in parts.
+        As its force does not act, the error does not keep steps so short that one quintic describes it.
+        It is followed in parts.
         """
         e = self.watched_element[k]
         departing = self.net.departing[BRANCHES * e + CONTACT] == -1
@@ -420,8 +420,8 @@ class Switches:
     def lateness(self, t):
         """Return by how much the attempt, which ends at t, passed the switch found, s; 0 if unknown.
 
-        `recedes` is then set if the watched quantity is still inside its branch and moves further in:
-        an attempt of that length does not reach the bound.
+        `recedes` is set if the watched quantity is still within its branch and moves away from the bound:
+        an attempt of that length does not reach it.
         """
         e, kind = self.element, self.kind
         at = 8 * self.net.element_row[e]

@@ -1,9 +1,10 @@
 """Check whether a fixed step is stable.
 
 The linear-acceleration method is stable while omega_max h < 2 sqrt 3, whatever the damping (H83
-chapter 15 leaves the limit to Bathe and Wilson 1976, section 9.4); a macro step extrapolated from 1, 2,
-3 and 5 substeps lets an undamped amplitude grow by less than 1/1000 while omega_max h < 3.2, shorter
-sequences while it is < 2.2. omega_max^2 is the largest eigenvalue of M^-1 K, K the present tangent.
+chapter 15 refers to Bathe and Wilson 1976, section 9.4, for the limit). In a macro step extrapolated
+from 1, 2, 3 and 5 substeps an undamped amplitude grows by less than 1/1000 while omega_max h < 3.2, with
+shorter sequences while it is < 2.2. omega_max^2 is the largest eigenvalue of M^-1 K, where K is the
+present tangent.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ class Watch:
 
     Parameters
     ----------
-    modes : of the present tangents
+    modes : modes of the present tangents
     policy : key of `POLICIES`
-    limit : largest stable omega_max h; 0 for none
+    limit : largest stable omega_max h; 0 if there is no limit
     """
 
     def __init__(self, modes, policy, limit):
@@ -44,7 +45,7 @@ class Watch:
         self.net.state.beyond_step = 0.0  # the stable step then, s
 
     def fit(self, time, h):
-        """Return the step to take for h: h itself, an equal part of it, or 0 if it is refused."""
+        """Return the step to take instead of h: h itself, an equal part of it, or 0 if it is refused."""
         if self.limit == 0.0 or self.policy == _ALLOW:
             return h
         # a known upper bound

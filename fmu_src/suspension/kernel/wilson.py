@@ -29,7 +29,7 @@ class Wilson(Method):
         return [theta]
 
     def enter(self):
-        """Forget the matrices."""
+        """Discard the matrices."""
         self.columns.forget()
 
     def attempt(self, t, h):
