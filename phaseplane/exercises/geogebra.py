@@ -22,7 +22,8 @@ from phaseplane.constructions.storage import Frame
 from phaseplane.equations.formula import spelled_number
 
 _FORMAT = {"format": "5.0", "app": "classic"}
-_VIEW = 600.0, 500.0  # pixels
+_VIEW = 500.0, 450.0  # pixels, which a small window has beside the list of objects
+_SEEN = ("P", "A", "A*", "D", "P'")  # the points that the view has room for
 _COLOURS = {"P": (0, 90, 181), "D": (213, 94, 0), "A": (140, 110, 0)}
 
 Law = Callable[[Frame, str, str], str]
@@ -213,7 +214,11 @@ def write_geogebra(path: Path, made: Sequence[Command], drawing: Drawing) -> Non
 def _view(root: ElementTree.Element, drawing: Drawing) -> None:
     """Show the points of the construction and the origin, on equal scales."""
     (plane,) = drawing.planes
-    places = [_place(plane, z) for frame in drawing.frames for z in frame.points.values()]
+    places = [
+        _place(plane, frame.points[name + again])
+        for frame in drawing.frames for name in _SEEN for again in ("", REPEATED)
+        if name + again in frame.points
+    ]  # fmt: skip
     left, right = (pick(0.0, *(z.real for z in places)) for pick in (min, max))
     low, high = (pick(0.0, *(z.imag for z in places)) for pick in (min, max))
     (width, height), full = _VIEW, 1.15  # with a margin

@@ -8,6 +8,7 @@ import random
 import re
 from io import StringIO
 from pathlib import Path
+from xml.etree import ElementTree
 from zipfile import ZipFile
 
 import numpy as np
@@ -107,7 +108,18 @@ def test_in_geogebra_a_construction_follows_its_start_point(tmp_path: Path):
     assert abs(moved["P_{10}"] - known) < 1e-12
     write_geogebra(tmp_path / "two.ggb", made, drawing)
     with ZipFile(tmp_path / "two.ggb") as archive:
-        assert b'<command name="Rotate">' in archive.read("geogebra.xml")
+        written = archive.read("geogebra.xml")
+    assert b'<command name="Rotate">' in written
+    # opened, the construction fills the view: 500 by 450 pixels, the scale in pixels per unit
+    view = ElementTree.fromstring(written).find("euclidianView/coordSystem")
+    assert view is not None
+    at = evaluated(made)
+    seen = [at[f"P_{{{n}}}"] for n in range(11)] + [at[f"D_{{{n}}}"] for n in range(10)] + [0j]
+    x = [float(view.attrib["xZero"]) + float(view.attrib["scale"]) * z.real for z in seen]
+    y = [float(view.attrib["yZero"]) - float(view.attrib["scale"]) * z.imag for z in seen]
+    assert 0.0 < min(x) < max(x) < 500.0
+    assert 0.0 < min(y) < max(y) < 450.0
+    assert max(x) - min(x) > 300.0 or max(y) - min(y) > 270.0
 
 
 def test_two_planes_are_refused_in_words():
