@@ -10,6 +10,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from math import cos, inf, sin
 from typing import NamedTuple
@@ -100,7 +101,7 @@ def _start(segment: Segment) -> float:
     return segment.start
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Signal:
     """A function of time made of segments in ascending order; its value may jump at a joint.
 
@@ -112,6 +113,15 @@ class Signal:
 
     segments: tuple[Segment, ...]
     scale: float = 0.0
+
+    @cached_property
+    def numbers(self) -> tuple[float, ...]:
+        """The numbers of all segments, one segment after the other; see `Segment`."""
+        return tuple(
+            number
+            for start, origin, coefficients, amplitude, phase in self.segments
+            for number in (start, origin, *coefficients, amplitude, *phase)
+        )
 
     @property
     def joints(self) -> tuple[float, ...]:

@@ -13,7 +13,6 @@ from .branches import Branches
 from .elements import element_numbers
 from .laws import functions_of, pieces_of
 from .layout import BRANCHES, C1, CONTACT, DAMPER, LAWS, MODULATION, PIECE, SEGMENT, SPRING, START
-from .signals import signal_numbers
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -554,8 +553,10 @@ def numbers_of(system):
         numbers += row
     for load in system.loads:
         numbers += load.direction
-    numbers += signal_numbers(system.signals)
-    return numbers + laws_of(system)
+    for signal in system.signals.values():
+        numbers += signal.numbers
+    numbers += laws_of(system)
+    return numbers
 
 
 def laws_of(system):

@@ -205,13 +205,3 @@ class Signals:
                 if speed * limit > ROAD_PHASE:
                     limit = ROAD_PHASE / speed
         return limit
-
-
-def signal_numbers(signals):
-    """Return the segments of all signals, one after the other."""
-    numbers = []
-    for signal in signals.values():
-        for segment in signal.segments:
-            numbers += (segment.start, segment.origin, *segment.coefficients, segment.amplitude)
-            numbers += segment.phase
-    return numbers
