@@ -149,7 +149,7 @@ def read_problem(path: Path) -> Problem:
 
 def _bounded(table: Mapping[str, Any], prefix: str = "") -> Any:
     for key, value in table.items():
-        if isinstance(value, dict) and not {"min", "max"} & set(value):
+        if isinstance(value, dict) and value and not {"min", "max"} & set(value):
             yield from _bounded(value, f"{prefix}{key}.")
         else:
             yield f"{prefix}{key}", value

@@ -369,13 +369,19 @@ def flattened(table: Mapping[str, Any], name: str) -> Iterator[tuple[str, Any]]:
 
     Raises
     ------
-    SceneError : if a key is given twice.
+    SceneError : if a key is given twice, or a table within a table is empty.
     """
     seen: set[str] = set()
 
     def walk(inner: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
         for key, value in inner.items():
             dotted = f"{prefix}{key}"
+            if value == {} and prefix:
+                raise SceneError(
+                    one_line(
+                        f"{name}: {dotted} = {{}}: an empty table sets nothing; give at least one key"
+                    )
+                )
             if isinstance(value, dict):
                 yield from walk(value, f"{dotted}.")
             elif dotted in seen:

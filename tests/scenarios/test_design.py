@@ -227,6 +227,10 @@ def test_parameters_that_do_the_same_are_said_to_be_alike(folder):
             "'kg'",
         ),
         ("minimise = 'suspension_travel'\n[search]\nseeds = 3", "did you mean 'seed'"),
+        (
+            "minimise = 'suspension_travel'\n[constrain]\nsuspension_travel = {}",
+            "constrain.suspension_travel: must be min and/or max in m",
+        ),
     ],
 )
 def test_a_study_that_is_not_understood_is_refused(folder, text, words):

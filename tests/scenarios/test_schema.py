@@ -336,6 +336,18 @@ def test_refused_override(override: str, words: list[str]) -> None:
     assert all(word in message for word in words), message
 
 
+@pytest.mark.parametrize("line", ["expect.lift_off_count", "parameters.spring", "show.look"])
+def test_an_empty_table_within_a_table(tmp_path: Path, line: str) -> None:
+    path = scene_file(tmp_path, MINIMAL + f"{line} = {{}}\n")
+    message = refusal(path)
+    assert f"{line} = {{}}: an empty table sets nothing" in message, message
+
+
+def test_an_empty_table_at_the_top_is_a_heading_without_keys(tmp_path: Path) -> None:
+    loaded = load_scene(scene_file(tmp_path, MINIMAL + "[expect]\n[parameters]\n"))
+    assert not loaded.expect
+
+
 def test_unknown_key_at_the_top(tmp_path: Path) -> None:
     path = scene_file(tmp_path, MINIMAL + 'durration = "1 s"\n')
     message = refusal(path)
