@@ -129,6 +129,8 @@ class Drawing:
     frames : in chronological order, from any iterable; the successors of the last one are the end
         of the motion
     end : points and readings at the end, as a step of no duration; None if unknown
+    ways : points of the known motion over each step, equally many, for each plane; empty if the motion
+        is that of the rule
     """
 
     title: str
@@ -137,6 +139,7 @@ class Drawing:
     schemes: Mapping[str, Scheme]
     frames: StoredFrames = field(repr=False)
     end: Frame | None = field(default=None, repr=False)
+    ways: tuple[Sequence[Sequence[complex]], ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         """Store the frames as columns."""

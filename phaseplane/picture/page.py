@@ -214,7 +214,8 @@ class Page:
     def ways(self) -> list[Points]:
         """The way from each state point to the next in each plane, shape (steps, vertices)."""
         if not self._ways:
-            self._ways += paths_of(self.drawing, self.motions)
+            known = [np.asarray(way, complex) for way in self.drawing.ways]
+            self._ways += known or paths_of(self.drawing, self.motions)
         return self._ways
 
     def following(self) -> Page:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from phaseplane.suspension.variables import Value
 
 from phaseplane import constructions
+from phaseplane.constructions.sheet import state_point
 from phaseplane.picture.quantities import rate_of
 
 from ..errors import DrawingError, InputError, one_line
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
 
     Columns = Mapping[str, npt.NDArray[np.float64]]
     ReadAt = Callable[[Sequence[float], Sequence[str]], Columns]
+
+_PARTS = 24  # of a step over a known motion: the most by which its way is drawn
 
 
 class Begin(NamedTuple):
@@ -134,13 +138,14 @@ def overlay_run(
     wheels = [columns[name][rows].astype(bool).tolist() for name in flying]
 
     def laid(planes: Construction) -> Drawing:
-        return constructions.overlay(
+        drawing = constructions.overlay(
             planes,
             columns["time"][rows].tolist(),
             *(columns[name][rows].tolist() for name in shown),
             rule=constructions.rule_named(settings["rule"]),
             airborne=list(zip(*wheels, strict=True)) if wheels else None,
         )
+        return replace(drawing, ways=tuple(_ways(drawing, columns, rows)))
 
     try:
         drawing = laid(planes)
@@ -220,6 +225,20 @@ def drawing_summary(drawing: Drawing, seconds: float | None = None) -> dict[str,
             if name.endswith("_drift")
         },
     }
+
+
+def _ways(drawing: Drawing, columns: Columns, rows: Sequence[int]) -> Iterator[list[list[complex]]]:
+    """Yield the way of the motion over each step in each plane, through the rows that it skips."""
+    time = columns["time"]
+    kept = [row for row, after in pairwise(rows) if time[after] > time[row]] + [rows[-1]]
+    parts = min(_PARTS, max(after - row for row, after in pairwise(kept)))
+    through = [
+        [row + k * (after - row) // parts for k in range(parts + 1)]
+        for row, after in pairwise(kept)
+    ]
+    for plane in drawing.planes:
+        y, rate = columns[plane.name], columns[rate_of(plane.name)]
+        yield [[state_point(plane, float(y[i]), float(rate[i])) for i in row] for row in through]
 
 
 def _rows(

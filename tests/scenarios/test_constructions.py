@@ -32,6 +32,8 @@ from phaseplane.suspension.systems import Element, System
 
 from phaseplane.constructions import RULES, QuarterCarPlanes, construct_motion
 from phaseplane.equations import Formula
+from phaseplane.picture.page import Page
+from phaseplane.picture.paper import Box
 
 SETTINGS = {"rule": "delta", "step": 0.001}
 MODELS = {
@@ -139,6 +141,22 @@ def test_every_model_is_laid_over_its_run(model):
     assert set(told["drift"]) == {plane.name for plane in planes}
     assert max(told["drift"].values()) < 1e-5
     assert "laid over 400 steps of up to 1 ms" in drawing.title
+
+
+def test_over_a_run_the_curve_goes_through_its_rows_between_the_steps() -> None:
+    parameters = parameters_of("OneDof", {"road.shape": "flat", "initial.body_velocity": 1.0})
+    names = ["suspension_deflection", "suspension_deflection_rate"]
+    times = np.linspace(0.0, 0.4, 401)
+    columns = simulate("OneDof", parameters, times.tolist(), names)
+    rows = {name: np.asarray(column) for name, column in columns.items()} | {"time": times}
+    drawing = overlay_run(rows, "OneDof", parameters, {**SETTINGS, "step": 0.02})
+    (plane,) = drawing.planes
+    page = Page(drawing, Box(0j, 1 + 1j), 0.01)
+    (way,) = page.ways
+    assert way.shape == (20, 21)
+    read = [plane.displacement.read(z) for z in way.ravel()]
+    wanted = np.lib.stride_tricks.sliding_window_view(rows[names[0]], 21)[::20].ravel()
+    assert read == pytest.approx(wanted, abs=1e-12)
 
 
 def test_a_damper_that_depends_on_deflection_is_drawn_as_a_family():
