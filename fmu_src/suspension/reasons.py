@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .systems import System
 
 _ITERATIONS = 400
-_LAST = 6  # switches that are looked at
+_LAST = 6  # switches that are named
 
 
 def why_stopped(

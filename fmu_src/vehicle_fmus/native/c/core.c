@@ -657,7 +657,7 @@ static void write_state(unsigned char *bytes, const State *state) {
 /* Read a state from bytes to new memory if there is none; return whether it failed. */
 static int read_state(Instance *one, const unsigned char *bytes, size_t size, State **state) {
     if (size != SERIALIZED || memcmp(bytes, GUID, sizeof GUID) != 0) {
-        return fail(one, "this state is of another FMU");
+        return fail(one, "this state belongs to another FMU");
     }
     if (!*state) *state = malloc(sizeof(State));
     if (!*state) return fail(one, "out of memory");
