@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import csv
-from codecs import BOM_UTF16_BE, BOM_UTF16_LE
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE, getincrementaldecoder
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf, isfinite
-from os import PathLike
+from os import SEEK_END, PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from .units import UNITS, UnitError, nearest, spelled, to_si
 
 _COMMENT = "#"
+_PART = 1 << 20  # bytes read at once
 
 
 class Wanted(NamedTuple):
@@ -189,14 +190,18 @@ def encoding_of(path: str | PathLike[str]) -> str:
     ------
     OSError : the file cannot be read.
     """
-    with open(path, "rb") as file:
-        content = file.read()
-    if content.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) and len(content) % 2 == 0:
-        return "utf-16"
-    try:
-        content.decode()
-    except UnicodeDecodeError:
-        return "latin-1"
+    decoder = getincrementaldecoder("utf-8")()
+    with open(path, "rb") as file:  # in parts, as results may be large
+        marked = file.read(2) in (BOM_UTF16_LE, BOM_UTF16_BE)
+        if marked and file.seek(0, SEEK_END) % 2 == 0:
+            return "utf-16"
+        file.seek(0)
+        try:
+            while part := file.read(_PART):
+                decoder.decode(part)
+            decoder.decode(b"", final=True)
+        except UnicodeDecodeError:
+            return "latin-1"
     return "utf-8-sig"
 
 

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from .trace import Node
 
 _Function = Callable[..., bool]  # whether it has set the numbers
-_FIRST = (
-    8  # changes before the first record, which costs as much; twice as many before each further one
-)
+# changes before the first record, which costs as much; twice as many before each further one
+_FIRST = 8
 
 
 class Retuning:

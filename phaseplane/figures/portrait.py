@@ -29,10 +29,8 @@ _KINDS = {
 }
 _DIRECTED = ("energy", "orbit", "separatrix", "attracting", "repelling", "semistable")
 _STROKE, _APART = 0.022, 0.075  # windows: length of the strokes on isoclines, and between them
-_OUTER, _INNER = (
-    0.42,
-    0.25,
-)  # windows from the centre: isoclines that end farther in are not labelled
+# windows from the centre: isoclines that end farther in are not labelled; labels stay farther out
+_OUTER, _INNER = 0.42, 0.25
 _LABEL = 0.045, 0.03  # windows: room of a label
 _HEAD, _BETWEEN, _MOST_ARROWS = 0.015, 0.9, 3  # windows: length of an arrow, and between two
 # in order of their periods
