@@ -50,7 +50,6 @@ class Viewer(Canvas):
         self.recording, self.root = recording, root
         self._ticks: list[Page] = []
         self._begun: set[str] = set()
-        self._held: dict[str, tuple[int, Points]] = {}  # the block under way of each curve
 
     def begin(self, page: Page) -> None:
         """Log what stays."""
@@ -65,7 +64,7 @@ class Viewer(Canvas):
         self, name: str, role: str, ways: Points, first: int,
         columns: Callable[[Integers], Sequence[rr.TimeColumn]],
     ) -> None:  # fmt: skip
-        """Log more of a growing curve: each step as a row, and finished blocks of steps as one row each.
+        """Log more of a growing curve: each step as a row, and blocks of steps as one row each.
 
         Parameters
         ----------
@@ -85,19 +84,12 @@ class Viewer(Canvas):
         self.recording.send_columns(
             f"{path}/recent", columns(rows), rr.LineStrips2D.columns(strips=strips(ways))
         )
-        start, held = self._held.get(path, (first, ways[:0]))
-        if held.shape[1:] != ways.shape[1:]:
-            held = ways[:0]
-            start = first
-        held = np.concatenate([held, ways])
-        whole = len(held) // BLOCK
-        if whole:
-            blocks = held[: whole * BLOCK].reshape(whole, -1)
-            ends = start + BLOCK * (1 + np.arange(whole))
-            self.recording.send_columns(
-                f"{path}/past", columns(ends), rr.LineStrips2D.columns(strips=strips(blocks))
-            )
-        self._held[path] = start + whole * BLOCK, held[whole * BLOCK :]
+        starts = np.arange(0, len(ways), BLOCK)
+        ends = np.minimum(starts + BLOCK, len(ways))
+        blocks = [ways[start:end].ravel() for start, end in zip(starts, ends, strict=True)]
+        self.recording.send_columns(
+            f"{path}/past", columns(first + ends), rr.LineStrips2D.columns(strips=ragged(blocks))
+        )
 
     def end(self) -> None:
         """Log the ticks."""

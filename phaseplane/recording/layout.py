@@ -19,12 +19,13 @@ from .content import Content
 from .histories import Panel, overlays, panels
 from .lanes import LANES, SHEET_SHARE, lanes_share
 from .motion import state_planes
-from .recorder import Recorder
+from .recorder import MOST_ROWS, Recorder
 from .side_view import VEHICLE, vehicle_of, view_box
 from .steps import ARMS, CHART, EVENTS, SHEET, WORDS
 
 _STAGES_PER_SECOND = 1.0
 _LONGEST = 60.0  # s that the viewer takes to play the motion
+_LIVE = 1.0  # s of a live run that are drawn in full
 _ROUNDING = 1e-9  # of the range of a plot: an end that is as good as zero
 
 
@@ -114,34 +115,27 @@ def _plane_name(content: Content, number: int) -> str:
 
 def _sheet(content: Content, page: Page, name: str) -> rrb.Spatial2DView:
     drawing = content.constructed
-    curves = {
-        f"{SHEET}/{role}/{plane.name}"
-        for role, planes in (
-            ("trail", drawing.planes if drawing is not None else ()),
-            (
-                "run" if drawing is not None else "trail",
-                tuple(p.plane for p in state_planes(content)),
-            ),
-        )
-        for plane in planes
-    }
-    times = np.asarray(content.histories.get("time", ()), float)
+    rows = len(np.asarray(content.histories.get("time", ())))
+    span = float(np.ptp(content.histories["time"])) if rows else _LIVE
+    run = "trail" if drawing is None else "run"
+    curves = [(run, [p.plane for p in state_planes(content)], min(rows, MOST_ROWS) - 1, span)]
+    overrides = {}
     if drawing is not None:
-        last = drawing.frames[-1]
-        step = (last.time + last.duration - drawing.frames[0].time) / len(drawing.frames)
-    else:
-        span = float(np.ptp(times)) if len(times) else 1.0
-        step = span / 4000.0
-    all_past, recent = _ranges(None, step), _ranges(RECENT, step)
-    overrides = {f"{path}/past": all_past for path in curves}
-    overrides |= {f"{path}/recent": recent for path in curves}
-    if drawing is not None:
-        overrides[EVENTS] = all_past
+        frames = drawing.frames
+        lasts = frames[-1].time + frames[-1].duration - frames[0].time
+        curves.append(("trail", list(drawing.planes), len(frames), lasts))
+        overrides[EVENTS] = _ranges(None)
+    for role, planes, steps, duration in curves:
+        every = 0 < steps <= RECENT
+        recent = _ranges(None if every else RECENT, duration / max(steps, RECENT))
+        for plane in planes:
+            path = f"{SHEET}/{role}/{plane.name}"
+            overrides |= {f"{path}/past": _ranges(None), f"{path}/recent": recent}
     return _view([f"+ {SHEET}/**"], legible(name), page.view, overrides=overrides)
 
 
-def _ranges(steps: int | None, step: float) -> rrb.VisibleTimeRanges:
-    """Return the last steps, or all, up to the cursor on `t` and `step`."""
+def _ranges(steps: int | None, step: float = 0.0) -> rrb.VisibleTimeRanges:
+    """Return the last steps, of this duration, or all, up to the cursor on `t` and `step`."""
     return rrb.VisibleTimeRanges(
         [
             rrb.VisibleTimeRange(

@@ -36,7 +36,8 @@ from .steps import (
     send_text,
 )
 
-_MOST_ROWS = 4000  # of a run in its planes
+MOST_ROWS = 4000
+"""Rows of a run that are drawn in its planes."""
 
 
 class Recorder:
@@ -165,7 +166,7 @@ class Recorder:
     def run(self, histories: dict[str, np.ndarray]) -> None:
         """Log the motion given by the columns of a run, or by some of their rows."""
         part = replace(self.content, histories=histories)
-        few = thinned(histories, _MOST_ROWS)
+        few = thinned(histories, MOST_ROWS)
         if len(few.get("time", ())) > 1:
             self._send_run(few)
         send_vehicle(self.recording, part, self.clock)

@@ -18,6 +18,7 @@ from .layout import blueprint
 from .recorder import Recorder
 
 APPLICATION = "phaseplane"
+_LONGEST = 180  # characters of a name in the viewer's list
 
 
 def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStream:
@@ -47,11 +48,11 @@ def new_recording(content: Content, recording_id: str = "") -> rr.RecordingStrea
 
 
 def _entry(title: str) -> str:
-    """Return the title as the viewer lists it; it refuses some characters."""
+    """Return the title as the viewer lists it; it refuses some characters and long names."""
     plain = re.sub(
-        r"[^A-Za-z0-9 ._-]+", " ", title.translate(str.maketrans("ěšřžýáíéúůö", "esrzyaieuuo"))
+        r"[^A-Za-z0-9 _-]+", " ", title.translate(str.maketrans("ěšřžýáíéúůö.", "esrzyaieuuo_"))
     )
-    return " ".join(plain.split()) or APPLICATION
+    return " ".join(plain.split())[:_LONGEST] or APPLICATION
 
 
 def record(content: Drawing | Content, path: str | os.PathLike[str]) -> None:

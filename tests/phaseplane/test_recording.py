@@ -6,6 +6,7 @@ import subprocess
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_entities(recorded: Recorded) -> None:
     assert set(recorded.rows) == {
         "/words",
         "/sheet/events",
-        *(f"/sheet/trail/{name}/recent" for name in planes),
+        *(f"/sheet/trail/{name}/{part}" for name in planes for part in ("past", "recent")),
         *(f"/sheet/story/{part}" for part in ("lines", "points", "letters")),
         *(f"/arms/story/{part}" for part in ("lines", "points", "letters")),
         *(f"/chart/story/{part}" for part in ("lines", "points", "letters")),
@@ -186,29 +187,47 @@ def test_a_long_trail_goes_in_blocks(tmp_path: Path) -> None:
     record(shown, tmp_path / "f.rrd")
     recorded = Recorded(tmp_path / "f.rrd")
     blocks = recorded.rows["/sheet/trail/wheel_displacement/past"]
-    assert [row["step"] for row in blocks] == [BLOCK, 2 * BLOCK]
-    expected = [spiral(2, k) for k in range(2 * BLOCK + 1)]
-    (one,), (two,) = (paper(row["LineStrips2D:strips"]) for row in blocks)
-    path = np.append(one, two)
+    assert [row["step"] for row in blocks] == [
+        BLOCK,
+        2 * BLOCK,
+        300,
+    ]  # nothing is missing at the end
+    expected = [spiral(2, k) for k in range(301)]
+    path = np.concatenate([paper(row["LineStrips2D:strips"])[0] for row in blocks])
     assert path[0] == pytest.approx(expected[0], abs=1e-7)
     assert path[-1] == pytest.approx(expected[-1], abs=1e-7)
     assert all(np.min(abs(path - z)) < 1e-7 for z in expected)
 
 
-def test_the_recent_trail_is_shown_in_full_and_all_of_it_up_to_the_cursor(
-    recorded: Recorded,
-) -> None:
-    ranges = {
+def ranges_of(recorded: Recorded) -> dict[str, list[Any]]:
+    """The ranges of time that are shown of each entity."""
+    return {
         path.partition("/overrides")[2].removesuffix("/visualizers"): row[
             "VisibleTimeRanges:ranges"
         ]
         for path, row in recorded.layout
         if "VisibleTimeRanges:ranges" in row
     }
+
+
+def test_the_recent_trail_is_shown_in_full_and_all_of_it_up_to_the_cursor(
+    recorded: Recorded,
+) -> None:
+    ranges = ranges_of(recorded)
     trails = {f"/sheet/trail/{p.name}/{part}" for p in PLANES for part in ("past", "recent")}
     assert trails | {"/sheet/events"} <= set(ranges)
     for given_range in ranges.values():
         assert [r["timeline"] for r in given_range] == ["t", "step"]
+
+
+@pytest.mark.parametrize(("steps", "all_in_full"), [(60, True), (300, False)])
+def test_a_short_trail_stays_in_full_while_the_run_goes_on(
+    tmp_path: Path, steps: int, all_in_full: bool
+) -> None:
+    frames = tuple(replace(frame(k), scheme="flight", event="") for k in range(steps))
+    record(replace(content(), drawing=replace(drawing(), frames=frames)), tmp_path / "f.rrd")
+    for shown in ranges_of(Recorded(tmp_path / "f.rrd"))["/sheet/trail/wheel_displacement/recent"]:
+        assert (shown["range"]["start"] is None) == all_in_full
 
 
 def test_normals_end_in_feet_and_states(recorded: Recorded) -> None:

@@ -54,6 +54,14 @@ def test_units_and_columns_have_paths_whatever_they_are_called(tmp_path: Path) -
     assert {path.rpartition("/")[0] for path in paths} <= origins
 
 
+@pytest.mark.parametrize("title", ["A bump 0.5 m long, at 30 km/h", "long " * 60, "..."])
+def test_rerun_takes_any_title_without_a_warning(
+    title: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    record(Content(title, histories={"time": [0.0, 1.0], "pitch": [0.0, 0.1]}), tmp_path / "f.rrd")
+    assert capfd.readouterr() == ("", "")
+
+
 def test_points_of_the_construction_lie_on_the_plots(recorded: Recorded) -> None:
     rows = recorded.rows["/histories/force/contact_force/drawn"]
     assert [row["step"] for row in rows] == list(range(60))
