@@ -19,8 +19,8 @@ import numpy as np
 import numpy.typing as npt
 
 from .engine import Integrator
-from .models import build
-from .outputs import Reading, reading_of
+from .models import build, cached
+from .outputs import reading_of
 from .reasons import why_stopped
 from .series import RESIDUAL, Series, is_at_end, is_over_time, joints
 from .session import start_state
@@ -170,7 +170,7 @@ def outputs_over_time(model: str) -> list[str]:
     ------
     ParameterError : unknown model.
     """
-    return _outputs(model, is_over_time)
+    return [*_over_time_and_at_end(model)[0]]
 
 
 def outputs_at_end(model: str) -> list[str]:
@@ -180,14 +180,18 @@ def outputs_at_end(model: str) -> list[str]:
     ------
     ParameterError : unknown model.
     """
-    return _outputs(model, is_at_end)
+    return [*_over_time_and_at_end(model)[1]]
 
 
-def _outputs(model: str, wanted: Callable[[Reading], bool]) -> list[str]:
-    """Return the outputs that are read in a wanted way."""
-    declared = outputs_of(model)
+@cached
+def _over_time_and_at_end(model: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     system = build(model, {})
-    return [name for name, v in declared.items() if wanted(reading_of(v, system))]
+    readings = {name: reading_of(v, system) for name, v in outputs_of(model).items()}
+    over_time, at_end = (
+        tuple(name for name, reading in readings.items() if wanted(reading))
+        for wanted in (is_over_time, is_at_end)
+    )
+    return over_time, at_end
 
 
 class _Task(NamedTuple):
@@ -317,7 +321,7 @@ class _Bench:
         rest = (0.0,) * len(system.mass)
         state = start_state(system, parameters, self._task.times[0]) or (rest, rest)
         kind = self._kind(_solver(parameters), system)
-        kind.numbers += array("d", kind.integrator.row(system, *state))
+        kind.integrator.add_row(kind.numbers, system, *state)
         kind.runs.append(run)
         if kind.series.needs_systems:
             kind.systems.append(system)

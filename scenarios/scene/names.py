@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -16,14 +17,16 @@ SCENE_FILES = (".toml", ".py")
 Kind = Literal["scene", "sweep", "model", "results"]
 
 
-def case_names() -> list[str]:
+@cache
+def case_names() -> tuple[str, ...]:
     """Return the names of the scenes in the package."""
-    return sorted(path.stem for path in CASES.glob("*.toml"))
+    return tuple(sorted(path.stem for path in CASES.glob("*.toml")))
 
 
-def sweep_names() -> list[str]:
+@cache
+def sweep_names() -> tuple[str, ...]:
     """Return the names of the sweeps in the package."""
-    return sorted(path.stem for path in SWEEPS.glob("*.toml"))
+    return tuple(sorted(path.stem for path in SWEEPS.glob("*.toml")))
 
 
 def meant(name: str, wanted: Kind) -> str:

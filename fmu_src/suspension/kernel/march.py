@@ -14,7 +14,7 @@ from .layout import BRANCHES, CONTACT, FRICTION
 from .ledger import Ledger
 from .limited import Limited
 from .methods import METHODS
-from .network import Network, numbers_of
+from .network import Network, add_numbers
 from .outcomes import (
     DIVERGED,
     ENERGY_GROWS,
@@ -140,14 +140,27 @@ class March:
             raise ValueError(f"method {self.method_name!r} cannot integrate this system: {why}")
 
     def row(self, system, displacements, velocities):
-        """Return the numbers that `begin_row` reads: a system that fits, and its start (m, m/s).
+        """Return what `begin_row` reads: the numbers of a system that fits, and its start (m, m/s).
+
+        In this list they may be numbers that record operations (see `trace`).
 
         Raises
         ------
         ValueError : if the method cannot integrate the system.
         """
+        return self.add_row([], system, displacements, velocities)
+
+    def add_row(self, numbers, system, displacements, velocities):
+        """Add the same to an array of doubles, and return it.
+
+        Raises
+        ------
+        ValueError : if the method cannot integrate the system; then nothing is added.
+        """
         self.refuse(system)
-        return [max(system.scales), *displacements, *velocities, *numbers_of(system)]
+        numbers.extend([max(system.scales), *displacements, *velocities])
+        add_numbers(system, numbers)
+        return numbers
 
     def begin_row(self, x, at, start):
         """Start again with the system and state whose `row` is in x[at:].

@@ -1,6 +1,6 @@
 cimport cython
 from libc.math cimport fabs, sqrt
-from .arrays cimport Memory
+from .arrays cimport Lent, Memory
 from .branches cimport Branches
 from .linear cimport decompose, solve
 

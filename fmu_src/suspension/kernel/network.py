@@ -6,9 +6,11 @@ sticks has a constrained rate; the constraint force, its multiplier, decides whe
 
 from __future__ import annotations
 
+from array import array
+
 import cython
 
-from .arrays import Memory
+from .arrays import Lent
 from .branches import Branches
 from .elements import element_numbers
 from .laws import functions_of, pieces_of
@@ -72,10 +74,11 @@ class Network(Branches):
         self.load_names = [load.signal for load in system.loads]
         self.signal_sizes = _sizes(system)
         self.element_shapes = list(map(_shape, system.elements))
-        numbers = numbers_of(system)
+        numbers = array("d")
+        add_numbers(system, numbers)
         self.size = len(numbers)
-        memory = Memory()  # needed here only
-        if self.enter_system(memory.doubles(numbers), 0) != 0:
+        lent = Lent(numbers)
+        if self.enter_system(lent.numbers, 0) != 0:
             raise ValueError("the mass matrix must be symmetric and positive definite")
 
     def _find_roads(self):
@@ -119,7 +122,7 @@ class Network(Branches):
         )
 
     def enter_system(self, x, at):
-        """Read a system that fits from x[at:], as given by `numbers_of`.
+        """Read a system that fits from x[at:], as given by `add_numbers`.
 
         Return 1 if its mass matrix is not positive definite.
         """
@@ -546,17 +549,18 @@ class Network(Branches):
         return energy
 
 
-def numbers_of(system):
-    """Return all numbers of a system, one after the other."""
-    numbers = []
+def add_numbers(system, numbers):
+    """Add all numbers of a system, one after the other, to an array of doubles.
+
+    They may be numbers that record operations, too (see `trace`), which go to a list.
+    """
     for row in system.mass:
-        numbers += row
+        numbers.extend(row)
     for load in system.loads:
-        numbers += load.direction
+        numbers.extend(load.direction)
     for signal in system.signals.values():
-        numbers += signal.numbers
-    numbers += laws_of(system)
-    return numbers
+        numbers.extend(signal.numbers if isinstance(numbers, list) else signal.doubles)
+    numbers.extend(laws_of(system))
 
 
 def laws_of(system):

@@ -7,10 +7,11 @@ are defined in `systems`, can be imported from here too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, lru_cache
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import TypeVar
 
 from ..model import Model
 from ..parts import road_from, suspension_elements, tyre_element
@@ -32,6 +33,7 @@ __all__ = [
     "System",
     "axle_masses",
     "build",
+    "cached",
     "checked_parameters",
     "declared_parameters",
     "inputs",
@@ -60,6 +62,16 @@ MODELS = {name: model.variables for name, model in ALL.items() if model.system i
 """The variables of each model that is a system and can be run, by its name."""
 SOURCES = {name: model.variables for name, model in ALL.items() if model.system is None}
 """The variables of each source of signals, by its name."""
+
+_Found = TypeVar("_Found")
+_CACHES: list[Callable[[], None]] = []
+
+
+def cached(function: Callable[[str], _Found]) -> Callable[[str], _Found]:
+    """Return a function of a model's name whose results are kept until a model is registered."""
+    found = cache(function)
+    _CACHES.append(found.cache_clear)
+    return found
 
 
 def variables(model: str) -> tuple[Variable, ...]:
@@ -91,7 +103,7 @@ def checked_parameters(model: str, given: Mapping[str, object]) -> Checked:
     return Checked(model, _defaults(model) | checked)
 
 
-@cache
+@cached
 def outputs(model: str) -> dict[str, Variable]:
     """Return the outputs of a model by name.
 
@@ -102,7 +114,7 @@ def outputs(model: str) -> dict[str, Variable]:
     return {v.name: v for v in variables(model) if v.causality == "output"}
 
 
-@cache
+@cached
 def inputs(model: str) -> tuple[str, ...]:
     """Return the names of the inputs of a model.
 
@@ -113,7 +125,7 @@ def inputs(model: str) -> tuple[str, ...]:
     return tuple(v.name for v in variables(model) if v.causality == "input")
 
 
-@cache
+@cached
 def declared_parameters(model: str) -> dict[str, Variable]:
     """Return the parameters of a model by name.
 
@@ -124,7 +136,7 @@ def declared_parameters(model: str) -> dict[str, Variable]:
     return {v.name: v for v in variables(model) if v.causality == "parameter"}
 
 
-@cache
+@cached
 def _defaults(model: str) -> dict[str, Value]:
     return {name: variable.start for name, variable in declared_parameters(model).items()}
 
@@ -139,8 +151,8 @@ def register(name: str, model: Model) -> None:
     if name in FILES:
         raise ParameterError(f"{name} is a model of this package; give yours another name")
     ALL[name], MODELS[name] = model, model.variables
-    for known in (outputs, inputs, declared_parameters, _defaults, _built):
-        known.cache_clear()
+    for clear in (*_CACHES, _built.cache_clear):
+        clear()
 
 
 def build(model: str, parameters: Mapping[str, object]) -> System:
