@@ -27,6 +27,7 @@ import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, isfinite, pi
 from typing import Any
 
@@ -46,7 +47,7 @@ from .declared import (
     road,
 )
 from .model import Model
-from .models import outputs, register
+from .models import ALL, outputs, register
 from .outputs import (
     CONTACT,
     ENERGIES,
@@ -269,6 +270,15 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
     ParameterError : if it is not valid; the message says what is wrong, what is allowed, and what
         `check_system` has found.
     """
+    name, model = _loaded(text, file, key, checked)
+    if ALL.get(name) is not model:  # another file has taken the name since
+        register(name, model)
+    return name
+
+
+@lru_cache(maxsize=16)
+def _loaded(text: str, file: str, key: str, checked: bool) -> tuple[str, Model]:
+    """Return the name and the model, registered and checked; a file may be loaded for every run."""
     stem, _, kind = file.rpartition(".")
     if kind == "py":
         name, model = model_name(stem), model_in(text)
@@ -278,13 +288,14 @@ def load(text: str, file: str = "", key: str = "", *, checked: bool = True) -> s
         model = Model(definition.about or name, definition.variables(), definition.system)
         _raise_twice(model.variables)
     name = key or name
-    register(name, replace(model, check=lambda system: _raise_first(check_numbers(system))))
+    model = replace(model, check=lambda system: _raise_first(check_numbers(system)))
+    register(name, model)
     if checked:
         assert model.system is not None
         system = model.system(checked_parameters(name, {}))
         _raise_first(check_system(system))
         _raise_unread(name, system)
-    return name
+    return name, model
 
 
 def _raise_twice(declared: Sequence[Variable]) -> None:
