@@ -163,7 +163,8 @@ class Integrator(March):
             self.ledger.work[e] = self.handover.work[e]
             self.limited.time[e] = self.handover.limited_time[e]
         self.state.supplied = self.handover.supplied
-        self.ledger.strike_balance(self.state.time, self.motion.q, self.motion.v)
+        self.net.all_signals(self.state.time)
+        self.ledger.strike_balance(self.motion.q, self.motion.v)
         self.ledger.carry_on(self.handover.residual)
 
     def set_signal(self, signal, coefficients, jumps=True):

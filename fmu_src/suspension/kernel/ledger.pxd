@@ -27,8 +27,10 @@ cdef class Ledger:
     cdef void start(self) noexcept nogil
     @cython.locals(e=int, r=int, at=int, p=int, f=double, c=double, factor=double)
     cdef void enter(self) noexcept nogil
-    @cython.locals(moving=bint, h=double, r=int, e=int, m=int, i=int)
+    @cython.locals(moving=bint, h=double, i=int)
     cdef void book(self) noexcept nogil
+    @cython.locals(r=int, e=int, m=int)
+    cdef void _book_parts(self, double h, bint moving) noexcept nogil
     @cython.locals(f=double, c=double, r=int, k=int, w=double, force=double, work=double)
     cdef void _book_element(self, int e, double h) noexcept nogil
     @cython.locals(s=int, p=int, bent=int, k=int, rate=double, d=double, w=double, force=double)
@@ -44,7 +46,7 @@ cdef class Ledger:
     cdef void take_stock(self, double *q, double *v) noexcept nogil
     cdef void _supply(self, int signal, double energy) noexcept nogil
     @cython.locals(i=int, balance=double)
-    cdef void strike_balance(self, double t, double *q, double *v) noexcept nogil
+    cdef void strike_balance(self, double *q, double *v) noexcept nogil
     cdef void lose(self, int e, double energy) noexcept nogil
     cdef void bring_in(self, int signal, double energy) noexcept nogil
     cdef bint grows(self) noexcept nogil

@@ -93,20 +93,22 @@ class Ledger:
                 self.lossy[self.net.element_row[e]] = 1
 
     def book(self):
-        """Add the works of the last step, with the branches of that step."""
+        """Add the works of the last step, with its branches; leave the signals at its end."""
         h = self.dense.end - self.dense.start
         for i in range(self.net.elements, self.works):
             self.brought[i] = 0.0
-        if h <= 0.0:
-            return
         moving = not self.net.still()
-        if moving and self.net.stuck:
-            self._book_points()
-            return
-        if moving:
-            self.readings.read_signals(h)
-        else:
-            self.net.all_signals(self.dense.end)
+        if h > 0.0 and moving:
+            if self.net.stuck:
+                self._book_points()
+            else:
+                self.readings.read_signals(h)
+        self.net.all_signals(self.dense.end)
+        if h > 0.0 and not (moving and self.net.stuck):
+            self._book_parts(h, moving)
+
+    def _book_parts(self, h, moving):
+        """Add the works of elements, roads and loads one by one, with the signals read before."""
         for r in range(self.net.rows):
             if moving or self.needs_points[r]:
                 self.readings.read_row(r, h, moving)
@@ -243,9 +245,11 @@ class Ledger:
         most = max(self.state.most_stored, self.state.supplied) + fabs(self.state.initial_energy)
         return fabs(self.state.residual_end) > most + _LEAST
 
-    def strike_balance(self, t, q, v):
-        """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact."""
-        self.net.all_signals(t)
+    def strike_balance(self, q, v):
+        """Find T + U + dissipated - supplied - exchanged at contact switches - initial: 0 if exact.
+
+        The state is q, v with the signals in `road`.
+        """
         self.stored = self.potential.energy(q, v) - self.state.exchange
         self.state.most_stored = max(self.state.most_stored, fabs(self.stored))
         balance = self.stored - self.state.initial_energy

@@ -553,7 +553,7 @@ class March:
         self.state.step_count += 1
         if self.energy:
             self.ledger.book()
-            self.ledger.strike_balance(t, self.motion.q, self.motion.v)
+            self.ledger.strike_balance(self.motion.q, self.motion.v)
 
     def _land(self, h):
         """End the attempt on the switch found, by Newton's method, finally along the Taylor series.

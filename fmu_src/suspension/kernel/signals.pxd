@@ -28,10 +28,11 @@ cdef class Signals:
     @cython.locals(at=int, i=int, before=double)
     cdef double replace_signal(self, int s, double t, double *coefficients) noexcept nogil
     cdef double set_at(self, int s) noexcept nogil
-    @cython.locals(k=int, at=int, x=double, value=double, rate=double,
-                   acceleration=double, jerk=double, amplitude=double, angle=double,
-                   speed=double, c=double, d=double)
-    cdef void signal(self, int s, double t) noexcept nogil
+    @cython.locals(k=int, at=int)
+    cdef inline void signal(self, int s, double t) noexcept nogil
+    @cython.locals(x=double, value=double, rate=double, acceleration=double, jerk=double,
+                   amplitude=double, angle=double, speed=double, c=double, d=double)
+    cdef void _moving_signal(self, int s, double t, int at) noexcept nogil
     @cython.locals(now=int, k=int)
     cdef void signal_at(self, int s, double t, bint after) noexcept nogil
     @cython.locals(start=double)

@@ -119,7 +119,11 @@ class Signals:
         if self.level[k]:
             self.road[4 * s] = self.segment[at + C0]
             self.road[4 * s + 1] = self.road[4 * s + 2] = self.road[4 * s + 3] = 0.0
-            return
+        else:
+            self._moving_signal(s, t, at)
+
+    def _moving_signal(self, s, t, at):
+        """Do the same in a segment at `at` that is not constant."""
         x = t - self.segment[at + ORIGIN]
         value = self.segment[at + C0] + x * (
             self.segment[at + C1] + x * (self.segment[at + C2] + x * self.segment[at + C3])

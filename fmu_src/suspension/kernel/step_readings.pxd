@@ -3,6 +3,7 @@ from .dense cimport Dense
 from .network cimport Network
 
 cdef int POINTS, ENDS
+cdef double _THIRD, _TWO_THIRDS
 
 @cython.final
 cdef class StepReadings:
@@ -18,5 +19,7 @@ cdef class StepReadings:
     cdef void read_ends(self, double *direction, int at, double h) noexcept nogil
     @cython.locals(s=int, k=int, m=int, d=double, w=double, way=double, square=double)
     cdef void read_row(self, int r, double h, bint moving) noexcept nogil
-    @cython.locals(k=int, m=int, square=double, w=double, c1=double, c2=double, c3=double)
+    @cython.locals(k=int, m=int, square=double, w=double)
     cdef void sum_row(self, int r, double h) noexcept nogil
+    @cython.locals(n=int, i=int, b=double, way=double, c1=double, c2=double, c3=double, square=double)
+    cdef void _sum_cubic(self, int r, double h) noexcept nogil

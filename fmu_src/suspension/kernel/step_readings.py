@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
+_THIRD, _TWO_THIRDS = 1.0 / 3.0, 2.0 / 3.0
 POINTS, ENDS = 4, 8  # of the quadrature; numbers at both ends of a step
 _POINT = (
     0.06943184420297371239, 0.33000947820757186760, 0.66999052179242813240, 0.93056815579702628761,
@@ -92,22 +93,35 @@ class StepReadings:
 
     def sum_row(self, r, h):
         """Find the integrals of w and w^2 alone, for a row on a road that does not move."""
-        self.read_ends(self.net.row_direction, self.net.n * r, h)
-        self.way[r] = self.ends[4] - self.ends[0]
-        square = 0.0
         if self.dense.cubic:
-            c1, c2, c3 = self.ends[1], self.ends[2], 0.5 * (self.ends[6] - self.ends[2])
-            if self.dense.to_end:
-                c3 = 3.0 * (self.way[r] - c1 - 0.5 * c2)
-            # of c1 + c2 x + c3 x^2
-            square = c1 * (c1 + c2 + c3 / 1.5) + c2 * (c2 / 3.0 + 0.5 * c3) + 0.2 * c3 * c3
-        else:
-            for k in range(POINTS):
-                w = 0.0
-                for m in range(ENDS):
-                    w += self.rate[ENDS * k + m] * self.ends[m]
-                square += self.weight[k] * w * w
-        self.square[r] = square / h
+            self._sum_cubic(r, h)
+            return
+        self.read_ends(self.net.row_direction, self.net.n * r, h)
+        square = 0.0
+        for k in range(POINTS):
+            w = 0.0
+            for m in range(ENDS):
+                w += self.rate[ENDS * k + m] * self.ends[m]
+            square += self.weight[k] * w * w
+        self.way[r], self.square[r] = self.ends[4] - self.ends[0], square / h
+
+    def _sum_cubic(self, r, h):
+        """Find them for a cubic, whose rate is c1 + c2 x + c3 x^2."""
+        n = self.net.n
+        way = 0.0
+        c1 = 0.0
+        c2 = 0.0
+        c3 = 0.0
+        for i in range(n):
+            b = self.net.row_direction[n * r + i]
+            way += b * (self.dense.qb[i] - self.dense.qa[i])
+            c1 += b * self.dense.va[i]
+            c2 += b * self.dense.aa[i]
+            c3 += b * self.dense.ab[i]
+        c2 *= h
+        c3 = 3.0 * (way / h - c1 - 0.5 * c2) if self.dense.to_end else 0.5 * (h * c3 - c2)
+        square = c1 * (c1 + c2 + _TWO_THIRDS * c3) + c2 * (_THIRD * c2 + 0.5 * c3) + 0.2 * c3 * c3
+        self.way[r], self.square[r] = way, h * square
 
 
 @cache
