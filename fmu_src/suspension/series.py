@@ -11,7 +11,7 @@ from array import array
 from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from math import ceil
+from math import ceil, cos, sin
 from operator import attrgetter
 from typing import Any, NamedTuple
 
@@ -296,12 +296,18 @@ class _Course:
 
     def _sampled(self, times: Column, order: int) -> Column:
         at = np.searchsorted(self._numbers[0, 1:], times, side="right")
-        _, origin, c0, c1, c2, c3, amplitude, *_ = self._numbers[:, at]
+        _, origin, c0, c1, c2, c3, amplitude, *phase = self._numbers[:, at]
         s = times - origin
         if order == VELOCITY:
             column = c1 + s * (2.0 * c2 + s * 3.0 * c3)
         else:
             column = c0 + s * (c1 + s * (c2 + s * c3))
-        for row in np.flatnonzero(amplitude):  # numpy's cosine may differ from that of `math`
-            column[row] = self.signal.segments[at[row]].derivatives(times[row])[order]
+        waves = np.flatnonzero(amplitude)
+        if len(waves):
+            s, (p0, p1, p2) = s[waves], (p[waves] for p in phase)
+            angle = (p0 + s * (p1 + s * p2)).tolist()
+            if order == VELOCITY:  # numpy's sine may differ from that of `math`
+                column[waves] -= amplitude[waves] * [*map(sin, angle)] * (p1 + 2.0 * p2 * s)
+            else:
+                column[waves] += amplitude[waves] * [*map(cos, angle)]
         return column
