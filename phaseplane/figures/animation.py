@@ -158,10 +158,13 @@ def _pictures(sheet: Sheet, ticks: Iterator[Tick]) -> Iterator[npt.NDArray[np.ui
 def _write_gif(pictures: list[npt.NDArray[np.uint8]], path: Path, rate: float) -> None:
     from PIL import Image  # noqa: PLC0415  (comes with matplotlib)
 
-    samples = np.concatenate(pictures[:: max(1, len(pictures) // 6)])
-    first = Image.fromarray(samples).quantize(96)
+    # every colour counts once: few points of a picture have the colour of a thin line
+    some = np.concatenate([picture[::3, ::3].reshape(-1, 3) for picture in pictures])
+    codes = np.unique(some @ np.array([1 << 16, 1 << 8, 1]))
+    colours = (codes[:, None, None] >> np.array([16, 8, 0]) & 255).astype(np.uint8)
+    palette = Image.fromarray(colours).quantize(256, Image.Quantize.MAXCOVERAGE)
     images = [
-        Image.fromarray(p).quantize(palette=first, dither=Image.Dither.NONE) for p in pictures
+        Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures
     ]
     options: dict[str, Any] = {"save_all": True, "loop": 0, "duration": round(1000.0 / rate)}
     images[0].save(path, append_images=images[1:], optimize=False, **options)

@@ -23,11 +23,18 @@ from phaseplane.picture.text import is_letter
 
 _LARGEST = (11.0, 10.0)  # inches that the sheet may take up
 _BESIDE = 0.1  # inches
-_MONO: dict[str, Any] = {
-    "normal": "-.",
-    "projection": "--",
-    "auxiliary": (0, (6, 1.5)),
-    "arc": (0, (3, 1)),
+_DASH_DOT_DOT = (0, (4, 2.5, 0.1, 2.5, 0.1, 2.5))
+_MONO: dict[str, Any] = {  # of lines with round ends; only the integral curve is solid
+    "run": (0, (1, 2)),
+    "auxiliary": (0, (12, 3)),
+    "line": (0, (5, 3)),
+    "shortcut": (0, (8, 3, 0.1, 3)),
+    "excitation": (0, (0.1, 2)),
+    "projection": (0, (2, 3)),
+    "normal": (0, (5, 2.5, 0.1, 2.5)),
+    "arc": _DASH_DOT_DOT,
+    "successor": _DASH_DOT_DOT,
+    "turn": (0, (0.1, 4)),
 }
 
 
@@ -174,8 +181,9 @@ class Sheet(Canvas):
     def _legend(self, entries: Sequence[tuple[str, str]], columns: int) -> None:
         handles = [
             Line2D(
-                [], [], color=self.colour(role), linestyle=self.dashes(role), linewidth=1.6,
-                label=words,
+                [], [], color=self.colour(role), linestyle=self.dashes(role), label=words,
+                linewidth=style_of(role).width if self.palette.mono else 1.6,
+                dash_capstyle="round",
             )
             for role, words in entries
         ]  # fmt: skip
@@ -183,6 +191,7 @@ class Sheet(Canvas):
             self.figure.legend(
                 handles=handles, loc="lower center", ncols=min(columns, len(handles)),
                 frameon=False, fontsize=8.0, labelcolor=self.palette.ink,
+                handlelength=4.0 if self.palette.mono else 2.0,
             )  # fmt: skip
 
 

@@ -16,6 +16,7 @@ from phaseplane.constructions import Drawing, construct_motion
 from phaseplane.figures import Look, animation, storyboard
 from phaseplane.figures.style import HEADING
 from phaseplane.picture.story import told_steps
+from phaseplane.picture.styles import style_of
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +45,22 @@ def test_a_gif_tells_the_story_and_does_not_give_the_end_away(
     assert bright[0] < min(bright[1:])  # the empty sheet
     differ = [np.abs(a - b).max() > 30.0 for a, b in pairwise(pictures)]
     assert all(differ)  # each stage differs from the one before
+
+
+def test_a_gif_keeps_the_colours_of_what_is_drawn_late(drawing: Drawing, tmp_path: Path) -> None:
+    shown: set[str] = set()
+    with Image.open(animation(drawing, tmp_path / "a.gif")) as moving:
+        for k in range(moving.n_frames):
+            moving.seek(k)
+            colours = np.unique(np.asarray(moving.convert("RGB")).reshape(-1, 3), axis=0).astype(
+                int
+            )
+            for role in ("normal", "projection", "excitation", "successor", "trail"):
+                hue = style_of(role).hue.light
+                wanted = [int(hue[i : i + 2], 16) for i in (1, 3, 5)]
+                if abs(colours - wanted).max(axis=1).min() <= 12:
+                    shown.add(role)
+    assert shown == {"normal", "projection", "excitation", "successor", "trail"}
 
 
 def test_what_is_there_stays_when_writing_fails(drawing: Drawing, tmp_path: Path) -> None:

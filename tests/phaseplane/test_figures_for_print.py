@@ -16,6 +16,8 @@ from worked_example import STEP, ap57
 from phaseplane import figures
 from phaseplane.constructions import Drawing, OneDofPlane, construct_motion, delta, tangent
 from phaseplane.figures import Look, save
+from phaseplane.figures.canvas import Sheet
+from phaseplane.picture.styles import ROLES
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,13 @@ def test_a_heading_can_be_left_to_the_caption(drawing: Drawing, tmp_path: Path) 
     svg = save(figure, tmp_path / "f.svg").read_text(encoding="utf-8")
     assert "<dc:title>A bump" in svg
     assert not re.search("<text[^>]*>A bump", svg)
+
+
+def test_dashes_distinguish_black_lines() -> None:
+    """Roles with the same words in the legend are one kind of line."""
+    sheet = Sheet(Look(mono=True))
+    kinds = {style.words: str(sheet.dashes(role)) for role, style in ROLES.items() if style.words}
+    assert len(set(kinds.values())) == len(kinds)
 
 
 def test_mono_and_fonts(drawing: Drawing) -> None:
