@@ -99,9 +99,6 @@ class Chart:
         page.arrow("axis", self.at(self.start, self.low), self.at(self.start, self.high) + 0.01j)
         unit = bracketed(self.quantity.unit)
         page.write(Text("axis", f"{self.quantity.name}{unit}", complex(0.05, _HEIGHT + 1.7 * _EM)))
-        page.write_if_free(
-            Text("axis", f"t [{self.time_unit[0]}]", zero + 0.93 * _WIDTH + 1.2j * _EM)
-        )
         self._values(page)
         for role, name in zip(self.roles, self.names, strict=True):
             curve = self._curve(self.times, self.values[name])
@@ -118,12 +115,14 @@ class Chart:
             z = self.at(self.start, i * step)
             page.lines("axis", [[z, z + 0.4 * _EM]])
             page.write_if_free(Text("value", number(i * step), z - 1.3 * _EM, 0.8, "value"))
-        factor = self.time_unit[1]
+        unit, factor = self.time_unit
         step = round_step(factor * (self.end - self.start) or 1.0, 6)
-        for i in range(1, int(factor * (self.end - self.start) / step) + 1):
+        last = int(factor * (self.end - self.start) / step)
+        for i in range(1, last + 1):
             z = self.at(self.start + i * step / factor, 0.0)
             page.lines("axis", [[z, z + 0.4j * _EM]])
-            page.write_if_free(Text("value", number(i * step), z - 1.0j * _EM, 0.8, "value"))
+            text = number(i * step) + (f" {unit}" if i == last else "")
+            page.write_if_free(Text("value", text, z - 1.0j * _EM, 0.8, "value"))
 
     def upto(self, step: int) -> Page:
         """Return a page with what was read off the planes up to a step, and a line at its time."""

@@ -52,7 +52,7 @@ def lanes_of(content: Content) -> dict[str, tuple[str, str, Hue, npt.NDArray[np.
 
 def lanes_share(content: Content) -> float:
     """Return the height of the lanes where that of the sheet is `SHEET_SHARE`; zero without lanes."""
-    lanes = min(len(lanes_of(content)), 3)
+    lanes = min(len(lanes_of(content)), 4)
     return 0.6 + 0.8 * lanes if lanes else 0.0
 
 

@@ -42,7 +42,7 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
         left.append((below, _lanes()))
     right: list[tuple[float, rrb.View | rrb.Container]] = []
     if recorder.words:
-        right.append((4.5, rrb.TextDocumentView(origin=WORDS, name="construction step")))
+        right.append((5.6, rrb.TextDocumentView(origin=WORDS, name="construction step")))
     beside: list[rrb.View] = []
     vehicle = vehicle_of(content)
     if vehicle is not None:
@@ -51,12 +51,12 @@ def blueprint(content: Content, recorder: Recorder) -> rrb.Blueprint:
     if recorder.arms_page is not None and content.detail != "trail":
         beside.append(_view([f"+ {ARMS}/**"], "turn angles", recorder.arms_page.view))
     if beside:
-        right.append((2.0, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
+        right.append((1.9, rrb.Tabs(*beside) if len(beside) > 1 else beside[0]))
     plots: list[rrb.View] = [_plot(panel, content) for panel in panels(content)]
     if recorder.chart is not None:
         plots.insert(0, _view([f"+ {CHART}/**"], "over time", recorder.chart.stays.view))
     if plots and (recorder.words or beside):
-        right.append((2.8, rrb.Tabs(*plots)))
+        right.append((2.6, rrb.Tabs(*plots)))
     elif plots:
         right.append(
             (2.5, rrb.Vertical(*plots[:4], *([rrb.Tabs(*plots[4:])] if plots[4:] else [])))
