@@ -164,7 +164,7 @@ def host_costs(folder: Path) -> dict[str, float]:
 def tuned_in_python(folder: Path, rounds: int = 5) -> dict[str, float]:
     """Return the time of a doStep of the Python FMU, and of one with another damper rate before, s.
 
-    On a road as input, and on a bump, where the integrator goes ahead and first has to come back. The
+    On a road as input, and on a bump, where the integrator goes ahead as long as nothing changes. The
     first changes, in which the system is built again, are not counted.
     """
     functions: dict[str, Callable[[], float]] = {}
@@ -201,7 +201,7 @@ def _time_tuned(slave: Any, rate: int, *, tuned: bool) -> float:
 def tuning_costs(folder: Path) -> dict[str, float]:
     """Return the processor time of a step on a road as input, and of one with another spring rate, s.
 
-    On a random road, too, where the integrator first has to come back to the present.
+    On a random road, too, where the integrator goes ahead as long as nothing changes.
     """
     found = []
     for shape in ("input", "random"):

@@ -216,6 +216,34 @@ def test_a_change_of_laws_makes_no_integrator_and_reads_no_road(
     assert size == len(session.integrator.snapshot()) < 80 * len(session._signals["road"].segments)
 
 
+def test_steps_end_where_parameters_change_time_after_time() -> None:
+    session, now = Session("QuarterCar", {}), 0.0
+    ahead = []
+    for changes in (True, False, True, True, True, False):
+        if changes:
+            session.set_parameter("damper.bump_rate", 500.0 + 1e4 * now)
+        now += 1e-3
+        session.advance(now)
+        ahead.append(session.integrator.time > now)
+    assert ahead == [True, True, True, False, False, False]
+    later = Session("QuarterCar", session.parameters)
+    later.restore(session.snapshot())
+    assert later.snapshot() == session.snapshot()
+
+
+@pytest.mark.parametrize("steps", [1, 2, 8])
+def test_single_changes_leave_the_steps_to_the_integrator(steps: int) -> None:
+    found = []
+    for parts in (1, steps):
+        session = Session("QuarterCar", {})
+        for k in range(1, 11):
+            session.set_parameter("damper.bump_rate", 500.0 + 100.0 * k)
+            for part in range(1, 2 * parts + 1):
+                session.advance(0.01 * (k - 1) + 0.01 * part / (2 * parts))
+        found.append([session.value(name) for name in MOTION])
+    assert found[0] == found[1]
+
+
 @pytest.mark.parametrize("road", [
     {"road.shape": "random"}, {"road.shape": "spline", "road.table": "0:0, 1:0.05, 2:0"},
 ])  # fmt: skip

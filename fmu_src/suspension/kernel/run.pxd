@@ -6,7 +6,7 @@ from .inputs cimport Inputs
 from .integrator cimport Integrator
 from .rest cimport Rest
 
-cdef int _NONE
+cdef int _NONE, _CHANGED, _SUCCESSIVELY
 
 @cython.final
 cdef class Run:
@@ -25,6 +25,7 @@ cdef class Run:
     cdef int *line_input, *line_rate
     cdef double *line_time, *line_value, *line_slope
     cdef double handed, interval
+    cdef int changed  # more than 0 after a change of parameters
     cdef double course_time, course_value, course_slope
     cdef double *coefficients
 

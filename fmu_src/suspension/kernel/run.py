@@ -7,7 +7,8 @@ two intervals, and held if the signs of these differ. Where the input is smooth,
 first order; jumps are preserved.
 
 With an internal road the integrator runs ahead of the communication points, so contact switches wait
-here until their time has come.
+here until their time has come. It stops at every communication point, as with inputs, once parameters have
+changed at two successive ones: running ahead would be in vain.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from .inputs import Inputs
 from .rest import Rest
 
 _NONE = -1
+_CHANGED, _SUCCESSIVELY = 2, 3
 
 
 class Run:
@@ -58,6 +60,7 @@ class Run:
         self.time = self.start = start
         self.handed = start  # when inputs were last handed over, s; and how long after those before
         self.interval = 0.0
+        self.changed = 0
         self.inputs.start()
         for k in range(self.lines):
             self.line_time[k] = start
@@ -107,12 +110,17 @@ class Run:
         return self.course_time == self.line_time[k] or self.course_slope == 0.0
 
     def sets_in(self):
-        """Return whether an input has begun to act on a system on which none has acted so far.
+        """Return whether the steps are to end on communication points from now on; once for each step.
 
+        So they do when an input begins to act, or when parameters have changed at two successive points.
         Roads as inputs act from the start; forces may begin to act at any time.
         """
         if self.sampled:
             return 0
+        if self.changed >= _SUCCESSIVELY:
+            return 1
+        if self.changed > 0:
+            self.changed -= 1
         for k in range(self.lines):
             if self.inputs.value[self.line_input[k]] != self.line_value[k]:
                 return 1
@@ -204,6 +212,7 @@ class Run:
 
     def _begin_anew(self, integrator):
         """Compare contacts, and continue the energies, while the integrator's ledger starts from zero."""
+        self.changed += _CHANGED
         self.contacts.compare(integrator, self.time)
         self.account.carry(integrator)
 
@@ -250,6 +259,7 @@ class Run:
         numbers = [
             self.time, self.start, self.handed, self.interval, self.account.opening,
             self.account.look_at, self.account.drifts, self.sampled, self.contacts.waiting,
+            self.changed,
         ]  # fmt: skip
         for part in self._parts():
             numbers += part.tolist()
@@ -259,8 +269,9 @@ class Run:
         """Return to the state of a snapshot of the same run."""
         account, contacts = self.account, self.contacts
         self.time, self.start, self.handed, self.interval, account.opening = state[:5]
-        account.look_at, account.drifts, self.sampled, contacts.waiting = map(int, state[5:9])
-        at = 9
+        whole = map(int, state[5:10])
+        account.look_at, account.drifts, self.sampled, contacts.waiting, self.changed = whole
+        at = 10
         for part in self._parts():
             kind = int if part.format == "i" else float
             for k in range(len(part)):

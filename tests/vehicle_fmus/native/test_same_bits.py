@@ -76,7 +76,7 @@ class Pair:
         self.inputs = [v for v in declared if v.causality == "input"]
         self.tunable = [v for v in declared if v.tunable and v.name in free and v.start > 0.0]  # type: ignore[operator]
         self.values = drawn_values(model, free, drawn)
-        self.feeds = drawn.random() < 0.6
+        self.feeds, self.tunes = drawn.random() < 0.6, False
 
     def set(self, name: str, value: float) -> None:
         for one in self.both:
@@ -88,7 +88,8 @@ class Pair:
                 self.set(v.name, drawn_input(v, self.drawn))
 
     def tune(self) -> None:
-        if self.tunable and self.drawn.random() < 0.08:
+        self.tunes = self.drawn.random() < (0.6 if self.tunes else 0.06)  # once or in succession
+        if self.tunable and self.tunes:
             v = self.drawn.choice(self.tunable)
             self.set(v.name, self.values.get(v.name, v.start) * self.drawn.uniform(0.8, 1.2))  # type: ignore[operator]
 
