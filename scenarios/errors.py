@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 PICTURES = (".png", ".svg", ".pdf")
@@ -49,7 +49,7 @@ def shown(value: object, limit: int = 80) -> str:
     return text if len(text) <= limit else f"{text[: limit - 3]}..."
 
 
-def refuse_unknown_keys(given: Iterable[str], known: Sequence[str], where: str = "") -> None:
+def refuse_unknown_keys(given: Iterable[str], known: Collection[str], where: str = "") -> None:
     """Reject unknown keys of a table.
 
     Parameters

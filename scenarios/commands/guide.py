@@ -1,4 +1,4 @@
-"""The keys of scenes and sweeps, explained from the definitions they are checked against."""
+"""The keys of scenes, sweeps and studies, explained from the definitions they are checked against."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from phaseplane.suspension.variables import MODELS, Variable
 
+from ..design.files import FitFile, OptimumFile
 from ..measures import catalogue
 from ..scene.expectations import During, Reference
 from ..scene.fields import schema_of
@@ -32,6 +33,12 @@ _SECTIONS: dict[str, tuple[str, type]] = {
     "[expect.during]": ("bounds on an output within an interval of time; repeatable", During),
     "expect.reference": ("a table of results that the run must agree with", Reference),
 }
+FILES: dict[str, tuple[str, type]] = {
+    "sweep": ("A sweep runs a scene many times", SweepFile),
+    "optimise": ("An optimisation finds the best parameters of a scene", OptimumFile),
+    "fit": ("A fit finds the parameters with which a scene gives measured signals", FitFile),
+}
+"""What files other than scenes are, and their tables."""
 _EXAMPLE = "speed_bump"  # a sweep that comes with the package
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TYPES = {float: "number", bool: "boolean", int: "integer", str: "string"}
@@ -47,14 +54,28 @@ def guide(model: str | None) -> str:
     return "\n".join(_of_scenes() if model is None else _of_model(model))
 
 
-def sweep_guide() -> str:
-    """Return the keys of a sweep file, as text."""
-    return "\n".join(_of_sweeps())
+def file_guide(kind: str) -> str:
+    """Return the keys of a file of one of the kinds in `FILES`, as text."""
+    about, table = FILES[kind]
+    said = schema_of(table)["properties"]
+    parts = [(f"[{key}]  {one['description']}", one) for key, one in said.items()]
+    inner = [(head, one["properties"]) for head, one in parts if "properties" in one]
+    if kind == "sweep":
+        inner.append(("A range in [vary]", schema_of(Range)["properties"]))
+    lines = [f"{about}. It is a TOML file.", ""]
+    lines += _keys({key: one for key, one in said.items() if "properties" not in one})
+    for head, keys in inner:
+        lines += ["", head, *_keys(keys)]
+    if kind == "sweep":
+        example = (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8")
+        lines += ["", "For example:", "", *example.splitlines()]
+    return "\n".join(lines)
 
 
-def sweep_schema() -> dict[str, Any]:
-    """Return the JSON Schema (2020-12) of a sweep file."""
-    return {"$schema": _DIALECT, "title": "A sweep over a scene", **schema_of(SweepFile)}
+def file_schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema (2020-12) of a file of one of the kinds in `FILES`."""
+    about, table = FILES[kind]
+    return {"$schema": _DIALECT, "title": about, **schema_of(table)}
 
 
 def json_schema(model: str | None) -> dict[str, Any]:
@@ -107,31 +128,18 @@ def _of_scenes() -> Iterator[str]:
     for name, (about, kind) in _SECTIONS.items():
         yield ""
         yield f"[{name}]  {about}"
-        yield from _keys(kind)
+        yield from _keys(schema_of(kind)["properties"])
     yield ""
     yield "[expect]  bounds on measures: name = { min = ..., max = ... }, or a list of these, one"
     yield "  for each value, as for natural_frequencies"
     yield ""
     yield f"phaseplane schema MODEL lists the variables and measures of {', '.join(MODELS)};"
-    yield "phaseplane schema --sweep explains the keys of a sweep file."
+    yield "phaseplane schema --sweep, --optimise and --fit explain the keys of other files."
 
 
-def _of_sweeps() -> Iterator[str]:
-    yield "A sweep is a TOML file that runs a scene many times."
-    yield ""
-    yield from _keys(SweepFile)
-    yield ""
-    yield "A range in [vary]"
-    yield from _keys(Range)
-    yield ""
-    yield "For example:"
-    yield ""
-    yield from (SWEEPS / f"{_EXAMPLE}.toml").read_text(encoding="utf-8").splitlines()
-
-
-def _keys(kind: type) -> Iterator[str]:
-    """Explain the keys of a table, from its definition."""
-    for key, said in schema_of(kind)["properties"].items():
+def _keys(properties: Mapping[str, Any]) -> Iterator[str]:
+    """Explain the keys of a table, from its schema."""
+    for key, said in properties.items():
         allowed = said.get("enum") or said.get("items", {}).get("enum") or ()
         words = f"{said['description']}{': ' if allowed else ''}{_text(allowed)}"
         yield _key(key, said.get("unit", ""), words + _default(said.get("default")))

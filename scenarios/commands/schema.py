@@ -1,4 +1,4 @@
-"""`phaseplane schema`: explain the keys of scenes and sweeps."""
+"""`phaseplane schema`: explain the keys of scenes, sweeps and studies."""
 
 from __future__ import annotations
 
@@ -7,22 +7,26 @@ import click
 from ..errors import InputError
 from ..results.plain import as_json
 from .console import json_option
-from .guide import guide, json_schema, sweep_guide, sweep_schema
+from .guide import file_guide, file_schema, guide, json_schema
 
 
 @click.command()
 @click.argument("model", required=False)
-@click.option("--sweep", is_flag=True, help="Explain the keys of a sweep file instead.")
+@click.option("--sweep", "kind", flag_value="sweep", help="Explain a sweep file instead.")
+@click.option(
+    "--optimise", "kind", flag_value="optimise", help="Explain a file of optimise instead."
+)
+@click.option("--fit", "kind", flag_value="fit", help="Explain a file of fit instead.")
 @json_option
-def schema(model: str | None, sweep: bool, as_data: bool) -> None:
+def schema(model: str | None, kind: str | None, as_data: bool) -> None:
     """Explain the keys of a scene, or the variables of MODEL.
 
     The variables are its parameters, outputs and measures. With --json, print a JSON Schema that
-    editors can check scene files against.
+    editors can check files against.
     """
-    if sweep and model:
-        raise InputError("schema: give a MODEL or --sweep, not both")
+    if kind and model:
+        raise InputError(f"schema: give a MODEL or --{kind}, not both")
     if as_data:
-        click.echo(as_json(sweep_schema() if sweep else json_schema(model)))
+        click.echo(as_json(file_schema(kind) if kind else json_schema(model)))
     else:
-        click.echo(sweep_guide() if sweep else guide(model))
+        click.echo(file_guide(kind) if kind else guide(model))

@@ -10,14 +10,13 @@ from typing import Any
 import numpy as np
 from phaseplane.suspension.batch import run_many
 
-from ..errors import InputError, RunError, refuse_unknown_keys
+from ..errors import InputError, RunError
 from ..results.signals import signals_in
 from ..sweeps.plan import Plan
 from ..toml_files import read_content
-from .space import Points, Runs, Space, journaled, read_search
+from .files import FitFile, SearchOfFit, read_study
+from .space import Points, Runs, Space, journaled
 
-KEYS = ("scene", "title", "vary", "measured", "search")
-_SEARCH = {"starts": (16, 1), "seed": (1, 0)}  # default and least value of each
 _LEVEL = 0.95
 _STEPS, _USUAL_STEPS = 60, 10  # of the least squares, at most and as a rule
 _ALIKE = 0.95  # correlation above which two parameters are hardly distinguished
@@ -32,13 +31,13 @@ class Task:
     space : the parameters and their ranges
     time : times of the samples, s
     signals : measured columns by the name of the output, SI
-    search : number of starts, seed
+    search : settings of the search
     """
 
     space: Space
     time: Points
     signals: Mapping[str, Points]
-    search: Mapping[str, int]
+    search: SearchOfFit
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,7 @@ def read_task(path: Path) -> Task:
     InputError : if the file or its signals are not valid; one line that says what is allowed.
     """
     content = read_content(path)
-    refuse_unknown_keys(content, KEYS, str(path))
+    said = read_study(FitFile, path, content)
     space = Space.read(path, content, {"step_count": "measured"})
     space.given()
     scene = space.plan.scene
@@ -101,8 +100,8 @@ def read_task(path: Path) -> Task:
             f"{path}: measured: {len(time)} samples within 0 and {scene.duration:g} s of the scene; a "
             "fit needs more samples than parameters; see time_shift"
         )
-    search = read_search(path, content, _SEARCH)
-    return Task(space, time, {name: column[during] for name, column in columns.items()}, search)
+    signals = {name: column[during] for name, column in columns.items()}
+    return Task(space, time, signals, said.search or SearchOfFit())
 
 
 def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = None) -> Fit:
@@ -123,7 +122,7 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
     weight = np.concatenate([
         np.full(len(x), 1.0 / (np.sqrt(np.mean(np.square(x))) or 1.0)) for x in task.signals.values()
     ])  # fmt: skip
-    stages = (1 + task.search["starts"], _USUAL_STEPS * (1 + 2 * count))
+    stages = (1 + task.search.starts, _USUAL_STEPS * (1 + 2 * count))
 
     def make(plan: Plan) -> Iterator[Sequence[float | None]]:
         return _signals_of(plan, task)
@@ -131,8 +130,8 @@ def fit(task: Task, journal: Path, progress: Callable[[float], None] | None = No
     said = (tuple(task.signals), task.time.tobytes(), target.tobytes())
     with journaled(space, make, journal, said, stages, progress) as runs:
         before = space.given()
-        sampler = qmc.Sobol(count, rng=task.search["seed"])
-        power = int(np.ceil(np.log2(task.search["starts"])))
+        sampler = qmc.Sobol(count, rng=task.search.seed)
+        power = int(np.ceil(np.log2(task.search.starts)))
         starts = np.concatenate([before[None], sampler.random_base2(power)])
         apart = np.sum(np.square(weight * (runs.at(starts) - target)), axis=1)
         if not np.isfinite(apart).any():

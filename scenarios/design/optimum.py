@@ -9,17 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InputError, RunError, one_line, refuse_unknown_keys, shown
+from ..errors import InputError, RunError, one_line
 from ..measures import catalogue
 from ..scene.expectations import Bounds, bounds_from
 from ..sweeps.plan import Plan
 from ..sweeps.running import run_chunk
 from ..toml_files import read_content
-from .space import Points, Runs, Space, journaled, read_search
+from .files import OptimumFile, SearchOfOptimum, read_study
+from .space import Points, Runs, Space, journaled
 
-KEYS = ("scene", "title", "minimise", "maximise", "against", "vary", "constrain", "search")
-# default and least value of each
-_SEARCH = {"population": (8, 1), "generations": (25, 0), "seed": (1, 0), "trade_offs": (9, 0)}
 _WORST = 1e30  # for a run that failed
 _CLOSE = 1e-6  # relative violation of a bound that counts as none
 _STEPS, _USUAL_STEPS = 12, 4  # of a local search, at most and as a rule
@@ -37,7 +35,7 @@ class Problem:
     sign : 1 to minimise it, -1 to maximise it
     against : name of a second measure to be traded off against it, or ""
     bounds : bounds on measures
-    search : population (for each parameter), generations, seed, trade_offs
+    search : settings of the search
     """
 
     space: Space
@@ -45,7 +43,7 @@ class Problem:
     sign: float
     against: str
     bounds: Mapping[str, Bounds]
-    search: Mapping[str, int]
+    search: SearchOfOptimum
 
     @property
     def measures(self) -> tuple[str, ...]:
@@ -116,21 +114,11 @@ def read_problem(path: Path) -> Problem:
     InputError : if the file is not valid; one line with file, key, value and what is allowed.
     """
     content = read_content(path)
-    refuse_unknown_keys(content, KEYS, str(path))
-    wanted = [key for key in ("minimise", "maximise") if key in content]
-    if len(wanted) != 1:
-        raise InputError(f"{path}: give one of minimise and maximise, the name of a measure")
-    objective, against = content[wanted[0]], content.get("against", "")
-    constrained = content.get("constrain", {})
-    if not isinstance(constrained, dict):
-        raise InputError(f"{path}: constrain: must be a table of measures and their bounds")
-    flat = dict(_bounded(constrained))
-    for key in (wanted[0], "against"):
-        if not isinstance(content.get(key, ""), str):
-            raise InputError(
-                one_line(f"{path}: {key} = {shown(content[key])}: must be the name of a measure")
-            )
-    keys = {objective: wanted[0]} | ({against: "against"} if against else {})
+    said = read_study(OptimumFile, path, content)
+    objective, against = said.minimise or said.maximise, said.against
+    flat = dict(_bounded(said.constrain or {}))
+    keys = {objective: "minimise" if said.minimise else "maximise"}
+    keys |= {against: "against"} if against else {}
     space = Space.read(
         path, content, keys | {name: "constrain" for name in flat if name not in keys}
     )
@@ -142,8 +130,8 @@ def read_problem(path: Path) -> Problem:
             bounds[name] = bounds_from(raw, known[name].unit)
         except ValueError as error:
             raise InputError(one_line(f"{path}: constrain.{name}: {error}")) from None
-    search = read_search(path, content, _SEARCH)
-    sign = 1.0 if wanted == ["minimise"] else -1.0
+    sign = 1.0 if said.minimise else -1.0
+    search = said.search or SearchOfOptimum()
     return Problem(space, objective, sign, against, bounds, search)
 
 
@@ -173,9 +161,9 @@ def solve(
     """
     search, space = problem.search, problem.space
     count = len(space.plan.keys)
-    local = 2 + (max(search["trade_offs"], 2) - 1 if problem.against else 0)
+    local = 2 + (max(search.trade_offs, 2) - 1 if problem.against else 0)
     stages = (
-        search["population"] * count * (search["generations"] + 1),
+        search.population * count * (search.generations + 1),
         *[_USUAL_STEPS * (1 + 2 * count)] * local,
     )
     with journaled(space, _measures_of, journal, problem.measures, stages, progress) as runs:
@@ -219,8 +207,8 @@ def _evolved(problem: Problem, runs: Runs) -> Points:
     constraints = (NonlinearConstraint(broken, -np.inf, 0.0),) if problem.bounds else ()
     found = differential_evolution(
         lambda x: problem.cost(runs.at(x.T)), [(0.0, 1.0)] * count, vectorized=True,
-        updating="deferred", init="sobol", popsize=problem.search["population"],
-        maxiter=problem.search["generations"], rng=problem.search["seed"], polish=False,
+        updating="deferred", init="sobol", popsize=problem.search.population,
+        maxiter=problem.search.generations, rng=problem.search.seed, polish=False,
         constraints=constraints, tol=1e-4,
     )  # fmt: skip
     runs.end_stage()
@@ -303,7 +291,7 @@ def _trade_off(problem: Problem, runs: Runs, best: Points) -> tuple[Points, Poin
     place = problem.measures.index(against)
     first, last = (float(abs(runs.at(x)[0, place])) for x in (best, end))
     found, start = [best], best
-    for limit in np.linspace(first, last, max(problem.search["trade_offs"], 2))[1:-1]:
+    for limit in np.linspace(first, last, max(problem.search.trade_offs, 2))[1:-1]:
         bounds = {**problem.bounds, against: Bounds(max=float(limit))}
         start = _best(problem, runs, [start], bounds=bounds)
         start = _best(problem, runs, [_refined(problem, runs, start, bounds=bounds)], bounds=bounds)

@@ -17,40 +17,12 @@ from typing import IO, Any
 import numpy as np
 import numpy.typing as npt
 
-from ..errors import InputError, one_line, refuse_unknown_keys, shown
+from ..errors import InputError, one_line, shown
 from ..simulate.versions import versions
 from ..sweeps.plan import Plan, plan_of
 
 Points = npt.NDArray[np.float64]
 Make = Callable[[Plan], Iterable[Sequence[float | None]]]
-
-
-def read_search(
-    path: Path, content: Mapping[str, Any], known: Mapping[str, tuple[int, int]]
-) -> dict[str, int]:
-    """Return the settings of a study's search, those left out at their defaults.
-
-    Parameters
-    ----------
-    known : default and least value of each
-
-    Raises
-    ------
-    InputError : a setting that is unknown, or not a whole number of at least its minimum.
-    """
-    given = content.get("search", {})
-    if not isinstance(given, dict):
-        raise InputError(one_line(f"{path}: search = {shown(given)}: must be a table"))
-    refuse_unknown_keys(given, list(known), f"{path}: search")
-    for key, value in given.items():
-        if type(value) is not int or value < known[key][1]:
-            raise InputError(
-                one_line(
-                    f"{path}: search.{key} = {shown(value)}: must be a whole number, at least "
-                    f"{known[key][1]}"
-                )
-            )
-    return {key: given.get(key, default) for key, (default, _) in known.items()}
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,9 +22,17 @@ from .tables import read_table
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-KEYS = (
-    "file", "time", "columns", "units", "delimiter", "decimal", "offset", "time_shift",
-)  # fmt: skip
+KEYS = {
+    "file": ("string", "CSV file, or a table of results"),
+    "time": ("string", 'heading of the times; "time" if left out'),
+    "columns": ("object", "heading of each output; left out, the headings are the outputs' names"),
+    "units": ("object", "unit of each heading; left out, that in the row below it, or SI"),
+    "delimiter": ("string", 'between the cells of a row; "," if left out'),
+    "decimal": ("string", 'decimal sign; "." if left out'),
+    "offset": ("object", "added to the columns of outputs, in SI or with a unit"),
+    "time_shift": (["number", "string"], "added to the times, in s or with a unit"),
+}
+"""What describes measured signals: the type of each key in JSON, and its meaning."""
 
 
 def read_signals(
@@ -34,10 +42,7 @@ def read_signals(
 
     Parameters
     ----------
-    said : the keys of `KEYS`. `time` is the heading of the times; `columns` gives the heading of each
-        output, and is left out if they are the outputs' names; `units` gives the unit of each heading,
-        and is left out if a row below the heading gives them, or if they are SI; `offset` is added to the
-        column of an output, `time_shift` to the times
+    said : by the keys of `KEYS`
     folder : the folder that the file's path is relative to
     known : the SI units of the outputs by name
 

@@ -12,7 +12,9 @@ import pytest
 from click.testing import CliRunner, Result
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
+from phaseplane.scenarios.design.files import FitFile, OptimumFile, SearchOfFit, SearchOfOptimum
 from phaseplane.scenarios.results.folder import Place, Results, replace_folder, write_results
+from phaseplane.scenarios.results.signals import KEYS
 from phaseplane.scenarios.results.tables import write_table
 from phaseplane.scenarios.scene.expectations import During, Reference
 from phaseplane.scenarios.scene.fields import keys_of, schema_of
@@ -197,16 +199,24 @@ def test_lienard_is_said_to_be_common_to_all_rules() -> None:
     assert "all of them are step rules of Liénard's construction" in told.stderr
 
 
-def test_every_key_of_a_sweep_is_explained() -> None:
-    told = phaseplane("schema", "--sweep").stdout
-    for kind in (SweepFile, Range):
-        for name, said in schema_of(kind)["properties"].items():
+@pytest.mark.parametrize(("kind", "tables"), [
+    ("sweep", (SweepFile, Range)), ("optimise", (OptimumFile, SearchOfOptimum)),
+    ("fit", (FitFile, SearchOfFit)),
+])  # fmt: skip
+def test_every_key_of_another_file_is_explained(kind: str, tables: tuple[type, ...]) -> None:
+    told = phaseplane("schema", f"--{kind}").stdout
+    for table in tables:
+        for name, said in schema_of(table)["properties"].items():
             assert said["description"], name
-            assert f"  {name}" in told
-    schema = json.loads(phaseplane("schema", "--sweep", "--json").stdout)
-    assert set(schema["properties"]) == set(keys_of(SweepFile))
-    assert set(schema_of(Range)["properties"]) == {"from", "to", "count"}
-    assert "schema --sweep" in phaseplane("schema").stdout
+            assert f"  {name}" in told or f"[{name}]" in told
+    schema = json.loads(phaseplane("schema", f"--{kind}", "--json").stdout)
+    assert set(schema["properties"]) == set(keys_of(tables[0]))
+    assert f"--{kind}" in phaseplane("schema").stdout
+
+
+def test_the_schema_of_a_fit_explains_the_signals() -> None:
+    told = phaseplane("schema", "--fit").stdout
+    assert all(f"  {key}" in told for key in KEYS)
 
 
 @pytest.mark.parametrize("model", MODELS)

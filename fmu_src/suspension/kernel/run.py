@@ -7,8 +7,8 @@ two intervals, and held if the signs of these differ. Where the input is smooth,
 first order; jumps are preserved.
 
 With an internal road the integrator runs ahead of the communication points, so contact switches wait
-here until their time has come. It stops at every communication point, as with inputs, once parameters have
-changed at two successive ones: running ahead would be in vain.
+here until their time has come. It stops at every communication point, as with inputs, once parameters
+have changed at two successive ones: running ahead would be in vain.
 """
 
 from __future__ import annotations

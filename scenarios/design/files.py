@@ -1,0 +1,123 @@
+"""The keys of the files of design studies: optima and fits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from ..errors import InputError, one_line
+from ..results.signals import KEYS
+from ..scene.fields import (
+    TEXT,
+    Kind,
+    RefusedError,
+    entry,
+    read_table,
+    schema_of,
+    whole,
+)
+
+_File = TypeVar("_File")
+
+
+def _table(value: object) -> Mapping[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError("must be a table")
+    return value
+
+
+def _measure(value: object) -> str:
+    if not isinstance(value, str):
+        raise ValueError("must be the name of a measure")
+    return value
+
+
+_MEASURE = Kind(_measure, TEXT.schema)
+_TABLE = Kind(_table, {"type": "object"})  # keys may be nested: damper.rebound_rate
+MEASURED = {
+    "type": "object",
+    "properties": {
+        key: {"description": about, "type": kind} for key, (kind, about) in KEYS.items()
+    },
+    "required": ["file"],
+    "additionalProperties": False,
+}
+"""The JSON Schema of the table [measured]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchOfOptimum:
+    """The search of `phaseplane optimise`."""
+
+    population: int = entry(whole(1), "runs of each generation, for each parameter", 8)
+    generations: int = entry(whole(0), "generations of the differential evolution", 25)
+    seed: int = entry(whole(0), "seed of its random numbers", 1)
+    trade_offs: int = entry(whole(0), "points of the trade-off, if there is a second measure", 9)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SearchOfFit:
+    """The search of `phaseplane fit`."""
+
+    starts: int = entry(whole(1), "points tried first; the best is followed to its minimum", 16)
+    seed: int = entry(whole(0), "seed of these points", 1)
+
+
+def _inner(kind: type, key: str) -> Kind:
+    """Return the type of a table within the file."""
+    schema = {name: said for name, said in schema_of(kind).items() if name != "description"}
+    return Kind(lambda value: read_table(kind, value, key), schema)
+
+
+_SETTINGS = "settings of the search"
+_OF_OPTIMUM, _OF_FIT = _inner(SearchOfOptimum, "search"), _inner(SearchOfFit, "search")
+_SIGNALS = Kind(_table, MEASURED)
+_SCENE = "the case or scene file whose parameters are sought"
+_VARY = "range of each parameter: { from = ..., to = ... }, numbers in SI or texts with a unit"
+_TITLE = "name of the study in its report and picture"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OptimumFile:
+    """A file of `phaseplane optimise`."""
+
+    scene: str = entry(TEXT, _SCENE)
+    title: str = entry(TEXT, _TITLE, "")
+    minimise: str = entry(_MEASURE, "the measure to make small; of a peak the magnitude counts", "")
+    maximise: str = entry(_MEASURE, "the measure to make large; instead of minimise", "")
+    against: str = entry(_MEASURE, "a second measure, traded off against the first", "")
+    vary: Mapping[str, Any] = entry(_TABLE, _VARY)
+    constrain: Mapping[str, Any] | None = entry(
+        _TABLE, "bounds on measures: { min = ..., max = ... }, in SI or with a unit", None
+    )
+    search: SearchOfOptimum | None = entry(_OF_OPTIMUM, _SETTINGS, None)  # noqa: RUF009
+
+    def __post_init__(self) -> None:
+        if bool(self.minimise) == bool(self.maximise):
+            raise ValueError("give one of minimise and maximise, the name of a measure")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FitFile:
+    """A file of `phaseplane fit`."""
+
+    scene: str = entry(TEXT, _SCENE)
+    title: str = entry(TEXT, _TITLE, "")
+    vary: Mapping[str, Any] = entry(_TABLE, _VARY)
+    measured: Mapping[str, Any] = entry(_SIGNALS, "the measured signals")
+    search: SearchOfFit | None = entry(_OF_FIT, _SETTINGS, None)  # noqa: RUF009
+
+
+def read_study(kind: type[_File], path: Path, content: Mapping[str, Any]) -> _File:
+    """Return the content of a study's file as a table of its kind.
+
+    Raises
+    ------
+    InputError : if it is not valid; one line with file, key, value and what is allowed.
+    """
+    try:
+        return read_table(kind, content)
+    except RefusedError as error:
+        raise InputError(one_line(f"{path}: {error}")) from None
