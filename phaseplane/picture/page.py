@@ -20,7 +20,7 @@ from phaseplane.constructions.storage import Frame
 
 from .layers import Layer, is_main, layers_at
 from .letters import place, text_box
-from .paper import Box, Points, Strip, arcs, columns, table
+from .paper import Box, Boxes, Points, Strip, arcs, columns, table
 from .quantities import display_unit
 from .styles import style_of
 from .text import LETTER_OF_EVENT, MINUS, bracketed, level_text, number, typeset
@@ -430,13 +430,21 @@ class Page:
         self._name(tip - 1.0j * self.em, typeset(axis.label), sense)
 
     def _name(self, edge: complex, name: str, sense: float) -> None:
-        """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view."""
+        """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
+
+        It avoids lines I and II, which may be close to the axis.
+        """
         text = Text("axis", name, edge, 8.5 / TYPE, "name")
         half = text.box(self.em).half
         low, high = self.view.grown(-0.3 * self.em).corners
         x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
-        for up in (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8):
-            if self.write_if_free(replace(text, centre=complex(x, edge.imag + up * self.em))):
+        ways = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)
+        centres = [complex(x, edge.imag + up * self.em) for up in ways]
+        lines = [(c.vertices[0], c.vertices[-1]) for c in self.drawing.curves if c.role == "line"]
+        ends = np.array(lines, complex).reshape(-1, 2)
+        struck = Boxes(np.array(centres)[:, None], np.array(half)).inside(ends[:, 0], ends[:, 1])
+        for i in np.argsort(struck.sum(axis=1) > 0.0, kind="stable"):
+            if self.write_if_free(replace(text, centre=centres[i])):
                 return
 
     def _ticks(self, axis: Axis, graduation: Graduation, half: complex) -> None:

@@ -95,6 +95,20 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
 
 
 @pytest.mark.parametrize("name", DRAWN)
+def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
+    drawing = drawing_of(name)
+    lines = [c.vertices for c in drawing.curves if c.role == "line"]
+    pages = step_page(drawing, frame_at(drawing, None), PLAIN), *pages_of(Content(name, drawing))
+    for page in pages:
+        for text in page.texts if lines else ():
+            box = text.box(page.em)
+            across = np.array([[z.real - box.centre.real for z in (v[0], v[-1])] for v in lines])
+            up = abs(np.array([v[0].imag - box.centre.imag for v in lines]))
+            beside = (across < -box.half.real).all(axis=1) | (across > box.half.real).all(axis=1)
+            assert text.kind != "name" or (beside | (up >= box.half.imag)).all(), text.text
+
+
+@pytest.mark.parametrize("name", DRAWN)
 def test_planes_do_not_overlap(name: str) -> None:
     drawing = drawing_of(name)
     page = new_page(drawing, pages_of(Content(name, drawing))[0].view, PLAIN)
