@@ -32,6 +32,7 @@ CURVES = ("auxiliary", "line", "shortcut", "trail")
 another start."""
 _LETTER, _VALUE = 10.0 / TYPE, 7.0 / TYPE  # sizes, em
 
+_BESIDE = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)  # places of the name of an axis, em
 _WIDEST = 0.27  # part of the width that the name of an axis may take up
 _RECEDING = 0.45  # opacity of what earlier stages drew
 _SEEN = 2e-4  # m of paper: distance of two points that are seen apart
@@ -355,8 +356,8 @@ class Page:
             self.write(Text("axis", " ".join(words[:-1] or words), centre, kind="name"))
         values: list[Text] = []
         for plane, motion, along, up in known:
-            values += self._horizontal(plane, along)
             values += self._vertical(plane, motion, up)
+            values += self._horizontal(plane, along)
         for text in values:
             self.write_if_free(text)
 
@@ -432,16 +433,18 @@ class Page:
     def _name(self, edge: complex, name: str, sense: float) -> None:
         """Write the name of an axis, ending (sense > 0) or beginning at the edge of the view.
 
-        It avoids lines I and II, which may be close to the axis.
+        It avoids the axes, and lines I and II, which may be close to them.
         """
         text = Text("axis", name, edge, 8.5 / TYPE, "name")
         half = text.box(self.em).half
         low, high = self.view.grown(-0.3 * self.em).corners
         x = min(max(edge.real - sense * half.real, low.real + half.real), high.real - half.real)
-        ways = (0.0, 1.2, -1.2, 2.4, -2.4, 3.6, -3.6, 4.8, -4.8)
-        centres = [complex(x, edge.imag + up * self.em) for up in ways]
+        places = [(back, up) for back in (0.0, 1.0, 2.0, -3.0) for up in _BESIDE]
+        centres = [
+            complex(x - back * sense * half.real, edge.imag + up * self.em) for back, up in places
+        ]
         lines = [(c.vertices[0], c.vertices[-1]) for c in self.drawing.curves if c.role == "line"]
-        ends = np.array(lines, complex).reshape(-1, 2)
+        ends = np.concatenate([self.segments, np.array(lines, complex).reshape(-1, 2)])
         struck = Boxes(np.array(centres)[:, None], np.array(half)).inside(ends[:, 0], ends[:, 1])
         for i in np.argsort(struck.sum(axis=1) > 0.0, kind="stable"):
             if self.write_if_free(replace(text, centre=centres[i])):
@@ -472,8 +475,12 @@ class Page:
             elif curve.role == "axis":
                 self.write_if_free(_value(end - 0.8j * self.em, curve.label))
             elif curve.role not in ("auxiliary", "shortcut", "trail"):
-                words = typeset(curve.label)
-                self.write_if_free(Text(curve.role, words, end + 1.2 * self.em))
+                named = [c for c in chosen if c.role == curve.role and c.label]
+                words = ", ".join(
+                    typeset(c.label) for c in named if abs(c.vertices[-1] - end) < self.em
+                )
+                half = Text(curve.role, words, 0j).box(self.em).half.real
+                self.write_if_free(Text(curve.role, words, end + half + 0.5 * self.em))
         for curve in chosen:
             if curve.role == "auxiliary" and curve.label:
                 self._along(curve)

@@ -78,12 +78,12 @@ def test_the_sheet_is_to_scale(lettered, sheet):
 
 def test_axes_have_names_and_units_and_values_of_the_displacement(lettered, drawing):
     names = [t for t in lettered.axes[0].texts if t.get_gid() == "axis_name"]
-    assert [t.get_text() for t in names] == [
+    assert {t.get_text() for t in names} == {
         "suspension\ndeflection y₁ [cm]",
         "ȳ₁ = ẏ₁/Ω₁ [cm]",
         "wheel\ndisplacement y₂ [cm]",
         "ȳ₂ = ẏ₂/Ω₂ [cm]",
-    ]
+    }
     # 3 cm of wheel displacement stand 7.5 cm to the left of the origin of plane 2
     values = [t for t in lettered.axes[0].texts if t.get_text() == "3"]
     assert min(abs(t.get_position()[0] + 0.075) for t in values) < 1e-12

@@ -18,8 +18,9 @@ from phaseplane.figures.canvas import new_page
 from phaseplane.figures.planes import step_page
 from phaseplane.figures.style import PLAIN
 from phaseplane.picture.letters import NEAR
-from phaseplane.picture.page import Page
+from phaseplane.picture.page import Arrow, Page
 from phaseplane.picture.story import FEWEST, MOST, arms_page, story_of, told_steps
+from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
@@ -86,6 +87,15 @@ def test_letters_are_legible_and_the_sheet_fills_its_pane(name: str) -> None:
         assert scale * max(curves.real, curves.imag) >= 0.45 * min(width, height)
 
 
+@pytest.mark.parametrize("name", ["ap57", "half_car_pitch", "half_car_rigid_tyres"])
+def test_every_turn_angle_is_named(name: str) -> None:
+    """Also those of two axles, which are nearly equal."""
+    drawing = drawing_of(name)
+    written = ", ".join(text.text for text in arms_page(drawing).texts)
+    for plane in drawing.planes:
+        assert typeset(f"dtau{plane.number}") in written
+
+
 def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
     """Also in a short motion, which begins at rest."""
     drawing = drawing_of("h83_example40")
@@ -96,16 +106,19 @@ def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
 
 @pytest.mark.parametrize("name", DRAWN)
 def test_no_line_strikes_the_name_of_an_axis(name: str) -> None:
+    """Neither an axis nor one of the lines I to IV, all of which are horizontal or upright."""
     drawing = drawing_of(name)
-    lines = [c.vertices for c in drawing.curves if c.role == "line"]
+    lines = [(c.vertices[0], c.vertices[-1]) for c in drawing.curves if c.role == "line"]
     pages = step_page(drawing, frame_at(drawing, None), PLAIN), *pages_of(Content(name, drawing))
     for page in pages:
-        for text in page.texts if lines else ():
-            box = text.box(page.em)
-            across = np.array([[z.real - box.centre.real for z in (v[0], v[-1])] for v in lines])
-            up = abs(np.array([v[0].imag - box.centre.imag for v in lines]))
-            beside = (across < -box.half.real).all(axis=1) | (across > box.half.real).all(axis=1)
-            assert text.kind != "name" or (beside | (up >= box.half.imag)).all(), text.text
+        axes = [(arrow.start, arrow.tip) for arrow in page.of(Arrow) if arrow.role == "axis"]
+        for text in page.texts:
+            if text.kind == "name":
+                box = text.box(page.em)
+                ends = np.array([*lines, *axes]) - box.centre
+                beside = (ends.real < -box.half.real).all(1) | (ends.real > box.half.real).all(1)
+                above = (ends.imag < -box.half.imag).all(1) | (ends.imag > box.half.imag).all(1)
+                assert (beside | above).all(), text.text
 
 
 @pytest.mark.parametrize("name", DRAWN)
