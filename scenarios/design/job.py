@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from phaseplane.suspension import engine
 from phaseplane.suspension.variables import Value
 
 from phaseplane import figures
@@ -18,7 +19,7 @@ from ..errors import InputError, one_line
 from ..measures import catalogue
 from ..results.folder import OUTPUT, Place, check_replaceable, replace_folder, write_summary
 from ..results.quantities import quantity, shown_in
-from ..results.report import aligned
+from ..results.report import UNCOMPILED, aligned
 from ..results.tables import write_table
 from ..scene.names import SCENE_FILES
 from .fit import Fit, fit, read_task
@@ -128,6 +129,7 @@ def _written(
 ) -> Study:  # fmt: skip
     values = dict(zip(space.plan.keys, space.values(shares).tolist(), strict=True))
     problems = []
+    slow = [] if engine.compiled else [f"run in this process{UNCOMPILED}"]
     with replace_folder(place) as draft:
         (draft / SCENE).write_text(_scene(space, values, place.folder), encoding="utf-8")
         try:
@@ -140,7 +142,7 @@ def _written(
             "problems": problems, "origin": place.origin,
         }  # fmt: skip
         summary["files"] = write_summary(summary, draft)
-    lines = [space.plan.title or space.plan.name, "", *words, *problems, ""]
+    lines = [space.plan.title or space.plan.name, "", *words, *slow, *problems, ""]
     lines += [str(place.folder / name) for name in summary["files"]]
     return Study(values, summary, "\n".join(lines), place.folder)
 

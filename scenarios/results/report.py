@@ -15,6 +15,7 @@ from .quantities import reading, shown_in
 
 # least widths: of the names before words, of the names, numbers and units of measures
 _WORDS, _NAME, _NUMBER, _UNIT = 16, 26, 10, 5
+UNCOMPILED = ", uncompiled and therefore slower"
 Line = str | tuple[str, str]
 """A line, or a name with the text next to it."""
 
@@ -248,8 +249,7 @@ def _format_solver(summary: Mapping[str, Any]) -> str:
         return ""
     step = parameters["solver.step"]
     how = f"steps of {1e3 * step:g} ms" if step else f"tolerance {parameters['solver.tolerance']:g}"
-    slow = ", uncompiled and therefore slower" if summary["uncompiled"] else ""
-    return f"{parameters['solver.method']}, {how}{slow}"
+    return f"{parameters['solver.method']}, {how}{UNCOMPILED if summary['uncompiled'] else ''}"
 
 
 def _number(value: object) -> str:

@@ -11,7 +11,7 @@ from phaseplane.suspension.variables import Value
 from ..errors import InputError, one_line, shown
 from ..measures import catalogue
 from ..results.quantities import quantity
-from ..results.report import aligned
+from ..results.report import UNCOMPILED, aligned
 from .plan import Plan
 from .running import Row
 
@@ -110,7 +110,8 @@ def format_sweep(plan: Plan, summary: Mapping[str, Any], folder: Path) -> str:
         *aligned(rows),
         "",
         f"{summary['runs']} runs of {summary['scene']} in {seconds:.2f} s{rate}"
-        + (f"; {before} from before the interruption" if before else ""),
+        + (f"; {before} from before the interruption" if before else "")
+        + (UNCOMPILED if summary["uncompiled"] else ""),
     ]
     if "disagreement" in summary:
         lines.append(f"FMU and process agree to {summary['disagreement']:.2g}")

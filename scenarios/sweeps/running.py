@@ -31,6 +31,8 @@ from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
+from phaseplane.suspension import engine
+
 from .. import simulate as simulating
 from ..errors import InputError, RunError, one_line
 from ..measures import Measure, Run, catalogue, take
@@ -97,7 +99,8 @@ def sweep(
 
     Returns
     -------
-    A row for every run, in order, and plain data: seconds, runs made now, agreement with the FMU.
+    A row for every run, in order, and plain data: seconds, runs made now, whether they run uncompiled,
+    agreement with the FMU.
 
     Raises
     ------
@@ -151,7 +154,10 @@ def sweep(
                 raise RunError(f"a process of the sweep was killed {kept}") from None
             raise
     ordered = [rows[run] for run in range(len(plan.points))]
-    facts = {"seconds": perf_counter() - started, "made": len(left)}
+    facts = {
+        "seconds": perf_counter() - started, "made": len(left),
+        "uncompiled": plan.scene.fmu.is_ours and not engine.compiled,
+    }  # fmt: skip
     if through == "fmu" and plan.scene.fmu.path is None:
         facts["disagreement"] = _disagreement(plan, ordered)
     return ordered, facts

@@ -27,6 +27,7 @@ from phaseplane.scenarios.sweeps import running
 from phaseplane.scenarios.sweeps.plan import Plan, load_plan
 from phaseplane.scenarios.sweeps.running import Row, journal_key, sweep
 from phaseplane.scenarios.sweeps.shipped import sweep_titles
+from phaseplane.suspension import engine
 from phaseplane.suspension.models import build
 from phaseplane.suspension.session import simulate
 
@@ -206,6 +207,16 @@ def test_a_sweep_is_told_with_units_and_peaks_by_their_magnitude() -> None:
 
 
 # -- runs ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_sweep_says_that_it_runs_uncompiled(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "compiled", compiled)
+    told = phaseplane("sweep", str(written(GRID)), "--workers", "1").stdout
+    assert ("uncompiled and therefore slower" in told) != compiled
+    assert json.loads(Path("out/sweeps/sweep/summary.json").read_text())["uncompiled"] != compiled
 
 
 def test_rows_are_what_runs_by_hand_give() -> None:
