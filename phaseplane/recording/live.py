@@ -67,9 +67,11 @@ class Live:
         *,
         patience: float | None = None,
     ) -> None:
+        self._absent = f"no viewer listens at {url}" if url and not listens(url) else ""
+        url = "" if self._absent and path else url  # then the file alone is written
         self.content, self.url, self.path = content, url, path
         self.patience = patience or (_PATIENCE if url else _UNLIMITED)
-        self.problem = ""
+        self.problem = "" if path else self._absent
         self.filed = False  # whether the file is written
         self.rows_drawn = 0
         self.behind = 0.0  # longest time that the drawing was behind the run, s
@@ -82,8 +84,6 @@ class Live:
         self._pending = False  # whether the drawer is still drawing the last rows
         self._source: Callable[[], tuple[Sequence[str], RowsSoFar]] | None = None
         self._taken = 0
-        if url and not listens(url):
-            self.problem = f"no viewer listens at {url}"
 
     def __enter__(self) -> Live:
         if not self.problem:
@@ -178,6 +178,7 @@ class Live:
         self._order(content)
         self._expect(DONE, "the viewer did not accept the whole run in time")
         self.filed = bool(self.path) and (self.filed or not self.problem)
+        self.problem = self.problem or self._absent
 
     def _stop_thread(self) -> None:
         self._over.set()

@@ -80,14 +80,16 @@ def test_a_run_is_announced_to_the_viewer_once() -> None:
     assert rows.count == 1
 
 
-def test_a_viewer_that_is_not_there_costs_the_drawing_only() -> None:
+@pytest.mark.parametrize("saved", [(), ("--save", "live.rrd")])
+def test_a_viewer_that_is_not_there_costs_the_drawing_only(saved: tuple[str, ...]) -> None:
     url = "rerun+http://127.0.0.1:1/proxy"
-    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", url])
+    result = CliRunner().invoke(main, ["run", "ap57", *BARE, "--connect", url, *saved])
     assert result.exit_code == 0
     assert (
         result.stderr == f"phaseplane: warning: the run was not shown: no viewer listens at {url}\n"
     )
     assert len(read_csv("out/ap57/results.csv")) == 1001
+    assert not saved or "/histories/force/contact_force" in entities(Path("live.rrd"))
 
 
 @pytest.mark.slow
