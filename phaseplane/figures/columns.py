@@ -19,6 +19,7 @@ from phaseplane.figures.style import (
     new_figure,
     palette_for,
 )
+from phaseplane.picture.quantities import display_unit
 from phaseplane.picture.text import bracketed, in_words
 
 Curve = tuple[npt.ArrayLike, npt.ArrayLike]
@@ -49,13 +50,15 @@ def runs(
     """
     palette = palette_for(dark)
     labels = list(dict.fromkeys(label for curves in values.values() for label in curves))
-    figure, panels = _panels(list(values), units, palette, title)
+    shown = {name: _shown(units.get(name, ""), values[name]) for name in values}
+    figure, panels = _panels({name: unit for name, (unit, _) in shown.items()}, palette, title)
     styles = dict(zip(labels, zip(cycle(COLOURS), cycle(("-", "--", "-.", ":"))), strict=False))
     drawn = {}
-    for axes, curves in zip(panels, values.values(), strict=False):
+    for axes, (name, curves) in zip(panels, values.items(), strict=False):
         for label, (time, column) in curves.items():
             colour, style = styles[label]
-            (drawn[label],) = axes.plot(time, column, style, color=colour, linewidth=1.3)
+            scaled = shown[name][1] * np.asarray(column, float)
+            (drawn[label],) = axes.plot(time, scaled, style, color=colour, linewidth=1.3)
     if len(labels) > 1:  # all of them, though a panel may have but one
         panels[0].legend(
             [drawn[label] for label in labels], labels,
@@ -92,12 +95,17 @@ def plane_of_columns(
     palette = palette_for(dark)
     figure = new_figure(6.5, 5.6, palette)
     axes = figure.subplots()
-    for (label, (x, y)), colour in zip(curves.items(), cycle(COLOURS), strict=False):
+    shown = [
+        _shown(units.get(name, ""), {label: (0.0, both[k]) for label, both in curves.items()})
+        for k, name in enumerate(names)
+    ]
+    for (label, both), colour in zip(curves.items(), cycle(COLOURS), strict=False):
+        x, y = (factor * np.asarray(v, float) for v, (_, factor) in zip(both, shown, strict=True))
         axes.plot(x, y, color=colour, linewidth=1.3, label=label)
-        axes.plot(*(np.asarray(v)[:1] for v in (x, y)), "o", color=colour, markersize=4.0)
+        axes.plot(x[:1], y[:1], "o", color=colour, markersize=4.0)
     axes.set(**{
-        f"{axis}label": in_words(name) + bracketed(units.get(name, ""))
-        for axis, name in zip("xy", names, strict=True)
+        f"{axis}label": in_words(name) + bracketed(unit)
+        for axis, name, (unit, _) in zip("xy", names, shown, strict=True)
     })  # fmt: skip
     dress(axes, palette, 8.5)
     axes.set_axisbelow(True)
@@ -109,10 +117,16 @@ def plane_of_columns(
     return figure
 
 
-def _panels(
-    names: list[str], units: Mapping[str, str], palette: Palette, title: str
-) -> tuple[Figure, list[Axes]]:
+def _shown(unit: str, curves: Mapping[str, Curve]) -> tuple[str, float]:
+    """Return the unit in which a column of all runs is shown, and its number in one `unit`."""
+    values = np.concatenate([np.zeros(0), *(np.asarray(v, float) for _, v in curves.values())])
+    values = values[np.isfinite(values)]
+    return display_unit(unit, float(np.ptp(values)) if values.size else 0.0)
+
+
+def _panels(units: Mapping[str, str], palette: Palette, title: str) -> tuple[Figure, list[Axes]]:
     """Return a figure with a panel for each column, in several columns of panels if there are many."""
+    names = list(units)
     if not names:
         raise ValueError("no columns to draw")
     across = min(ceil(len(names) / _IN_COLUMN), _ACROSS)
@@ -122,7 +136,7 @@ def _panels(
     grid = figure.subplots(down, across, sharex=True, squeeze=False)
     panels = list(grid.T.ravel())
     for axes, name in zip(panels, names, strict=False):
-        unit = bracketed(units.get(name, "")).replace(" ", "\n", 1)
+        unit = bracketed(units[name]).replace(" ", "\n", 1)
         axes.set_ylabel(fill(in_words(name), _LINE) + unit, fontsize=8.5)
         dress(axes, palette, 8.0)
     for axes in panels[len(names) :]:

@@ -71,6 +71,19 @@ def test_all_columns_are_drawn(folders):
         np.testing.assert_array_equal(drawn[name], column)
 
 
+def test_small_lengths_are_shown_in_centimetres_or_millimetres():
+    time, small, rate = [0.0, 1.0], [0.0, 0.004], [0.0, 0.5]
+    columns = {"lift": {"a": (time, small), "b": (time, [0.0, 0.05])}, "rate": {"a": (time, rate)}}
+    figure = figures.runs(columns, {"lift": "m", "rate": "m/s"})
+    lift, speed = figure.axes
+    assert (lift.get_ylabel(), speed.get_ylabel()) == ("lift\n[cm]", "rate\n[m/s]")
+    assert [list(line.get_ydata()) for line in lift.lines] == [[0.0, 0.4], [0.0, 5.0]]
+    assert list(speed.lines[0].get_ydata()) == rate
+    plane = figures.plane_of_columns({"a": (small, rate)}, ("lift", "rate"), {"lift": "m"}).axes[0]
+    assert plane.get_xlabel() == "lift [mm]"
+    assert list(plane.lines[0].get_xdata()) == [0.0, 4.0]
+
+
 def test_several_runs_and_planes_are_drawn(folders):
     assert phaseplane("show", "a", "b", "--figure", "runs.png").exit_code == 0
     plane = "suspension_deflection,suspension_deflection_rate"
