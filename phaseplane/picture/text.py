@@ -153,7 +153,7 @@ def step_head(drawing: Drawing, frame: Frame) -> str:
     events = " ".join(event_text(event) for event in events_of(frame, drawing.planes))
     mode = f", {_row(frame.scheme)}" if len(drawing.schemes) > 1 else ""
     return (
-        f"**Step {frame.step} of {len(drawing.frames)}{mode}**: "
+        f"**Step {frame.step} (0 to {len(drawing.frames) - 1}){mode}**: "
         f"t = {frame.time:.5f} s, lasts {1e3 * frame.duration:.4g} ms. {markdown(events)}"
     ).rstrip()
 

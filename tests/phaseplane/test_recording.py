@@ -319,7 +319,7 @@ def test_a_step_in_words(recorded: Recorded) -> None:
     row = recorded.shown("/words", "step", 30)
     assert row is not None
     (text,) = row["TextDocument:text"]
-    assert "Step 30 of 60" in text
+    assert "Step 30 (0 to 59)" in text
     assert "flight" in text
     assert "t = 0.07500 s, lasts 2.5 ms" in text
     assert "| wheel displacement | \N{MINUS SIGN}1.23 cm |" in text
