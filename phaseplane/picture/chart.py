@@ -90,8 +90,8 @@ class Chart:
         ]
         halves = [text.box(_EM).half.real for text in named]
         left, right = -0.17 * _WIDTH, max([1.73 * _WIDTH, _NAMES + 2.0 * max(halves) + _EM])
-        half = complex(right - left, 1.44 * _HEIGHT) / 2.0
-        view = Box(complex((left + right) / 2.0, 0.52 * _HEIGHT), half)
+        half = complex(right - left, 1.5 * _HEIGHT) / 2.0
+        view = Box(complex((left + right) / 2.0, 0.49 * _HEIGHT), half)
         sheet = Drawing("", (), (), {}, StoredFrames(()))
         page = Page(sheet, view, _EM, [np.zeros(1, complex)])
         zero = self.at(self.start, 0.0)

@@ -72,8 +72,9 @@ def arms_page(drawing: Drawing) -> Page:
     curves = [curve for curve in drawing.curves if curve.role not in CURVES]
     vertices = [z for curve in curves for z in curve.vertices]
     view = around(vertices, 0.1) if vertices else Box(0j, 0.1 + 0.1j)
-    em = view.size / 30.0
-    view = Box(view.centre + 2.5 * em, view.half + 2.5 * em)  # room for the names of equal angles
+    em = view.size / 26.0
+    # room for the names of equal angles, and for the values below the arm
+    view = Box(view.centre + (2.5 - 0.8j) * em, view.half + (2.5 + 0.8j) * em)
     page = Page(drawing, view, em)
     page.curves(list(dict.fromkeys(c.role for c in curves)))
     return page

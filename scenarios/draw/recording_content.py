@@ -36,7 +36,6 @@ _PLANES = (
     ("displacement",),
     ("body_displacement",),
 )  # fmt: skip
-_READ_OFF = ("_displacement", "_elevation", "_acceleration", "_force")
 _MOST_ROWS = 20_000
 _ROAD_POINTS = 2_000
 _SIDE = {"", "front_", "rear_"}  # the prefixes of axles that are seen from the side
@@ -91,11 +90,13 @@ def content(
 
 
 def readings(drawing: Drawing) -> dict[str, npt.NDArray[np.float64]]:
-    """Return the readings of a construction up to its end, except those of its phase planes."""
+    """Return the readings of a construction up to its end, except those that check it.
+
+    Without the rates of its planes: with them, they would be drawn as the motion of a run.
+    """
+    rates = {rate_of(plane.name) for plane in drawing.planes}
     names = [
-        name
-        for name in drawing.frames[0].readings
-        if name.endswith(_READ_OFF) and not name.startswith("control_")
+        n for n in drawing.frames[0].readings if not n.startswith("control_") and n not in rates
     ]
     instants = drawing.instants
     return {

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from phaseplane.scenarios.draw.constructions import draw_construction
 from phaseplane.scenarios.draw.planes import CONSTRUCTED
+from phaseplane.scenarios.draw.recording_content import readings
 from phaseplane.scenarios.errors import DrawingError, InputError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.scene.names import case_names
@@ -24,7 +25,8 @@ from phaseplane.picture.text import typeset
 from phaseplane.picture.views import frame_at
 from phaseplane.recording import Content
 from phaseplane.recording.columns import legible
-from phaseplane.recording.motion import pages_of
+from phaseplane.recording.histories import panels
+from phaseplane.recording.motion import pages_of, state_planes
 from phaseplane.recording.steps import free_letters
 
 LONGEST = 1.0  # s of each case
@@ -94,6 +96,18 @@ def test_every_turn_angle_is_named(name: str) -> None:
     written = ", ".join(text.text for text in arms_page(drawing).texts)
     for plane in drawing.planes:
         assert typeset(f"dtau{plane.number}") in written
+
+
+@pytest.mark.parametrize("name", ["ap57", "van_der_pol", "h83_example40"])
+def test_a_replay_has_a_chart_of_the_displacements_of_its_planes(name: str) -> None:
+    """But no motion of a run in its planes, which would hide the trail."""
+    drawing = drawing_of(name)
+    columns = readings(drawing)
+    shown = Content(name, drawing, columns)
+    of_planes = {plane.name for plane in drawing.planes}
+    drawn = [set(panel.drawn) for panel in panels(shown)]
+    assert any(of_planes <= names for names in drawn)
+    assert state_planes(shown) == []
 
 
 def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
