@@ -113,7 +113,7 @@ def _picture(
         return figures.plane_of_columns(curves, plane, units, title=title)
     values: dict[str, dict[str, Any]] = {}
     for path, results in drawn.items():
-        time = _time(results, path)
+        time = _time(results, path, "--plane X,Y draws a column over another")
         for name, column in _chosen(results, names, path).items():
             if name != "time" and (path == next(iter(drawn)) or name in values):
                 values.setdefault(name, {})[str(path)] = (time, column)
@@ -169,7 +169,7 @@ def difference(
     first = _read(ours)
     second = _read(other, first)
     for results, path in ((first, ours), (second, other)):
-        _time(results, path)
+        _time(results, path, "a TOML file with a table [measured] can say which it is")
         _chosen(results, names, path)
     try:
         found = compared(first.columns, second.columns, names or None)
@@ -258,11 +258,9 @@ def _plain(difference: Difference) -> dict[str, Any]:
     }
 
 
-def _time(results: Results, path: Path) -> Any:
+def _time(results: Results, path: Path, hint: str) -> Any:
     if "time" not in results.columns:
-        raise InputError(
-            one_line(f"{path}: no column time; --plane X,Y draws a column over another")
-        )
+        raise InputError(one_line(f"{path}: no column time; {hint}"))
     time = results.columns["time"]
     try:
         check_ascending(time.astype(float))

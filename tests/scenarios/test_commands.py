@@ -124,6 +124,7 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["show", "QuarterCar"], "QuarterCar is a model"),
         (["show", "."], "is not a results folder"),
         (["show", "no_time.csv", "--figure", "f.png"], "phaseplane: no_time.csv: no column time"),
+        (["compare", "no_time.csv", "a.csv"], "a TOML file with a table [measured]"),
         (["show", "back.csv", "--figure", "f.png"], "back.csv: time must not go back"),
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
