@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from ..errors import InputError, one_line
+from .. import draw
+from ..errors import InputError, check_recording, one_line
 from ..results.folder import OUTPUT, read_summary
 from ..results.inspection import (
     contents,
@@ -14,10 +15,12 @@ from ..results.inspection import (
     first_difference,
     format_contents,
     format_difference,
+    timed,
 )
 from ..results.plain import as_json
 from ..scene.names import meant
 from .console import DONE, FAILED, FiniteRange, complain, figure_option, json_option
+from .viewing import save_option
 
 _columns = click.option(
     "--column", "columns", multiple=True, metavar="NAME", help="Use only this column. Repeatable."
@@ -36,6 +39,7 @@ _columns = click.option(
     default="",
     help="Draw column Y over column X, such as a rate over its displacement.",
 )
+@save_option
 @json_option
 def show(
     *,
@@ -43,20 +47,28 @@ def show(
     columns: tuple[str, ...],
     figure: Path | None,
     plane: str,
+    save: Path | None,
     as_data: bool,
 ) -> None:
     """Summarise RESULTS: a run's folder or a table.
 
     A table may be a CSV file from any program: units below the heading, a decimal comma and comments are
-    read. With several RESULTS, all of them are drawn, and the first is summarised. The others may also be
-    TOML files with a table [measured], as for `compare`.
+    read. With several RESULTS, all of them are drawn; the first is summarised and recorded. The others
+    may also be TOML files with a table [measured], as for `compare`.
     """
     _check_there(*paths)
-    data = contents(paths[0], columns, figure, _plane(plane, figure), paths[1:])
+    check_recording(save)
+    pair = _plane(plane, figure or save)
+    data = contents(paths[0], columns, figure, pair, paths[1:])
+    if save is not None:
+        found, units = timed(paths[0], columns, pair)
+        title = str(data["summary"].get("title") or paths[0].name)
+        draw.pictures.record(draw.recording_content.of_table(title, found, units, pair), save)
+        data["files"] = [*data.get("files", []), str(save)]
     click.echo(as_json(data) if as_data else format_contents(data, paths[0]))
 
 
-def _plane(names: str, figure: Path | None) -> tuple[str, str] | None:
+def _plane(names: str, file: Path | None) -> tuple[str, str] | None:
     """Return the two columns of `--plane`.
 
     Raises
@@ -68,8 +80,8 @@ def _plane(names: str, figure: Path | None) -> tuple[str, str] | None:
     pair = tuple(name.strip() for name in names.split(","))
     if len(pair) != 2 or not all(pair):
         raise InputError(one_line(f"--plane {names}: give two columns, such as x,y"))
-    if figure is None:
-        raise InputError("--plane needs --figure, the picture to write")
+    if file is None:
+        raise InputError("--plane needs a file to write: --figure F.png or --save F.rrd")
     return pair[0], pair[1]
 
 

@@ -71,13 +71,13 @@ def content(
     if "energies" in views and model in MODELS and not live:
         rows = {**rows, **draw.energies.energies(model, parameters, rows["time"])}
     detail = shown.get("recording")
-    pairs = tuple(map(tuple, shown.get("planes") or default_pairs(units)))
+    pairs = shown.get("planes") or default_pairs(units)
     return recording.Content(
         title=title,
         drawing=None if shown.get("planes") else drawing,
         histories={known(name): column for name, column in rows.items()},
         units={known(name): unit for name, unit in units.items()},
-        pairs=pairs,
+        pairs=tuple((known(y), known(rate)) for y, rate in pairs),
         vehicle=vehicle(model, parameters, duration) if "vehicle" in views else None,
         detail=detail if detail in recording.DETAILS else "stages",
         views=views,
@@ -201,6 +201,22 @@ def of_results(results: Results, drawing: Drawing | None, shown: Mapping[str, An
         units=summary["units"],
         duration=summary["duration"],
         shown=shown,
+    )
+
+
+def of_table(
+    title: str, columns: Columns, units: Mapping[str, str], plane: tuple[str, str] | None
+) -> Content:
+    """Return the content of the recording of any table: its columns over time, and a plane of two."""
+    return content(
+        title=title,
+        model="",
+        parameters={},
+        drawing=None,
+        columns=columns,
+        units=units,
+        duration=float(columns["time"][-1]),
+        shown={"views": ("planes", "histories"), "planes": [plane] if plane else []},
     )
 
 

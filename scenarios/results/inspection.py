@@ -48,7 +48,7 @@ def contents(
     """
     if figure is not None:
         check_picture(figure)
-    results = _read(what)
+    results = results_in(what)
     columns = _chosen(results, names, what)
     units = results.summary.get("units", {})
     if not isinstance(units, Mapping):
@@ -69,14 +69,14 @@ def contents(
         },
     }
     if figure is not None:
-        drawn = {what: results, **{path: _read(path, results) for path in others}}
+        drawn = {what: results, **{path: results_in(path, results) for path in others}}
         title = str(results.summary.get("title", what.name)) if not others else ""
         figures.save(_picture(drawn, names, plane, units, title), figure)
         data["files"] = [str(figure)]
     return data
 
 
-def _read(path: Path, run: Results | None = None) -> Results:
+def results_in(path: Path, run: Results | None = None) -> Results:
     """Return results, or the measured signals of outputs of a run that a TOML file describes.
 
     The first column of a table is the time if no other is called so and it is in a unit of time.
@@ -166,8 +166,8 @@ def difference(
     """
     if figure is not None:
         check_picture(figure)
-    first = _read(ours)
-    second = _read(other, first)
+    first = results_in(ours)
+    second = results_in(other, first)
     for results, path in ((first, ours), (second, other)):
         _time(results, path, "a TOML file with a table [measured] can say which it is")
         _chosen(results, names, path)
@@ -256,6 +256,22 @@ def _plain(difference: Difference) -> dict[str, Any]:
         "relative": difference.relative,
         "time": difference.time,
     }
+
+
+def timed(
+    path: Path, names: Sequence[str], plane: tuple[str, str] | None
+) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return `time` and the chosen columns of results with their units; all columns if none is chosen.
+
+    Raises
+    ------
+    InputError : as `contents`, and if there is no column `time`.
+    """
+    results = results_in(path)
+    columns = {"time": _time(results, path, "a recording needs one")}
+    columns |= _chosen(results, names, path) | (_chosen(results, plane, path) if plane else {})
+    units = results.summary.get("units", {})
+    return columns, {name: units.get(name, "") for name in columns}
 
 
 def _time(results: Results, path: Path, hint: str) -> Any:

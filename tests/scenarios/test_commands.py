@@ -10,6 +10,7 @@ import numpy as np
 import pyarrow
 import pytest
 from click.testing import CliRunner, Result
+from phaseplane.scenarios import draw
 from phaseplane.scenarios.cli import main
 from phaseplane.scenarios.commands.guide import json_schema
 from phaseplane.scenarios.design.files import FitFile, OptimumFile, SearchOfFit, SearchOfOptimum
@@ -23,6 +24,8 @@ from phaseplane.scenarios.scene.sections import RULES, Construction, Show
 from phaseplane.scenarios.sweeps.plan import Range, SweepFile
 from phaseplane.suspension.variables import MODELS
 from pyarrow import parquet
+
+from phaseplane.recording import Content
 
 
 def phaseplane(*arguments: str) -> Result:
@@ -127,6 +130,8 @@ def test_compare_counts_what_only_one_has(tables: Path) -> None:
         (["compare", "no_time.csv", "a.csv"], "a TOML file with a table [measured]"),
         (["show", "back.csv", "--figure", "f.png"], "back.csv: time must not go back"),
         (["show", "a.csv", "--column", "z"], "no column 'z'"),
+        (["show", "a.csv", "--plane", "x,z", "--save", "f.rrd"], "no column 'z'"),
+        (["show", "no_time.csv", "--save", "f.rrd"], "no column time"),
         (["show", "a.csv", "--figure", "a.gif"], "must end in .png"),
         (["show", "twice.csv"], "cannot read twice.csv: 2 columns are called 'x'"),
         (["show", "ragged.csv"], "line 3 has 1 cells, the heading 2\n"),
@@ -172,6 +177,30 @@ def test_bad_input_is_one_line_with_status_2(arguments: list[str], words: str) -
     assert result.exit_code == 2
     assert len(result.stderr.splitlines()) == 1
     assert words in result.stderr
+
+
+def test_any_table_is_recorded_with_a_plane_of_two_columns(
+    tables: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown: list[Content] = []
+    plain = draw.pictures.record
+    monkeypatch.setattr(draw.pictures, "record", lambda of, to: (shown.append(of), plain(of, to)))
+    told = phaseplane("show", "a.csv", "--plane", "x,y", "--save", "plane.rrd")
+    assert told.exit_code == 0, told.output
+    assert told.stdout.splitlines()[-1] == "plane.rrd"
+    assert Path("plane.rrd").stat().st_size > 1000
+    (content,) = shown
+    assert content.pairs == (("x", "y"),)
+    assert set(content.histories) == {"time", "x", "y"}
+
+
+def test_the_plane_of_a_road_is_recorded_by_the_name_of_its_column(tmp_path: Path) -> None:
+    table = {"time": np.array([0.0, 1.0]), "ground_elevation": np.array([0.0, 1.0]),
+             "ground_velocity": np.array([1.0, 1.0])}  # fmt: skip
+    pair = ("ground_elevation", "ground_velocity")
+    content = draw.recording_content.of_table("a road", table, dict.fromkeys(table, ""), pair)
+    content.check()
+    assert content.pairs == (("road_elevation", "road_velocity"),)
 
 
 # -- schema and new --------------------------------------------------------------------------------

@@ -96,7 +96,7 @@ def test_several_runs_and_planes_are_drawn(folders):
     ("arguments", "words"),
     [
         (("--plane", "x"), "give two columns"),
-        (("--plane", "x,y"), "needs --figure"),
+        (("--plane", "x,y"), "--figure F.png or --save F.rrd"),
         (("--plane", "body_vel,time", "--figure", "p.png"), "did you mean 'body_velocity'"),
     ],
 )
