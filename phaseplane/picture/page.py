@@ -504,10 +504,11 @@ class Page:
                 return
 
     def _motion(self, plane: Plane) -> Points:
-        """Return the state points of a plane, with those of the motions from other starts."""
-        others = [c.vertices for c in self.drawing.curves if c.role == "trail"]
+        """Return the state points of a plane, with those in view of the motions from other starts."""
+        trails = [c.vertices for c in self.drawing.curves if c.role == "trail"]
+        others = [z for vertices in trails for z in vertices if self.view.holds(z)]
         own = self.motions[self.drawing.planes.index(plane)]
-        return np.concatenate([own, *others]) if len(self.drawing.planes) == 1 else own
+        return np.append(own, others) if len(self.drawing.planes) == 1 else own
 
     def _plane_of(self, curve: Curve) -> Plane:
         """Return the plane whose displacement a curve's label names, else the first."""

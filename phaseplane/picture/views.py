@@ -92,8 +92,7 @@ def _framed(drawing: Drawing, planes: Sequence[Plane], motions: Mapping[Plane, P
         points += [motion, np.array([plane.displacement.origin])]
         points.append(np.array([axis.at(v) for axis in (plane.displacement, plane.scaled_velocity)
                        for v in graduation_of(axis, motion).values], complex))  # fmt: skip
-    points += [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
-    known = corners(np.concatenate(points))
+    known = corners(np.concatenate([*points, _others(drawing, np.concatenate(points))]))
     size = float(np.ptp(known.real) + np.ptp(known.imag)) or _AT_REST
     feet = columns(drawing.frames, [plane.foot for plane in planes])
     feet = feet[np.isfinite(feet)]
@@ -148,5 +147,20 @@ def motion_points(drawing: Drawing) -> Points:
         axis = plane.scaled_velocity
         values = [axis.at(value) for value in graduation_of(axis, motion).values]
         points += [motion, np.array([plane.displacement.origin, *values])]
+    own = np.concatenate(points)
+    return np.append(own, _others(drawing, own))
+
+
+def _others(drawing: Drawing, own: Points) -> Points:
+    """Return the motions from other starts, kept to thrice the size of the construction's own.
+
+    A pendulum that goes round and round would leave no room for one that swings.
+    """
     others = [np.array(curve.vertices) for curve in drawing.curves if curve.role == "trail"]
-    return np.concatenate(points + others)
+    z = np.concatenate([np.zeros(0, complex), *others])
+    low, high = corners(own[np.isfinite(own)])
+    size = high - low or 2.0 * _AT_REST * (1 + 1j)
+    low, high = low - size, high + size
+    return np.asarray(
+        np.clip(z.real, low.real, high.real) + 1j * np.clip(z.imag, low.imag, high.imag)
+    )

@@ -36,10 +36,10 @@ DRAWN = sorted({*case_names()} - SYSTEMS_OF_ONES_OWN - {*REFUSED})
 PANES = ((880, 640), (1680, 1340))  # of the sheet in windows of 1366 x 768 and 2560 x 1440
 
 
-def drawing_of(name: str) -> Drawing:
+def drawing_of(name: str, longest: float = LONGEST) -> Drawing:
     """The construction of a case, or of its first second."""
     scene = load_scene(name, [], expect=False)
-    time = min(scene.construction_time, LONGEST)
+    time = min(scene.construction_time, longest)
     settings = asdict(scene.construction)
     return draw_construction(scene.fmu.model, scene.all_parameters, settings, time)
 
@@ -108,6 +108,17 @@ def test_a_replay_has_a_chart_of_the_displacements_of_its_planes(name: str) -> N
     drawn = [set(panel.drawn) for panel in panels(shown)]
     assert any(of_planes <= names for names in drawn)
     assert state_planes(shown) == []
+
+
+def test_a_motion_that_goes_round_leaves_room_for_the_construction() -> None:
+    """Example 23 has a start from which the pendulum turns over six times, to 40 rad."""
+    drawing = drawing_of("h83_example23", 6.0)
+    stays, *_ = pages_of(Content("example 23", drawing))
+    (motion,) = stays.motions
+    assert np.ptp(motion.imag) > 0.3 * 2.0 * stays.view.half.imag
+    axis = drawing.planes[0].displacement
+    values = [t.text for t in stays.texts if t.role == "value" and t.centre.imag < axis.origin.imag]
+    assert "1" in values or "2" in values
 
 
 def test_no_step_is_told_whose_points_lie_on_one_another() -> None:
