@@ -3,6 +3,7 @@ from .bends cimport Bends
 from .linear cimport solve
 from .network cimport Network
 
+cdef int MOST_COORDINATES, MOST_ROWS
 
 @cython.final
 cdef class Balance:

@@ -18,7 +18,8 @@ if not cython.compiled:
     from .linear import solve
 
 
-MOST_COORDINATES, MOST_ROWS = 32, 64  # sizes of the C arrays here and in `columns`
+# sizes of the C arrays here, in `bends` and in `columns`
+MOST_COORDINATES, MOST_ROWS = 32, 64
 
 
 class Balance:
@@ -240,7 +241,7 @@ class Balance:
             for i in range(n):
                 d += self.net.row_direction[n * r + i] * self.q[i]
                 w += self.net.row_direction[n * r + i] * self.v[i]
-            self.bends.find(p, d, w)
+            self.bends.find(p, d, w, 0.0, 0.0)
             for i in range(n):
                 self.f[i] -= self.net.row_direction[n * r + i] * self.bends.force[p]
 

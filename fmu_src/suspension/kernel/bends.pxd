@@ -4,12 +4,16 @@ from .network cimport Network
 @cython.final
 cdef class Bends:
     cdef Network net
-    cdef int count
+    cdef int count, order
     cdef bint joined
-    cdef int *row, *first, *piece, *factor, *law
-    cdef double *force, *force_k, *force_c
+    cdef int *row, *first, *piece, *law
+    cdef double[64] force, force_k, force_c, bow
 
     @cython.locals(r=int, e=int, k=int, p=int, first=int, count=int)
     cdef void enter(self) noexcept nogil
-    @cython.locals(i=int, force=double, k=double, c=double, damping=double, slope=double)
-    cdef inline void find(self, int p, double d, double w) noexcept nogil
+    @cython.locals(i=int, law=int, x=double, force=double, k=double, c=double, bow=double,
+                   factor=double, factor_k=double, factor_kk=double, value=double, slope=double,
+                   curvature=double)
+    cdef inline void find(self, int p, double d, double w, double dd, double dw) noexcept nogil
+    @cython.locals(i=int)
+    cdef bint stays(self, int p, double d, double w) noexcept nogil

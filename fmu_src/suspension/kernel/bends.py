@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .layout import BRANCHES, CONTACT, DAMPER, MODULATION, SPRING
+from .layout import BRANCHES, CONTACT, DAMPER, LAWS, MODULATION, OWN, PIECE, SPRING
 
 
 class Bends:
@@ -15,23 +15,24 @@ class Bends:
 
     def __init__(self, network):
         self.net = network
-        rows, laws = max(self.net.rows, 1), 2 * self.net.elements
+        rows, laws = max(self.net.rows, 1), LAWS * self.net.elements
         memory = self.net.memory
         self.count = 0  # of such rows
         self.joined = False  # whether any of their laws consists of joined pieces
+        self.order = 3  # of the iteration with the curvatures of all laws; 2 if one is not known
         # of each: the number of the row, and the first of its curved laws
         self.row, self.first = memory.marks(rows), memory.marks(rows + 1)
-        # of each curved law: its piece, the piece of the modulation, and the kind of law
-        self.piece, self.factor = memory.marks(laws), memory.marks(laws)
-        self.law = memory.marks(laws)
-        # of each curved row, at the state last evaluated
-        self.force, self.force_k = memory.zeros(rows), memory.zeros(rows)
-        self.force_c = memory.zeros(rows)
+        # of each curved law: the piece found last, and its kind; a modulation comes before its damper
+        self.piece, self.law = memory.marks(laws), memory.marks(laws)
+        # of each curved row, at the state last evaluated; literal sizes, as these are C arrays
+        self.force, self.force_k, self.force_c = [0.0] * 64, [0.0] * 64, [0.0] * 64
+        self.bow = [0.0] * 64  # its second derivative along a line
 
     def enter(self):
         """List the curved pieces, row by row."""
         self.count = count = 0
         self.joined = False
+        self.order = 3
         if self.net.always_straight:
             return
         for r in range(self.net.rows):
@@ -44,38 +45,59 @@ class Bends:
                     self.law[count] = SPRING
                     count += 1
                 if not self.net.damper_is_straight(e):
+                    if self.net.modulated[e]:
+                        self.piece[count] = self.net.piece_now(e, MODULATION)
+                        self.law[count] = MODULATION
+                        count += 1
                     self.piece[count] = self.net.piece_now(e, DAMPER)
-                    self.factor[count] = self.net.piece_now(e, MODULATION)
-                    self.law[count] = MODULATION if self.net.modulated[e] else DAMPER
+                    self.law[count] = DAMPER
                     count += 1
             for k in range(first, count):
                 p = self.piece[k]
                 if self.net.run_last[p] > self.net.run_first[p]:
                     self.joined = True
+                if self.net.piece[PIECE * p + OWN] != 0.0:
+                    self.order = 2
             if count > first:
                 self.row[self.count], self.first[self.count] = r, first
                 self.count += 1
                 self.first[self.count] = count
 
-    def find(self, p, d, w):
-        """Find the force of curved row p at deflection d and rate w, and its derivatives."""
+    def find(self, p, d, w, dd, dw):
+        """Find the force of curved row p at deflection d and rate w, and its derivatives.
+
+        `bow` is the second derivative along a line on which d and w change in proportion to dd and dw.
+        """
         force = 0.0
         k = 0.0
         c = 0.0
+        bow = 0.0
+        factor, factor_k, factor_kk = 1.0, 0.0, 0.0
         for i in range(self.first[p], self.first[p + 1]):
-            if self.law[i] == SPRING:
-                self.net.law_and_slope(self.piece[i], d)
-                force += self.net.value
-                k += self.net.slope
-                continue
-            self.net.law_and_slope(self.piece[i], w)
-            if self.law[i] == DAMPER:
-                force += self.net.value
-                c += self.net.slope
-                continue
-            damping, slope = self.net.value, self.net.slope
-            self.net.law_and_slope(self.factor[i], d)
-            force += damping * self.net.value
-            c += slope * self.net.value
-            k += damping * self.net.slope
-        self.force[p], self.force_k[p], self.force_c[p] = force, k, c
+            law = self.law[i]
+            x = w if law == DAMPER else d
+            if self.joined:
+                self.piece[i] = self.net.place(self.piece[i], x)
+            self.net.read_piece(self.piece[i], x)
+            value, slope, curvature = self.net.value, self.net.slope, self.net.curvature
+            if law == SPRING:
+                force += value
+                k += slope
+                bow += curvature * dd * dd
+            elif law == MODULATION:
+                factor, factor_k, factor_kk = value, slope, curvature
+            else:
+                force += factor * value
+                c += factor * slope
+                k += factor_k * value
+                bow += factor * curvature * dw * dw
+                bow += (2.0 * factor_k * slope * dw + factor_kk * value * dd) * dd
+                factor, factor_k, factor_kk = 1.0, 0.0, 0.0
+        self.force[p], self.force_k[p], self.force_c[p], self.bow[p] = force, k, c, bow
+
+    def stays(self, p, d, w):
+        """Return whether d and w are in the same pieces of row p as those found last."""
+        for i in range(self.first[p], self.first[p + 1]):
+            if self.net.place(self.piece[i], w if self.law[i] == DAMPER else d) != self.piece[i]:
+                return 0
+        return 1

@@ -14,7 +14,7 @@ are iterated. Their equation
 
     x = b' W (p1 - B v* - K q*) - sum (b' W b) f(d* + s^2/6 x, w* + s/2 x),
 
-is solved by Newton's method, with one unknown for each curved row, none if all forces are straight.
+is solved by iteration, with one unknown for each curved row, none if all forces are straight.
 Rows on which dry friction sticks have b' a1 = u'': W is replaced by its projection on that condition.
 
 As the method is symmetric, its error is a series in s^2. Columns of 1, 2, 3 and 5 such steps,
@@ -29,6 +29,7 @@ from functools import cache
 
 import cython
 
+from .balance import MOST_ROWS
 from .outcomes import DIVERGED, NOT_CONVERGED, NOT_POSITIVE
 
 if not cython.compiled:
@@ -41,11 +42,12 @@ _SUBSTEPS = 5  # in the longest column
 _ITERATIONS = 60
 _ENDLESS = 1e290  # m/s^2; a larger residual means that the iteration has diverged
 _EPSILON = 4e-16  # relative error of a sum of forces
-_SMALL = 1e-10  # relative size of corrections that may stop decreasing
+_SMALL = 2.5e5  # in units of rounding, size of corrections that may stop decreasing
 LEAST_SHARE = 1e-3  # smallest share of a correction that is taken
 # share of a condition that is independent of those before it, below which it follows from them
 _DEPENDENT = 1e-12
 _AHEAD = 10.0  # factor of safety on the correction expected next
+_MOST_SECOND = 0.5  # largest part of second order of a correction, over that of first order
 
 
 # Substeps in each column of the extrapolation, by order; stable for overdamped modes.
@@ -102,21 +104,22 @@ class Columns:
         self.f, self.fk = [0.0] * 32, [0.0] * 32
         self.end_q, self.end_v = [0.0] * 32, [0.0] * 32
         self.error_q, self.error_v = [0.0] * 32, [0.0] * 32
-        self.rest = [0.0] * 64  # residual of the equation for x of each curved row, m/s^2
         # for each column and curved row: W b, and b' W b with each curved row
         self.yield_of = memory.zeros(columns * rows * n)
         self.coupling = memory.zeros(columns * rows * rows)
         # for each column and sticking row: the accelerations per unit acceleration of its road
         self.carried = memory.zeros(columns * rows * n)
-        # of curved rows: d*, w*, x without curved forces, x and its last correction; the matrix for it
+        # of curved rows: d*, w*, x without curved forces, x and its last correction, of which the second
+        # part is due to the curvature; slope of the force along x, and its rise by the curvature
         self.d, self.w, self.x0 = [0.0] * 64, [0.0] * 64, [0.0] * 64
-        self.x, self.dx = [0.0] * 64, [0.0] * 64
-        self.matrix = memory.zeros(rows * rows)
+        self.x, self.dx, self.second = [0.0] * 64, [0.0] * 64, [0.0] * 64
+        self.slope, self.rise = [0.0] * 64, [0.0] * 64
+        self.matrix = [0.0] * 4096  # for the correction
         # x at the ends of the last three substeps of each column
         bent = columns * rows
         self.x1, self.x2, self.x3 = memory.zeros(bent), memory.zeros(bent), memory.zeros(bent)
         self.enough = 0.0  # negligible error of x, m/s^2
-        self.bend = -1.0  # ratio of a correction to the square of the one before; -1 if unknown
+        self.bend = -1.0  # ratio of a correction to a power of the one before; -1 if unknown
 
     def forget(self):
         """Discard the matrices, after a change of branch."""
@@ -169,14 +172,14 @@ class Columns:
 
     def _prepare(self, h):
         """Find W of all columns, and its products with the curved and sticking rows."""
-        n = self.n
         if self.n == 2:
-            status = self._invert(2, h)
-        elif self.n == 4:
-            status = self._invert(4, h)
-        else:
-            status = self._invert(n, h)
-        if status != 0:
+            return self._find_matrices(2, h)
+        if self.n == 4:
+            return self._find_matrices(4, h)
+        return self._find_matrices(self.n, h)
+
+    def _find_matrices(self, n, h):
+        if self._invert(n, h) != 0:
             return 1
         for c in range(self.columns):
             if self.net.stuck and self._hold(n, c) != 0:
@@ -332,12 +335,14 @@ class Columns:
                 self.x3[at] = x - 2.0 * self.s[c] * rate
 
     def _bend(self, n, bends, c, k, instant):
-        """Find the accelerations of the curved rows by Newton's method, and with them all others.
+        """Find the accelerations of the curved rows by iteration, and with them all others.
 
-        The iteration ends when the next correction is expected to be below `enough`, or below rounding.
-        If the residual grows, as beyond the saturation of a damper, the correction is halved.
+        Newton's correction and its term of second order (Chebyshev's method) leave an error of third
+        order. The iteration ends when the next correction is expected to be below `enough`, or below
+        rounding. If the residual grows, as beyond the saturation of a damper, the correction is halved.
         """
         rows = self.net.rows
+        sixth, half = self.sixth[c], self.half[c]
         self._expect(n, bends, c, k, instant)
         before = lack_before = 1e300
         share = 1.0
@@ -345,11 +350,8 @@ class Columns:
             lack = 0.0
             rounding = 0.0
             for p in range(bends):
-                self.balance.bends.find(
-                    p,
-                    self.d[p] + self.sixth[c] * self.x[p],
-                    self.w[p] + self.half[c] * self.x[p],
-                )
+                x = self.x[p]
+                self.balance.bends.find(p, self.d[p] + sixth * x, self.w[p] + half * x, sixth, half)
             for p in range(bends):
                 rest = self.x0[p] - self.x[p]
                 size = fabs(self.x0[p])
@@ -357,36 +359,51 @@ class Columns:
                     x = self.coupling[rows * (rows * c + p) + o] * self.balance.bends.force[o]
                     rest -= x
                     size += fabs(x)
-                self.rest[p] = rest
+                self.second[p] = rest
                 lack = max(lack, fabs(rest))
                 rounding = max(rounding, _EPSILON * size)
             if not lack < _ENDLESS:
                 return DIVERGED
-            if lack > lack_before and before > _SMALL / _EPSILON * rounding and share > LEAST_SHARE:
+            if lack > lack_before and before > _SMALL * rounding and share > LEAST_SHARE:
                 share *= 0.5
                 for p in range(bends):
                     self.x[p] -= share * self.dx[p]
                 continue
             share = 1.0
-            if self._correct(bends, c) != 0:
+            if self._factorise(bends, c) != 0:
                 return NOT_POSITIVE
-            size = 0.0
-            for p in range(bends):
-                self.x[p] += self.dx[p]
-                size = max(size, fabs(self.dx[p]))
+            size = self._correct(bends, c)
             limit = max(self.enough, rounding)
-            if before < 1e300:
-                self.bend = max(self.bend, size / before / before)
+            if before < 1e300 and self._power(before) > 0.0:
+                self.bend = max(self.bend, size / self._power(before))
             if (
                 size <= limit
-                or (self.bend >= 0.0 and _AHEAD * self.bend * size * size <= limit)
-                or (size <= _SMALL / _EPSILON * rounding and size >= 0.5 * before)
+                or (
+                    self.bend >= 0.0
+                    and _AHEAD * self.bend * self._power(size) <= limit
+                    and (not self.balance.bends.joined or self._stays(bends, c))
+                )
+                or (size <= _SMALL * rounding and size >= 0.5 * before)
             ):
                 self._take_rows(n, bends, c, k)
                 return 0
             before = size
             lack_before = lack
         return NOT_CONVERGED
+
+    def _power(self, size):
+        """Return the power of a correction to which the next one is proportional."""
+        return size * size * size if self.balance.bends.order == 3 else size * size
+
+    def _stays(self, bends, c):
+        """Return whether no law of a curved row leaves the piece of a smooth table that was evaluated."""
+        for p in range(bends):
+            x = self.x[p]
+            if not self.balance.bends.stays(
+                p, self.d[p] + self.sixth[c] * x, self.w[p] + self.half[c] * x
+            ):
+                return 0
+        return 1
 
     def _expect(self, n, bends, c, k, instant):
         """Find d*, w*, x without curved forces; predict x by the parabola through its last 3 values."""
@@ -407,51 +424,94 @@ class Columns:
             past = self.net.rows * c + p
             self.x[p] = 3.0 * (self.x1[past] - self.x2[past]) + self.x3[past]
 
-    def _correct(self, bends, c):
-        """Solve (1 + b' W b f') dx = rest by Gaussian elimination; return 1 if this is not possible."""
+    def _factorise(self, bends, c):
+        """Eliminate in 1 + b' W b f', with the reciprocals of the pivots; return 1 if not possible."""
         rows = self.net.rows
-        sixth, half = self.sixth[c], self.half[c]
-        if bends == 1:
-            slope = sixth * self.balance.bends.force_k[0] + half * self.balance.bends.force_c[0]
-            pivot = 1.0 + self.coupling[rows * rows * c] * slope
-            if not pivot > 0.0:
-                return 1
-            self.dx[0] = self.rest[0] / pivot
-            return 0
-        for p in range(bends):
-            self.dx[p] = self.rest[p]
-            for o in range(bends):
-                slope = sixth * self.balance.bends.force_k[o] + half * self.balance.bends.force_c[o]
-                self.matrix[rows * p + o] = self.coupling[rows * (rows * c + p) + o] * slope
-            self.matrix[rows * p + p] += 1.0
+        for o in range(bends):
+            slope = (
+                self.sixth[c] * self.balance.bends.force_k[o]
+                + self.half[c] * self.balance.bends.force_c[o]
+            )
+            self.slope[o] = slope
+            for p in range(bends):
+                self.matrix[MOST_ROWS * p + o] = self.coupling[rows * (rows * c + p) + o] * slope
+            self.matrix[MOST_ROWS * o + o] += 1.0
         for k in range(bends):
-            if not self.matrix[rows * k + k] > 0.0:
+            if not self.matrix[MOST_ROWS * k + k] > 0.0:
                 return 1
+            self.matrix[MOST_ROWS * k + k] = 1.0 / self.matrix[MOST_ROWS * k + k]
             for p in range(k + 1, bends):
-                ratio = self.matrix[rows * p + k] / self.matrix[rows * k + k]
+                self.matrix[MOST_ROWS * p + k] *= self.matrix[MOST_ROWS * k + k]
                 for o in range(k + 1, bends):
-                    self.matrix[rows * p + o] -= ratio * self.matrix[rows * k + o]
-                self.dx[p] -= ratio * self.dx[k]
+                    at = MOST_ROWS * p
+                    self.matrix[at + o] -= self.matrix[at + k] * self.matrix[MOST_ROWS * k + o]
+        return 0
+
+    def _eliminate(self, bends, x):
+        """Solve with the factors for x, in place."""
+        for k in range(bends):
+            for p in range(k + 1, bends):
+                x[p] -= self.matrix[MOST_ROWS * p + k] * x[k]
         for k in range(bends - 1, -1, -1):
             for o in range(k + 1, bends):
-                self.dx[k] -= self.matrix[rows * k + o] * self.dx[o]
-            self.dx[k] /= self.matrix[rows * k + k]
-        return 0
+                x[k] -= self.matrix[MOST_ROWS * k + o] * x[o]
+            x[k] *= self.matrix[MOST_ROWS * k + k]
+
+    def _correct(self, bends, c):
+        """Correct x for the residual in `second`; return the size of the correction, m/s^2.
+
+        With the correction dx of Newton's method, forces change by f' dx + f'' dx^2 / 2; the last term
+        is left out unless it is small.
+        """
+        rows = self.net.rows
+        for p in range(bends):
+            self.dx[p] = self.second[p]
+            self.second[p] = 0.0
+        self._eliminate(bends, self.dx)
+        for o in range(bends):
+            self.rise[o] = x = 0.5 * self.balance.bends.bow[o] * self.dx[o] * self.dx[o]
+            for p in range(bends):
+                self.second[p] -= self.coupling[rows * (rows * c + p) + o] * x
+        self._eliminate(bends, self.second)
+        first = 0.0
+        second = 0.0
+        for p in range(bends):
+            first = max(first, fabs(self.dx[p]))
+            second = max(second, fabs(self.second[p]))
+        if not second <= _MOST_SECOND * first:
+            self.bend = 1e300
+            for p in range(bends):
+                self.second[p] = self.rise[p] = 0.0
+        size = 0.0
+        for p in range(bends):
+            self.dx[p] += self.second[p]
+            self.x[p] += self.dx[p]
+            size = max(size, fabs(self.dx[p]))
+        return size
 
     def _take_rows(self, n, bends, c, k):
         """Add the effect of the curved forces, and store the accelerations of their rows."""
         for p in range(bends):
-            slope = (
-                self.sixth[c] * self.balance.bends.force_k[p]
-                + self.half[c] * self.balance.bends.force_c[p]
-            )
-            force = self.balance.bends.force[p] + slope * self.dx[p]
+            force = self.balance.bends.force[p] + self.slope[p] * self.dx[p] + self.rise[p]
             at = self.net.rows * c + p
             for i in range(n):
                 self.a[n * c + i] -= self.yield_of[n * at + i] * force
+            if c == 0 and k == 0:
+                self._curve(p)
             # in the prediction for the second substep, the parabola has the rate at the start
-            earlier = self.x2[at] if k > 0 else self.x[p] - 2.0 * (self.x1[at] - self.x2[at])
+            earlier = self.x2[at]
+            if k == 0:
+                earlier = self.x[p] - 4.0 * (self.x1[at] - self.x2[at]) + self.x1[at] - self.x3[at]
             self.x3[at], self.x2[at], self.x1[at] = earlier, self.x1[at], self.x[p]
+
+    def _curve(self, p):
+        """Let the other columns begin on the parabola that ends where the single step has ended."""
+        way = self.x[p] - 2.0 * self.x1[p] + self.x2[p]
+        for c in range(1, self.columns):
+            part = self.s[c] / self.s[0]
+            at = self.net.rows * c + p
+            self.x2[at] += way * part * part
+            self.x3[at] += 4.0 * way * part * part
 
     # -- the end -----------------------------------------------------------------------------------
 

@@ -9,7 +9,7 @@ cdef class Laws(Signals):
     cdef double *piece
     cdef int *first, *count  # of the pieces of law k of element e, at index LAWS e + k
     cdef int *straight  # whether each piece is straight
-    cdef double value, slope  # of the law last asked for
+    cdef double value, slope, curvature  # of the law last asked for
     cdef double *low, *high  # range in which each piece is curved
     cdef bint joins
     cdef int *run_first, *run_last
@@ -22,13 +22,17 @@ cdef class Laws(Signals):
     cdef void _join(self, int law) noexcept nogil
     @cython.locals(x=double, before=double, after=double)
     cdef bint _meets_smoothly(self, int p) noexcept nogil
-    @cython.locals(k=int, last=int)
+    @cython.locals(k=int, first=int, last=int)
     cdef int place(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, force=double)
     cdef double law(self, int p, double x) noexcept nogil
     cdef double own(self, int p, int what, double s) noexcept with gil
-    @cython.locals(at=int, s=double, c1=double, c2=double, c3=double, value=double, slope=double, u=double)
     cdef void law_and_slope(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, inner=double, s=double, c1=double, c2=double, c3=double, u=double,
+                   steep=double, rest=double, value=double, slope=double, curvature=double)
+    cdef void read_piece(self, int p, double x) noexcept nogil
+    @cython.locals(at=int, power=double, exponent=double, steep=double)
+    cdef void _add_functions(self, int p, double s) noexcept nogil
     @cython.locals(at=int, s=double, slope=double)
     cdef double law_slope(self, int p, double x) noexcept nogil
     @cython.locals(at=int, s=double, curvature=double, scale=double, u=double, exponent=double,

@@ -119,9 +119,11 @@ class Laws(Signals):
         return fabs(after - before) <= _SMOOTH * (fabs(after) + fabs(before))
 
     def place(self, p, x):
-        """Return which of the pieces joined with p contains x."""
-        k = self.run_first[p]
-        last = self.run_last[p]
+        """Return which of the pieces joined with p contains x; it is found fastest from close to it."""
+        first, last = self.run_first[p], self.run_last[p]
+        k = p
+        while k > first and not x >= self.piece[k * PIECE + START]:
+            k -= 1
         while k < last and x >= self.piece[(k + 1) * PIECE + START]:
             k += 1
         return k
@@ -158,31 +160,53 @@ class Laws(Signals):
             return float("nan")
 
     def law_and_slope(self, p, x):
-        """Set `value` to the force of piece p at x, `slope` to its slope (of tanh by 1 - tanh^2)."""
+        """Set `value`, `slope`, `curvature` to those of piece p, or of those it is joined with, at x."""
+        self.read_piece(self.place(p, x), x)
+
+    def read_piece(self, p, x):
+        """Do the same for piece p alone, which contains x.
+
+        The slope of tanh is 1 - tanh^2. The curvature of a function in Python counts as 0.
+        """
         at = p * PIECE
         if self.straight[p]:
             self.slope = self.piece[at + C1]
             self.value = self.piece[at + C0] + (x - self.piece[at + ORIGIN]) * self.slope
+            self.curvature = 0.0
             return
-        if self.run_last[p] > self.run_first[p]:
-            p = self.place(p, x)
-            at = p * PIECE
-        s = min(max(x, self.low[p]), self.high[p]) - self.piece[at + ORIGIN]
+        inner = min(max(x, self.low[p]), self.high[p])
+        s = inner - self.piece[at + ORIGIN]
         c1, c2, c3 = self.piece[at + C1], self.piece[at + C2], self.piece[at + C3]
         value = self.piece[at + C0] + s * (c1 + s * (c2 + s * c3))
         slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
+        curvature = 2.0 * c2 + 6.0 * s * c3
         if self.piece[at + SATURATION] != 0.0:
             u = tanh(s / self.piece[at + SCALE])
+            steep = self.piece[at + SATURATION] / self.piece[at + SCALE]
+            rest = steep * (1.0 - u * u)
             value += self.piece[at + SATURATION] * u
-            slope += self.piece[at + SATURATION] / self.piece[at + SCALE] * (1.0 - u * u)
+            slope += rest
+            curvature -= 2.0 / self.piece[at + SCALE] * u * rest
+        self.value, self.slope, self.curvature = value, slope, curvature
+        if self.piece[at + POWER] != 0.0 or self.piece[at + OWN] != 0.0:
+            self._add_functions(p, s)
+        if x != inner:
+            self.value += self.slope * (x - inner)
+            self.curvature = 0.0
+
+    def _add_functions(self, p, s):
+        """Add the power of piece p and its function in Python to `value`, `slope` and `curvature`."""
+        at = p * PIECE
         if self.piece[at + POWER] != 0.0:
-            value += power_of(self.piece[at + POWER], self.piece[at + EXPONENT], s)
-            slope += power_slope(self.piece[at + POWER], self.piece[at + EXPONENT], s)
+            power, exponent = self.piece[at + POWER], self.piece[at + EXPONENT]
+            steep = power_slope(power, exponent, s)
+            self.value += power_of(power, exponent, s)
+            self.slope += steep
+            if s != 0.0:
+                self.curvature += (exponent - 1.0) / s * steep
         if self.piece[at + OWN] != 0.0:
-            value += self.own(p, _FORCE, s)
-            slope += self.own(p, _SLOPE, s)
-        self.value = value + slope * (x - self.piece[at + ORIGIN] - s)
-        self.slope = slope
+            self.value += self.own(p, _FORCE, s)
+            self.slope += self.own(p, _SLOPE, s)
 
     def law_slope(self, p, x):
         if self.run_last[p] > self.run_first[p]:

@@ -152,7 +152,7 @@ class Ledger:
                 d, w = self.readings.d[POINTS * r + k], self.readings.w[POINTS * r + k]
                 force = self.net.branch_f[r] + self.net.branch_k[r] * d + self.net.branch_c[r] * w
                 if bent >= 0:
-                    self.balance.bends.find(bent, d, w)
+                    self.balance.bends.find(bent, d, w, 0.0, 0.0)
                     force += self.balance.bends.force[bent]
                 self._supply(s, -self.readings.weight[k] * h * force * rate)
 

@@ -16,7 +16,7 @@ from .watch cimport Watch
 cdef int _AT_SWITCHES, _AT_STEPS
 cdef int _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
-cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _JUMP
+cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _CLOSE_KNOT, _AFTER_KNOT, _SLIGHT, _JUMP
 
 cdef class March:
     cdef Network net
@@ -66,13 +66,15 @@ cdef class March:
     @cython.locals(last=double)
     cdef double _while_decaying(self, double h) noexcept nogil
     @cython.locals(i=int, flips=int, knots=int, to_end=bint, landed=bint, status=int, runs_away=bint,
-                   h=double, longer=double, joint=double, end=double, at=double, excess=double)
+                   cut=double, ends_on_knot=bint, h=double, longer=double, joint=double, end=double, at=double, excess=double)
     cdef int _step(self, double latest) noexcept nogil
     @cython.locals(i=int)
     cdef bint _has_diverged(self) noexcept nogil
     @cython.locals(s=int, jumped=bint, jump=double, before=double, now=double)
     cdef void _pass_joint(self) noexcept nogil
-    @cython.locals(knot=double)
+    @cython.locals(shorter=double, at=double)
+    cdef double _before_knot(self, double h, double end) noexcept nogil
+    @cython.locals(knot=double, least=double)
     cdef double _knot_that_matters(self, double h) noexcept nogil
     @cython.locals(i=int)
     cdef void _accept(self, double h, double t) noexcept nogil

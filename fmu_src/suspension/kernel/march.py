@@ -52,7 +52,12 @@ _FIRST_PHASE = 0.25  # phase of the fastest mode in the first step
 _SHORT_PHASE = 1e-4  # phase of the fastest motion up to which its Taylor series replaces a step
 _KNOTS = 4  # attempts to end a step on its first knot
 _JUMP = 60.0  # largest error of a step in which a second derivative jumps, over the error found
+_SLIGHT = (
+    0.6  # of the step proposed by the last error; a shorter one has an error that passes points
+)
 _LEAST_KNOT = 0.02  # of a step: a knot closer to its ends does not matter
+_AFTER_KNOT = 0.85  # least part of the step proposed before one that a point shortens, for the next
+_CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
 # of an attempt: this close to its end, its septic is far more accurate than halfway
 _NEAR_END = 0.005
 
@@ -406,6 +411,9 @@ class March:
         h = self._proposed_step()
         if h == 0.0:
             return UNSTABLE
+        cut = self._before_knot(h, min(self.net.next_joint(), latest))
+        ends_on_knot = cut < h
+        h = cut
         flips = 0
         longer = 0.0  # the next step, by the error of the last attempt
         knots = 0  # how often it was shortened to a point of a smooth table
@@ -430,6 +438,7 @@ class March:
                     knots += 1
                     at = self._knot_that_matters(h)
                     if at < 1.0:
+                        ends_on_knot = True
                         h *= at
                         continue
                 if self.stepper.errors.error > self.method.most_error:
@@ -447,9 +456,11 @@ class March:
                 self._switch(self.switches.element, self.switches.kind, self.switches.side)
                 self._enter_branches()
                 continue
-            # a step shortened by a joint is no reason for a shorter next step
+            # a step shortened by a joint or by a point of a table is no reason for a shorter next step
             if self.stepper.errors.controlled and (not to_end or h > self.state.proposal > 0.0):
                 longer = h * self.stepper.errors.factor()
+                if ends_on_knot:
+                    longer = max(longer, _AFTER_KNOT * self.state.proposal)
             landed = 0
             if 0.0 < at <= 1.0:
                 status = self._land(h)
@@ -513,6 +524,17 @@ class March:
             self.net.follow_slips(self.state.time, self.motion.q, self.motion.v)
             self._note_changes()
 
+    def _before_knot(self, h, end):
+        """Return the step h, or a shorter one that is expected to end on a point of a smooth table."""
+        if not (self.stepper.errors.controlled and self.stepper.balance.bends.joined):
+            return h
+        shorter = min(h, end - self.state.time)
+        if shorter <= _SLIGHT * self.state.proposal:
+            return h
+        self.motion.foresee(shorter)
+        at = self.switches.first_knot(self.state.time, shorter, _LEAST_KNOT)
+        return shorter * at if at < 1.0 - _LEAST_KNOT else h
+
     def _knot_that_matters(self, h):
         """Return where the attempt passes a point of a smooth table that it should end on, or 2.
 
@@ -521,8 +543,9 @@ class March:
         """
         if self.stepper.errors.error <= self.method.most_error / _JUMP:
             return 2.0
-        knot = self.switches.first_knot(self.state.time, h, _LEAST_KNOT)
-        return knot if knot < 1.0 - _LEAST_KNOT else 2.0
+        least = _LEAST_KNOT if self.stepper.errors.error <= self.method.most_error else _CLOSE_KNOT
+        knot = self.switches.first_knot(self.state.time, h, least)
+        return knot if knot < 1.0 - least else 2.0
 
     def _accept(self, h, t):
         """Make the attempt the last step."""

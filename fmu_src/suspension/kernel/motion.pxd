@@ -20,5 +20,7 @@ cdef class Motion:
     cdef double reach_at(self, double *q) noexcept nogil
     @cython.locals(i=int, speed=double, rounding=double, x=double)
     cdef double speed_in(self, double h) noexcept nogil
+    @cython.locals(i=int, v=double, a=double, j=double)
+    cdef void foresee(self, double h) noexcept nogil
     @cython.locals(e=int)
     cdef void keep_multipliers(self) noexcept nogil

@@ -71,6 +71,15 @@ class Motion:
                 speed = x
         return speed
 
+    def foresee(self, h):
+        """Set the end of an attempt to that of the Taylor series, with constant jerks."""
+        for i in range(self.n):
+            v, a, j = self.v[i], self.a[i], self.j[i]
+            self.jerk[i] = self.end_jerk[i] = j
+            self.qb[i] = self.q[i] + h * (v + h * (a / 2.0 + h * j / 6.0))
+            self.vb[i] = v + h * (a + h * j / 2.0)
+            self.ab[i] = a + h * j
+
     def keep_multipliers(self):
         """Store the present forces of sticking, as attempts overwrite those of the network."""
         for e in range(self.elements):

@@ -29,7 +29,7 @@ cdef class Signals:
     cdef double replace_signal(self, int s, double t, double *coefficients) noexcept nogil
     cdef double set_at(self, int s) noexcept nogil
     @cython.locals(k=int, at=int)
-    cdef inline void signal(self, int s, double t) noexcept nogil
+    cdef void signal(self, int s, double t) noexcept nogil
     @cython.locals(x=double, value=double, rate=double, acceleration=double, jerk=double,
                    amplitude=double, angle=double, speed=double, c=double, d=double)
     cdef void _moving_signal(self, int s, double t, int at) noexcept nogil
