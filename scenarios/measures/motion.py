@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from math import sqrt
 from operator import neg
 from typing import TYPE_CHECKING
 
+import numpy as np
 from phaseplane.suspension.variables import Variable
 
 from .reading import Measure, Reading, Run, late
@@ -82,13 +83,9 @@ def square(column: Column) -> Column:
 
 def instants(name: str, run: Run) -> Reading:
     """Return the successive values of an output that holds times; -1 means none yet."""
-    held: Iterable[float] = run.closely(name)[1].tolist()
-    found, before = [], -1.0
-    for instant in held:
-        if instant not in (before, -1.0):
-            found.append(instant)
-        before = instant
-    return Reading(tuple(found))
+    held = run.closely(name)[1]
+    before = np.concatenate(([-1.0], held[:-1]))
+    return Reading(tuple(held[(held != before) & (held != -1.0)].tolist()))
 
 
 def first_instant(name: str, run: Run) -> Reading:

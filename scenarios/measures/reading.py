@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -32,7 +33,7 @@ class Reading(NamedTuple):
     time: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Run:
     """The data that measures are taken from.
 
@@ -58,11 +59,18 @@ class Run:
         """Return times and values of an output, including `details`, from the time `since` on."""
         time, values = self.time, self.columns[name]
         if self.details is not None and len(self.details["time"]):
-            places = np.searchsorted(time, self.details["time"])
-            time = np.insert(time, places, self.details["time"])
-            values = np.insert(values, places, self.details[name])
+            time, order = self._merged
+            values = np.concatenate((self.details[name], values))[order]
         first = int(np.searchsorted(time, since))
         return time[first:], values[first:]
+
+    @cached_property
+    def _merged(self) -> tuple[Column, npt.NDArray[np.intp]]:
+        """All times, ascending, and their places among those of `details` and of the rows."""
+        assert self.details is not None
+        time = np.concatenate((self.details["time"], self.time))
+        order = np.argsort(time, kind="stable")
+        return time[order], order
 
     def mean(self, what: Callable[..., Column], *names: str, since: float = -inf) -> float:
         """Return the time mean of a function of outputs, by the trapezoidal rule."""

@@ -281,7 +281,7 @@ def _cells(column: Column, extreme: str, time: Column) -> set[int]:
         if len(rows) > _MOST_PLACES:
             rows = rows[np.argpartition(-(z + rise)[rows], _MOST_PLACES)[:_MOST_PLACES]]
         cells.update((first + rows).tolist(), (first + rows - 1).tolist())
-    return cells.intersection(range(first, len(time) - 1))
+    return {cell for cell in cells if first <= cell < len(time) - 1}
 
 
 def apart(rows: Columns, solution: Solution) -> float:
