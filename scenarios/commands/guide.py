@@ -8,7 +8,7 @@ from typing import Any
 
 from phaseplane.suspension.variables import MODELS, Variable
 
-from ..design.files import FitFile, OptimumFile
+from ..design.files import MEASURED, FitFile, OptimumFile
 from ..measures import catalogue
 from ..scene.expectations import During, Reference
 from ..scene.fields import schema_of
@@ -91,7 +91,7 @@ def json_schema(model: str | None) -> dict[str, Any]:
     """
     fmu = fmu_named(model or "QuarterCar")
     known = catalogue(fmu.outputs())
-    sections = {name: schema_of(kind) for name, (_, kind) in _SECTIONS.items()}
+    sections = {name: _section(name) for name in _SECTIONS}
     bounds = {"type": ["integer", "object", "array"], "properties": {"min": {}, "max": {}}}
     properties: dict[str, Any] = {
         key: {"description": about, "type": ["number", "string"] if unit == "s" else "string"}
@@ -117,6 +117,17 @@ def json_schema(model: str | None) -> dict[str, Any]:
     }
 
 
+def _section(name: str) -> dict[str, Any]:
+    """Return the JSON Schema of a section; a reference may be measured signals."""
+    schema = schema_of(_SECTIONS[name][1])
+    if _SECTIONS[name][1] is Reference:
+        own = schema["properties"]
+        own["columns"] |= {"type": ["array", "object"]}
+        own["columns"]["description"] += "; or the heading of each output"
+        own |= {key: said for key, said in MEASURED["properties"].items() if key not in own}
+    return schema
+
+
 def _of_scenes() -> Iterator[str]:
     yield "A scene is a TOML file. Values are in SI, or texts with a unit: 0.05 or '5 cm'."
     yield ""
@@ -125,10 +136,10 @@ def _of_scenes() -> Iterator[str]:
     yield "[parameters]  parameters that differ from the FMU's defaults, by name"
     yield '  a table may be read from a CSV file with a header line: road.table = { file = "road.csv",'
     yield '  columns = ["distance", "profile"], units = ["m", "mm"], delimiter = ";" }'
-    for name, (about, kind) in _SECTIONS.items():
+    for name, (about, _) in _SECTIONS.items():
         yield ""
         yield f"[{name}]  {about}"
-        yield from _keys(schema_of(kind)["properties"])
+        yield from _keys(_section(name)["properties"])
     yield ""
     yield "[expect]  bounds on measures: name = { min = ..., max = ... }, or a list of these, one"
     yield "  for each value, as for natural_frequencies"

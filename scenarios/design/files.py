@@ -36,7 +36,7 @@ def _measure(value: object) -> str:
 
 _MEASURE = Kind(_measure, TEXT.schema)
 _TABLE = Kind(_table, {"type": "object"})  # keys may be nested: damper.rebound_rate
-MEASURED = {
+MEASURED: dict[str, Any] = {
     "type": "object",
     "properties": {
         key: {"description": about, "type": kind} for key, (kind, about) in KEYS.items()

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ..scene.fmus import Fmu
+    from ..scene.schema import Scene
     from ..simulate.driver import OpenFmu
 
     Column = npt.NDArray[np.float64]
@@ -110,8 +111,8 @@ def sweep(
     """
     if through == "process" and plan.scene.fmu.path is not None:
         raise InputError("a sweep over an .fmu file runs through the FMU: add --through fmu")
-    if through == "fmu" and plan.scene.fmu.model == EQUATION:
-        raise InputError("an equation is solved in-process: leave out --through fmu")
+    if through == "fmu" and (what := _without_fmu(plan.scene)):
+        raise InputError(f"{what} runs in-process: leave out --through fmu")
     started = perf_counter()
     key = journal_key(plan, through)
     rows = _kept_rows(key, journal)
@@ -227,7 +228,7 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
         for run in runs:
             try:
                 scene = plan.scene_of(plan.points[run])
-                if scene.fmu.model == EQUATION or scene.controller is not None:
+                if _without_fmu(scene):
                     summary = runner.run(scene).summary
                 else:
                     if scene.fmu not in fmus:
@@ -241,6 +242,15 @@ def _scene_by_scene(plan: Plan, runs: Sequence[int]) -> Iterator[Row]:
             reason = summary["stopped"]["reason"] if summary["stopped"] else ""
             values = tuple(summary["measures"][name]["value"] for name in plan.measures)
             yield Row(run, _plain(values), reason, summary["measured"]["agreement"] or 0.0)
+
+
+def _without_fmu(scene: Scene) -> str:
+    """Return what a scene is that never runs through an FMU, or ""."""
+    if scene.fmu.model == EQUATION:
+        return "an equation"
+    if scene.fmu.system is not None:
+        return "a user-defined system"
+    return "a scene with a controller" if scene.controller is not None else ""
 
 
 def _row(plan: Plan, known: Mapping[str, Measure], run: int, made: Run, rows: Run) -> Row:

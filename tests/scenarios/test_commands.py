@@ -244,9 +244,10 @@ def test_every_key_of_another_file_is_explained(kind: str, tables: tuple[type, .
     assert f"--{kind}" in phaseplane("schema").stdout
 
 
-def test_the_schema_of_a_fit_explains_the_signals() -> None:
-    told = phaseplane("schema", "--fit").stdout
-    assert all(f"  {key}" in told for key in KEYS)
+@pytest.mark.parametrize("of", [["--fit"], []])
+def test_the_schema_of_fits_and_of_references_explains_measured_signals(of: list[str]) -> None:
+    told = phaseplane("schema", *of).stdout
+    assert all(f"\n  {key} " in told for key in KEYS)
 
 
 @pytest.mark.parametrize("model", MODELS)

@@ -317,6 +317,18 @@ def test_the_fmu_agrees_with_the_process(fmu: Path) -> None:
     assert (refused.exit_code, "--through fmu" in refused.stderr) == (2, True)
 
 
+@pytest.mark.parametrize(("scene", "words"), [
+    ("double_pendulum", "a user-defined system"), ("skyhook", "a scene with a controller"),
+    ("van_der_pol", "an equation"),
+])  # fmt: skip
+def test_what_has_no_fmu_is_not_swept_through_one(scene: str, words: str) -> None:
+    text = f'scene = "{scene}"\nmeasures = ["step_count"]\n[vary]\nduration = [0.1, 0.2]\n'
+    text = text.replace("step_count", "rms.displacement") if scene == "van_der_pol" else text
+    refused = phaseplane("sweep", str(written(text)), "--through", "fmu")
+    assert refused.exit_code == 2
+    assert f"{words} runs in-process: leave out --through fmu" in refused.stderr
+
+
 def test_parquet_and_refusals(monkeypatch: pytest.MonkeyPatch) -> None:
     from pyarrow import parquet  # noqa: PLC0415
 
