@@ -283,9 +283,9 @@ def _fourier_sum(spectrum: list[complex], turns: list[complex]) -> list[complex]
     ----------
     turns : exp(2 pi i j / N) for j < N/2
     """
-    size = len(spectrum)
-    if size == 1:
-        return spectrum
+    if len(spectrum) == 2:  # at least: two samples have a period of four
+        a, b = spectrum
+        return [a + b, a - b]
     fewer = turns[::2]
     even, odd = _fourier_sum(spectrum[::2], fewer), _fourier_sum(spectrum[1::2], fewer)
     turned = [turn * x for turn, x in zip(turns, odd, strict=True)]
