@@ -593,7 +593,7 @@ class Page:
         return self._last[0][1]
 
     def letters(self, frame: Frame, marks: Sequence[Mark] | None = None) -> None:
-        """Write the letters of one step; those of points out of view are at the rim, with the distance.
+        """Write the letters of one step; those of points out of view are at the rim.
 
         Parameters
         ----------
@@ -614,14 +614,17 @@ class Page:
             self._at_the_rim(z, text, role)
 
     def _at_the_rim(self, z: complex, text: str, role: str) -> None:
-        """Mark a point out of view with an arrow at the rim, its letter and its distance from there."""
+        """Mark a point out of view with an arrow at the rim, its letter and its value on its axis."""
         rim = self.view.grown(-0.4 * self.em).nearest(z)
         if not np.isfinite(z):
             return
         inwards = 1.4 * self.em * (z - rim) / abs(z - rim)
         self.arrow(role, rim - inwards, rim)
-        words = f"{text} {number(100.0 * abs(z - rim), 3)} cm"
-        self.letter([(rim - inwards, words, role)], 1.0, lines=False)
+        for plane in self.drawing.planes:
+            axis, (unit, factor) = plane.displacement, self.units[plane.name]
+            if abs(z.imag - axis.origin.imag) < _SEEN:  # on this axis, as a foot is
+                text = f"{text} at {number(factor * axis.read(z), 3)} {unit}".rstrip()
+        self.letter([(rim - inwards, text, role)], 1.0, lines=False)
 
     def events(self, known: int | None = None) -> None:
         """Mark the events of the first `known` frames in every plane, or of all."""

@@ -177,6 +177,9 @@ def test_arrows_at_the_rim_come_with_their_letters() -> None:
         assert arrows <= named
     assert not ticks[0].page.of(Arrow)  # the feet are not drawn yet
     assert any(a.role == "normal" for a in ticks[-1].page.of(Arrow))
+    value = 100.0 * made.planes[0].displacement.read(made.frames[step].points["D1"])
+    led = {text.text for text in ticks[-1].page.texts}
+    assert f"D₁ at {value:.3g} cm".replace("-", "\N{MINUS SIGN}") in led
 
 
 @pytest.mark.parametrize(
