@@ -22,7 +22,7 @@ from .text import bracketed, in_words, number
 Reals = npt.NDArray[np.float64]
 
 _WIDTH, _HEIGHT = 0.3, 0.15  # of the chart, m of paper
-_NAMES = 1.12 * _WIDTH  # where the names of the columns begin
+_NAMES = 1.17 * _WIDTH  # where the names of the columns begin
 _EM = 0.0145
 _MOST = 600  # vertices of a curve
 _SERIES = 4
