@@ -216,11 +216,18 @@ def _described(path: Path) -> Fmu:
         and scalar.type in _TYPES
         and not scalar.shape
     )
-    rates = tuple(
-        (rate.derivative.name, rate.name)
+    # the derivative is often an output by another name, an alias with the same reference
+    named = {
+        (scalar.type, scalar.valueReference): scalar.name
+        for scalar in description.modelVariables
+        if scalar.causality == "output"
+    }
+    pairs = (
+        tuple(named.get((s.type, s.valueReference), "") for s in (rate.derivative, rate))
         for rate in description.modelVariables
-        if rate.derivative is not None and rate.causality == rate.derivative.causality == "output"
+        if rate.derivative is not None
     )
+    rates = tuple((y, rate) for y, rate in pairs if y and rate)
     kind = description.coSimulation or description.modelExchange
     fixed = frozenset(v.name for v in variables if v.description.endswith(CHOSEN))
     fmu = Fmu(kind.modelIdentifier, path, variables, rates=rates, fixed=fixed)

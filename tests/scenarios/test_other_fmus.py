@@ -51,6 +51,13 @@ def ball(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def test_an_output_that_is_the_derivative_by_another_name_makes_a_pair(tmp_path: Path) -> None:
+    path = tmp_path / "Ball.fmu"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("modelDescription.xml", BALL)
+    assert load_scene(str(path)).fmu.rates == (("h", "v"),)
+
+
 def test_an_fmu_without_a_stop_time_needs_a_duration(tmp_path: Path) -> None:
     path = tmp_path / "Ball.fmu"
     with zipfile.ZipFile(path, "w") as archive:
