@@ -16,6 +16,7 @@ from matplotlib.figure import Figure as Figure  # noqa: PLC0414  (used in annota
 from matplotlib.font_manager import findfont
 from matplotlib.patheffects import AbstractPathEffect, withStroke
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from phaseplane.picture import styles
 from phaseplane.picture.files import replace_file
@@ -212,11 +213,16 @@ def save(figure: Figure, path: str | os.PathLike[str]) -> Path:
             temporary,
             format=suffix[1:],
             facecolor=figure.get_facecolor(),
-            bbox_inches="tight" if hidden else None,
-            pad_inches=0.02,
+            bbox_inches=_without_room_above(figure) if hidden else None,
             **{**_OPTIONS[suffix], "metadata": metadata},
         )
     return target
+
+
+def _without_room_above(figure: Figure) -> Bbox:
+    """Return the part of a figure that its contents take up in height, and its whole width, inches."""
+    contents, margin = figure.get_tightbbox(), 0.02
+    return Bbox.from_extents(0.0, contents.y0 - margin, figure.get_figwidth(), contents.y1 + margin)
 
 
 @contextmanager

@@ -35,12 +35,17 @@ def words(figure: object) -> set[str]:
 
 
 def test_a_figure_is_as_wide_as_the_column(drawing: Drawing, tmp_path: Path) -> None:
+    """With its heading or without, which takes room above only."""
     figure = figures.phase_planes(drawing, look=Look(width=0.085))
     assert figure.get_figwidth() * 25.4 == pytest.approx(85.0)
     assert all(text.get_fontsize() >= 6.0 for text in figure.axes[0].texts)
     path = save(figure, tmp_path / "f.png")
     with Image.open(path) as picture:
         assert picture.width == pytest.approx(85.0 / 25.4 * figure.dpi, abs=1.0)
+    look = Look(width=0.085, headed=False)
+    bare = save(figures.phase_planes(drawing, title="A bump", look=look), tmp_path / "bare.png")
+    with Image.open(path) as picture, Image.open(bare) as cropped:
+        assert cropped.width == pytest.approx(picture.width, abs=1.0)
     assert figures.figure14(drawing, look=Look(width=0.085)).get_figwidth() < 3.4
 
 
