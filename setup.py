@@ -98,8 +98,8 @@ MODULES = (
     "layout", "outcomes", "arrays", "state", "linear", "bernstein", "signals", "laws",
     "elements", "branches", "network", "dense", "bends", "balance", "columns", "motion",
     "modes", "errors", "method", "extrapolated", "increments", "wilson", "exact", "methods",
-    "stepper", "straight_tyres", "switches", "step_readings", "potential", "ledger", "watch",
-    "reading", "switch_log", "limited", "march", "handover", "integrator", "rest", "inputs",
+    "stepper", "straight_tyres", "switches", "step_readings", "potential", "ledger", "stability",
+    "reading", "switch_log", "limited", "time_loop", "handover", "integrator", "rest", "inputs",
     "contacts", "account", "run", "lines",
 )  # fmt: skip
 

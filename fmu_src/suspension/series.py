@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from .engine import KINDS, Integrator, Rows
+from .engine import KINDS, Integrator, RunQueue
 from .outputs import (
     ACCELERATION,
     DISPLACEMENT,
@@ -129,7 +129,7 @@ class Series:
         room = _MOST_FILLED // (len(times) * sum(self._wide.values()))
         self._filled = self._prepared(min(max(room, 1), _MOST_RUNS), times)
         every = max(ceil(len(times) / _MOST_MARKS), _LEAST_APART) if twice else 0
-        self._rows = Rows(integrator, self._logged, every)
+        self._rows = RunQueue(integrator, self._logged, every)
 
     def _prepared(self, runs: int, times: array[float]) -> _Filled:
         """Return the arrays, by quantity, that the integrator fills from now on."""

@@ -36,7 +36,7 @@ from .variables import (
     refuse_unknown,
 )
 
-_HALTED, _AT_SWITCHES = -1, 1  # as in kernel.march
+_HALTED, _AT_SWITCHES = -1, 1  # as in kernel.time_loop
 _AT_REST = 1e-12  # s by which a communication point may precede the present, from rounding
 _TOLERANCE = next(v for v in SOLVER_PARAMETERS if v.name == "solver.tolerance")
 _MOST_EVENTS = 100_000  # stored per run

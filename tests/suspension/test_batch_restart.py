@@ -9,7 +9,7 @@ import pytest
 from drawn_parts import FEATURES, SHAPES, starting_numbers
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from phaseplane.suspension.engine import FAILURES, Integrator, Rows
+from phaseplane.suspension.engine import FAILURES, Integrator, RunQueue
 from phaseplane.suspension.models import build
 from phaseplane.suspension.systems import System
 from phaseplane.suspension.variables import METHODS, MODELS
@@ -24,7 +24,7 @@ def restart(used: Any, system: System, start: float) -> bool:
     rest = (0.0,) * len(system.mass)
     row = array("d", used.row(system, rest, rest))
     used.prepare(1, array("d", [start]), array("d", rest))
-    rows = Rows(used, True)
+    rows = RunQueue(used, True)
     rows.take(row, start)
     assert rows.go(0, 1) == [(0, 1, start, 0, 0)]
     return True
@@ -170,7 +170,7 @@ def test_a_row_without_a_proper_mass_tells_nothing_of_the_run_before() -> None:
     good = integrator.row(system, rest, rest)
     bad = [*good[:5], -1.0, *good[6:]]
     integrator.prepare(3, TIMES, array("d", bytes(8 * 3 * 2 * len(TIMES))))
-    rows = Rows(integrator, True)
+    rows = RunQueue(integrator, True)
     rows.take(array("d", good + bad + good), 0.0)
     first, refused, last = rows.go(0, 3)
     assert FAILURES[refused[0]].startswith("the mass matrix must be")
@@ -183,12 +183,12 @@ def test_rows_that_are_not_there_are_refused() -> None:
     system = build("QuarterCar", {})
     integrator, rest = Integrator(system), (0.0, 0.0)
     row = array("d", integrator.row(system, rest, rest))
-    rows = Rows(integrator, False)
+    rows = RunQueue(integrator, False)
     rows.take(row, 0.0)
     with pytest.raises(ValueError, match="is not prepared"):
         rows.go(0, 1)  # nothing prepared
     integrator.prepare(2, TIMES, array("d", bytes(8 * 2 * 2 * len(TIMES))))
-    rows = Rows(integrator, False)
+    rows = RunQueue(integrator, False)
     with pytest.raises(ValueError, match="do not form whole rows"):
         rows.take(row[:-1], 0.0)
     rows.take(row, 0.0)

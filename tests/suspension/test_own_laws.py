@@ -11,7 +11,7 @@ import pytest
 from phaseplane.suspension import characteristics
 from phaseplane.suspension.characteristics import Characteristic, function, power
 from phaseplane.suspension.checking import check_characteristic, check_system
-from phaseplane.suspension.engine import FAILURES, Integrator, Rows
+from phaseplane.suspension.engine import FAILURES, Integrator, RunQueue
 from phaseplane.suspension.signals import Segment, Signal
 from phaseplane.suspension.systems import Element, Load, System
 from scipy.special import beta
@@ -140,7 +140,7 @@ def test_runs_in_one_go_have_their_own_functions() -> None:
     times = array("d", [0.1 * k for k in range(21)])
     out = array("d", [0.0]) * (len(masses) * len(times))
     integrator.prepare(len(masses), times, out)
-    rows = Rows(integrator, False)
+    rows = RunQueue(integrator, False)
     row = array("d")
     for mass in masses:
         assert integrator.fits(car(mass, law))

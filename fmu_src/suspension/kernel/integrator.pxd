@@ -3,12 +3,12 @@ from cpython.exc cimport PyErr_CheckSignals
 from libc.math cimport fabs, sqrt
 from .arrays cimport Lent, Memory
 from .handover cimport Handover
-from .march cimport March
+from .time_loop cimport TimeLoop
 
 cdef int _ENOUGH_STEPS, _MOST_STEPS
 
 @cython.final
-cdef class Integrator(March):
+cdef class Integrator(TimeLoop):
     # arrays that a run fills, and what keeps them
     cdef bint want_v, want_a, want_f, want_r
     cdef Py_ssize_t count, last, places, next_mark
@@ -60,7 +60,7 @@ cdef class Integrator(March):
     cpdef double stable_step(self) noexcept nogil
 
 @cython.final
-cdef class Rows:
+cdef class RunQueue:
     cdef Integrator integrator
     cdef int most, contacts, width
     cdef Memory memory

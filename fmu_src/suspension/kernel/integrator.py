@@ -11,7 +11,6 @@ from .elements import KINDS
 from .handover import Handover
 from .layout import BRANCHES, CONTACT, SPRING
 from .lines import Lines
-from .march import March
 from .method import Method
 from .methods import METHODS
 from .network import Network, laws_of
@@ -19,6 +18,7 @@ from .outcomes import INTERRUPTED, NO_MASS, PAUSED, TOO_MANY
 from .rest import Rest
 from .run import Run
 from .switch_log import CAPACITY
+from .time_loop import TimeLoop
 
 if not cython.compiled:
     from math import sqrt
@@ -34,8 +34,8 @@ __all__ = [
     "Method",
     "Network",
     "Rest",
-    "Rows",
     "Run",
+    "RunQueue",
     "laws_of",
 ]
 
@@ -60,7 +60,7 @@ _ENOUGH_STEPS = 200000  # steps between two estimates of the number of steps sti
 _MOST_STEPS = 30000000  # still to come, in one call
 
 
-class Integrator(March):
+class Integrator(TimeLoop):
     """Steps one system and owns its whole state.
 
     The methods, where omega_max^2 is the largest eigenvalue of M^-1 K and K the present tangent:
@@ -553,7 +553,7 @@ class Integrator(March):
 
         omega_max^2 is the largest eigenvalue of M^-1 K.
         """
-        omega = self.watch.fastest()
+        omega = self.monitor.fastest()
         return 2.0 * sqrt(3.0) / omega if omega > 0.0 else 0.0
 
     def beyond_stable(self):
@@ -620,7 +620,7 @@ class Integrator(March):
         self._resume(bytes(state))
 
 
-class Rows:
+class RunQueue:
     """Runs of systems that differ only in their numbers, in sequence, without Python in between.
 
     Other Python threads can run meanwhile.

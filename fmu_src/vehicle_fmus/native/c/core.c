@@ -304,7 +304,7 @@ static void take_snapshot(Machine *of, Snapshot *to) {
     *to = of->snapshot;
 }
 
-/* Return to a state noted before, as `March._resume` does. */
+/* Return to a state noted before, as `TimeLoop._resume` does. */
 static void go_back(Machine *of, const Snapshot *to) {
     const double datum = of->snapshot.state.datum;
     of->snapshot = *to;

@@ -8,7 +8,7 @@ cdef int _REFUSE, _ALLOW, _SWEEPS
 cdef double _BELOW
 
 @cython.final
-cdef class Watch:
+cdef class StabilityMonitor:
     cdef Modes modes
     cdef Network net
     cdef int n, policy, stamp

@@ -11,21 +11,21 @@ from .state cimport KernelState
 from .stepper cimport Stepper
 from .switch_log cimport SwitchLog
 from .switches cimport Switches
-from .watch cimport Watch
+from .stability cimport StabilityMonitor
 
 cdef int _AT_SWITCHES, _AT_STEPS
 cdef int _FLIPS, _STALLED, _KNOTS
 cdef int _OVERRUNS, _PAUSE
 cdef double _FAR, _RUNAWAY, _FIRST_PHASE, _DECAY_PHASE, _SHORT_PHASE, _NEAR_END, _LEAST_KNOT, _CLOSE_KNOT, _AFTER_KNOT, _SLIGHT, _JUMP
 
-cdef class March:
+cdef class TimeLoop:
     cdef Network net
     cdef Stepper stepper
     cdef Method method
     cdef Motion motion
     cdef object method_name
     cdef Switches switches
-    cdef Watch watch
+    cdef StabilityMonitor monitor
     cdef Dense dense, whole
     cdef Ledger ledger
     cdef int n

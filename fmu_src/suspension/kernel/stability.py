@@ -20,8 +20,8 @@ _BELOW = 0.9999  # of the limit: at the limit itself the amplitude grows in prop
 _SWEEPS = 30
 
 
-class Watch:
-    """Watch the fixed steps of one integrator.
+class StabilityMonitor:
+    """StabilityMonitor the fixed steps of one integrator.
 
     Parameters
     ----------

@@ -28,10 +28,10 @@ from .outcomes import (
 )
 from .reading import Reading
 from .signals import ROAD_PHASE
+from .stability import POLICIES, StabilityMonitor
 from .stepper import Stepper
 from .switch_log import SwitchLog
 from .switches import Switches
-from .watch import POLICIES, Watch
 
 if not cython.compiled:
     from math import fabs, sqrt
@@ -62,7 +62,7 @@ _CLOSE_KNOT = 1e-4  # of a step that must be repeated anyway
 _NEAR_END = 0.005
 
 
-class March:
+class TimeLoop:
     """Step one system; see `integrator.Integrator` for the parameters."""
 
     def __init__(
@@ -106,7 +106,7 @@ class March:
         self.switches = Switches(self.stepper)
         if beyond_stable not in POLICIES:
             raise ValueError(f"beyond_stable {beyond_stable!r} is not one of {', '.join(POLICIES)}")
-        self.watch = Watch(self.stepper.modes, beyond_stable, self.method.limit)
+        self.monitor = StabilityMonitor(self.stepper.modes, beyond_stable, self.method.limit)
         self.n = n = self.net.n
         memory = self.net.memory
         self.dense = Dense(memory, self.state.memory, n, self.method.cubic, self.method.to_end)
@@ -206,7 +206,7 @@ class March:
         self.net.set_creep(reach)
         self.net.enter_segments(time)
         self.stepper.start()
-        self.watch.start()
+        self.monitor.start()
         self.ledger.start()
 
     def _begin(self):
@@ -381,7 +381,7 @@ class March:
             rounding = 1e-11 + 4e-16 * fabs(self.state.time) / self.fixed_step
             if fabs(h / self.fixed_step - 1.0) < rounding:
                 h = self.fixed_step  # exactly, so that its factorisation is reused
-            return self.watch.fit(self.state.time, h)
+            return self.monitor.fit(self.state.time, h)
         omega = sqrt(self.stepper.modes.omega_squared)
         road = self.net.road_limit(self.state.time)
         self.stepper.modes.road_rate = ROAD_PHASE / road if road > 0.0 else 0.0
