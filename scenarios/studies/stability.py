@@ -145,7 +145,7 @@ class Limit:
 
     Parameters
     ----------
-    theory : from the stiffest tangent of the run; None if there is no limit
+    theory : from the stiffest tangent of the run, without damping; None if there is no limit
     measured : by bisection; None if no step up to four times that of theory is unstable
     """
 
@@ -303,7 +303,8 @@ def as_data(made: Maps, found: Sequence[Limit], happened: Sequence[Happened]) ->
 def table(found: Sequence[Limit], happened: Sequence[Happened]) -> str:
     """Return the limits and the extreme cases as text, one line each."""
     lines = [
-        f"{'':<48}longest stable step, ms",
+        f"{'':<48}longest stable step, ms (theory: without damping;",
+        f"{'':<48}none: stable at four times that, too)",
         f"{'scene':<24}{'method':<24}{'theory':>10}{'measured':>13}",
     ]
     for limit in found:
