@@ -131,9 +131,9 @@ def in_host(folder: Path, fmu: Path, what: str, *words: object) -> list[float]:
     description = read_model_description(str(unpacked), validate=False)
     references = {v.name: v.valueReference for v in description.modelVariables}
     source = Path(__file__).parents[1] / "tests" / "vehicle_fmus" / "native" / "loading.c"
-    headers, program = Path(pack.__file__).parent / "c", folder / "loading"
+    program = folder / "loading"
     subprocess.run(
-        ["cc", "-O2", f"-I{headers}", "-o", str(program), str(source), "-ldl"], check=True
+        ["cc", "-O2", f"-I{pack.HEADERS}", "-o", str(program), str(source), "-ldl"], check=True
     )
     library = unpacked / "binaries" / "linux64" / "QuarterCar.so"
     done = subprocess.run(

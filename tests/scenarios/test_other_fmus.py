@@ -16,7 +16,7 @@ from phaseplane.scenarios.errors import RunError, SceneError
 from phaseplane.scenarios.scene.loading import load_scene
 from phaseplane.scenarios.simulate import stepping
 from phaseplane.scenarios.simulate.runner import run
-from phaseplane.vehicle_fmus import native
+from phaseplane.vehicle_fmus.native import pack
 
 BALL = """<fmiModelDescription fmiVersion="2.0" modelName="Ball" guid="b" numberOfEventIndicators="1">
 <ModelExchange modelIdentifier="Ball"/>
@@ -40,9 +40,8 @@ def ball(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.skip("no C compiler")
     folder = tmp_path_factory.mktemp("ball")
     library, path = folder / "Ball.so", folder / "Ball.fmu"
-    headers = Path(native.__file__).parent / "c"
     subprocess.run(
-        ["cc", "-shared", "-fPIC", "-w", f"-I{headers}", "-o", str(library),
+        ["cc", "-shared", "-fPIC", "-w", f"-I{pack.HEADERS}", "-o", str(library),
          str(Path(__file__).parent / "ball.c")], check=True,
     )  # fmt: skip
     with zipfile.ZipFile(path, "w") as archive:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from uuid import UUID
@@ -20,6 +21,8 @@ from .compilers import FLAGS, Platform, chosen, compiled
 from .model import model_in_c
 
 _C = Path(__file__).parent / "c"
+HEADERS = Path(find_spec("fmpy").origin).parent / "c-code"  # type: ignore[union-attr,arg-type]
+"""The headers of the FMI standard, as FMPy has them."""
 _LAYERS = {
     2: ("fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
@@ -100,7 +103,9 @@ def _members(
     """Return the files of one FMU."""
     in_c = model_in_c(model, start)
     layer = _LAYERS[fmi]
-    sources = {name: (_C / name).read_bytes() for name in ("core.h", "core.c", *layer)}
+    sources = {name: (_C / name).read_bytes() for name in ("core.h", "core.c", layer[0])}
+    for name in layer[1:]:  # some releases of FMPy have other line ends
+        sources[name] = (HEADERS / name).read_text("utf-8").encode()
     sources["model.c"] = in_c.text.encode()
     about = production()
     about["generationTool"] = about["generationTool"].partition(" with ")[0]
@@ -116,7 +121,7 @@ def _members(
             model, dict(start), about["generationTool"], own, native=fmi, fixed=in_c.fixed
         ).encode(),
         "documentation/licenses/license.txt": (DOCUMENTATION / "license.txt").read_bytes(),
-        "documentation/licenses/fmi_headers.txt": _licence(_C / layer[1]),
+        "documentation/licenses/fmi_headers.txt": _licence(HEADERS / layer[1]),
         "model.png": picture,
     }
     if fmi == 3:

@@ -23,7 +23,6 @@ from phaseplane.vehicle_fmus.native import compilers, pack
 
 Packer = Callable[..., Path]
 HERE = Path(__file__).parent
-HEADERS = Path(pack.__file__).parent / "c"
 STEP, STEPS = 2e-3, 300
 AGREE = 1e-12  # of the peak: hosts add up their time in different ways
 
@@ -57,7 +56,7 @@ class CHost:
 def compiled_host(folder: Path, command: list[str], name: str = "loading") -> str:
     program = folder / name
     subprocess.run(
-        [*command, "-O1", "-w", f"-I{HEADERS}", "-o", str(program), str(HERE / "loading.c"),
+        [*command, "-O1", "-w", f"-I{pack.HEADERS}", "-o", str(program), str(HERE / "loading.c"),
          *([] if name.endswith(".exe") else ["-ldl"])],
         check=True,
     )  # fmt: skip
