@@ -103,9 +103,6 @@ class Reference:
         return [e.time for e in self.events if (e.element, e.after) == (element, after)]
 
 
-COLUMNS = tuple(name for name in Reference.__annotations__ if name != "events")
-
-
 def largest_difference(one: Reference, other: Reference) -> float:
     """Largest difference of the two displacements at the common instants, relative to the peak."""
     if not np.array_equal(one.times, other.times):

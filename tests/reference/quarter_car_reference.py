@@ -12,33 +12,20 @@ Between two switches (contact, damper corner, end stop, corner of a table, joint
 right-hand side is linear. Every element keeps its branch until its switch, which is a root of the exact
 solution by matrix exponentials (`quarter_car_exact`). Cars with a cubic spring: see `vehicle_reference`.
 
-Run as a program, it remakes the stored files beside it:
-
-    python tests/reference/quarter_car_reference.py
-
 Sources: AP57 = M. Apetaur, L. Pust, Aplikace matematiky 2 (1957) 81-104; its section 8 gives the
 default parameters (1 kgf = 9.80665 N).
 """
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-import os
-import tempfile
-from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 from quarter_car_data import (
     BLOW_OFF_TABLE,
-    COLUMNS,
     DEFAULTS,
     KGF,
-    Array,
     Car,
     Event,
     Parameters,
@@ -51,23 +38,20 @@ from quarter_car_exact import propagate
 
 __all__ = [
     "BLOW_OFF_TABLE",
-    "COLUMNS",
+    "CASES",
     "DEFAULTS",
     "KGF",
-    "STORED",
     "Car",
     "Event",
     "Reference",
     "car_from",
     "largest_difference",
     "solve",
-    "stored",
+    "solved",
 ]
 
-HERE = Path(__file__).resolve().parent
-
-#: What is stored beside this file: parameters that differ from the defaults, s, number of instants.
-STORED: dict[str, tuple[dict[str, Value], float, int]] = {
+#: The worked example and its relatives: parameters that differ from it, s, number of instants.
+CASES: dict[str, tuple[dict[str, Value], float, int]] = {
     "ap57_lift_off": ({}, 1.0, 201),
     "ap57_contact_by_force": ({"contact": "force"}, 1.0, 201),
     "ap57_no_lift_off": ({"lift_off": False}, 1.0, 201),
@@ -97,67 +81,11 @@ def solve(parameters: Parameters, times: ArrayLike) -> Reference:
     ):
         raise ValueError("times must ascend, and start at 0 or later")
     rows, events = propagate(car, instants)
-    return _reference([instants, *rows.T.copy()], events)
+    return Reference(instants, *rows.T.copy(), events)
 
 
-def _reference(columns: Sequence[Array], events: list[Event]) -> Reference:
-    times, x1, v1, a1, x2, v2, a2, contact = columns
-    return Reference(times, x1, v1, a1, x2, v2, a2, contact, events)
-
-
-# --- stored files -----------------------------------------------------------------------------
-
-
-def stored(name: str) -> Reference:
-    """The reference stored under that name, with its events.
-
-    Parameters
-    ----------
-    name : one of `STORED`
-    """
-    lines = (HERE / f"{name}.csv").read_text(encoding="ascii").splitlines()
-    table = list(csv.reader(line for line in lines if not line.startswith("#")))
-    if tuple(table[0]) != COLUMNS:
-        raise ValueError(f"{name}.csv has the columns {table[0]}, not {list(COLUMNS)}")
-    columns = np.array(table[1:], dtype=float).T
-    events = json.loads((HERE / "ap57_events.json").read_text(encoding="ascii"))[name]["events"]
-    return _reference(list(columns), [Event(**event) for event in events])
-
-
-def _write(path: Path, text: str) -> None:
-    """Whole or not at all."""
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False, encoding="ascii") as file:
-        file.write(text)
-    os.chmod(file.name, 0o644)
-    os.replace(file.name, path)
-
-
-def main() -> None:
-    """Remake the stored files."""
-    switches: dict[str, Any] = {}
-    for name, (parameters, duration, count) in STORED.items():
-        times = np.linspace(0.0, duration, count)
-        exact = solve(parameters, times)
-        text = io.StringIO()
-        text.write(
-            "# Quarter car of AP57 section 8 (M. Apetaur, L. Pust, Aplikace matematiky 2 (1957) "
-            "81-104) in SI units, from rest;\n"
-            f"# parameters that differ from it: {json.dumps(parameters)}\n"
-            "# Made by exact piecewise linear propagation, restarted at every switch. "
-            "Remake with: python tests/reference/quarter_car_reference.py\n"
-        )
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        values = zip(*(getattr(exact, column).tolist() for column in COLUMNS), strict=True)
-        writer.writerows([repr(value) for value in row] for row in values)
-        _write(HERE / f"{name}.csv", text.getvalue())
-        switches[name] = {
-            "parameters": parameters,
-            "events": [event._asdict() for event in exact.events],
-        }
-        print(f"{name}: {len(exact.events)} events")
-    _write(HERE / "ap57_events.json", json.dumps(switches, indent=1) + "\n")
-
-
-if __name__ == "__main__":
-    main()
+@cache
+def solved(name: str) -> Reference:
+    """The motion of one of `CASES`."""
+    parameters, duration, count = CASES[name]
+    return solve(parameters, np.linspace(0.0, duration, count))

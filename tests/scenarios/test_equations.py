@@ -30,7 +30,7 @@ def free(system: System, displacement: float, duration: float, intervals: int) -
 
 
 def test_truth_is_that_of_the_exact_propagation() -> None:
-    known = reference.stored("ap57_blow_off")
+    known = reference.solved("ap57_blow_off")
     exact = np.column_stack([known.body_displacement, known.wheel_displacement])
     found = truth(PROBLEMS["lift_off"]())
     assert largest_error(found, exact) < 1e-11

@@ -50,7 +50,7 @@ def error(parameters: dict[str, object], truth: reference.Reference, **options: 
 def case(request: pytest.FixtureRequest) -> tuple[dict[str, object], reference.Reference]:
     if request.param == "stops":
         return STOPS, reference.solve(STOPS, np.linspace(0.0, 1.0, 101))
-    return dict(reference.STORED[request.param][0]), reference.stored(request.param)
+    return dict(reference.CASES[request.param][0]), reference.solved(request.param)
 
 
 def test_default_settings_are_within_a_millionth_of_the_peak(
@@ -68,7 +68,7 @@ def test_the_error_follows_the_tolerance(
 
 @pytest.mark.parametrize("method", ["tangent", "mean", "equilibrium"])
 def test_fixed_steps_converge_at_order_two_through_lift_off(method: str) -> None:
-    truth = reference.stored("ap57_lift_off")
+    truth = reference.solved("ap57_lift_off")
     steps = 1e-3 / 2.0 ** np.arange(5)
     errors = [error({}, truth, method=method, step=h) for h in steps]
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(2.0, abs=0.1)
@@ -76,7 +76,7 @@ def test_fixed_steps_converge_at_order_two_through_lift_off(method: str) -> None
 
 @pytest.mark.parametrize(("order", "first"), [(2, 5e-3), (4, 5e-3), (6, 1e-2), (8, 1.25e-2)])
 def test_extrapolated_steps_converge_at_their_order(order: int, first: float) -> None:
-    truth = reference.stored("ap57_lift_off")
+    truth = reference.solved("ap57_lift_off")
     steps = first / 2.0 ** np.arange(4)
     errors = [error({}, truth, order=order, step=h) for h in steps]
     slope = np.polyfit(np.log(steps), np.log(errors), 1)[0]
@@ -110,7 +110,7 @@ def test_a_smooth_nonlinear_spring_keeps_every_order(method: str) -> None:
     [("ap57_lift_off", "gap", 0.0719526), ("ap57_contact_by_force", "force", 0.0656006)],
 )
 def test_switches_are_located_to_rounding(case: str, rule: str, touchdown: float) -> None:
-    truth = reference.stored(case)
+    truth = reference.solved(case)
     system = build("QuarterCar", {"contact": rule})
     _, integrator = motion(system, truth.times, tolerance=1e-12)
     tyre = system.element("tyre")
